@@ -1,0 +1,2 @@
+//! cermctl
+fn main() {}

@@ -1,0 +1,2 @@
+//! cermd
+fn main() {}

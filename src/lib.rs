@@ -1,0 +1,5 @@
+//! cermd
+pub mod pins;
+pub mod reading;
+pub mod record;
+pub mod units;

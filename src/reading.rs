@@ -1,0 +1,181 @@
+//! A reading: what a client is told about one channel, once per x discharge.
+//!
+//! For: the states of physics kept apart from numbers, so that a fault can never become one. Must not know: how it
+//! was estimated, or how it is sent.
+
+use crate::units::Nanos;
+use std::fmt;
+
+/// A value with its 1-sigma standard uncertainty (GUM).
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Measured {
+    /// The value; its unit is the field's.
+    pub value: f64,
+    /// 1 sigma; `None` while too little has been seen to know the noise.
+    pub u: Option<f64>,
+}
+
+/// How the estimate was made.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum Method {
+    /// Two-point calibration, one node: eq. (3).
+    Tpcm,
+    /// Quantization error reduction, series calibration.
+    Qerm,
+    /// Two capacitors: eq. (11).
+    Tcdic,
+    /// Compact error reduction: eq. (16)-(19).
+    Cerm,
+}
+
+impl Method {
+    /// Every method.
+    pub const ALL: [Method; 4] = [Method::Tpcm, Method::Qerm, Method::Tcdic, Method::Cerm];
+
+    /// The name in configuration, stream and command line.
+    pub fn as_str(self) -> &'static str {
+        match self {
+            Method::Tpcm => "tpcm",
+            Method::Qerm => "qerm",
+            Method::Tcdic => "tcdic",
+            Method::Cerm => "cerm",
+        }
+    }
+}
+
+/// Which line of eq. (19) a reading comes from; for QERM, whether x was released before the crossing.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum Branch {
+    /// The whole discharge ran through the sensor.
+    Direct,
+    /// The discharge was finished through a calibration resistor.
+    Inferred,
+}
+
+impl Branch {
+    /// The name in the stream.
+    pub fn as_str(self) -> &'static str {
+        match self {
+            Branch::Direct => "direct",
+            Branch::Inferred => "inferred",
+        }
+    }
+}
+
+/// Why there is no number.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum Fault {
+    /// A node did not reach its high level by the end of the charge.
+    NoCharge,
+    /// A node is below its threshold, but no edge was reported.
+    MissedEdge,
+    /// Events were lost to a full buffer.
+    LostEvent,
+    /// Two interrupts of one line fell together: the stamp is of the second.
+    CoalescedEdge,
+    /// A call that switches lines took so long that its instant is not known well enough.
+    WideBracket,
+    /// A crossing is later than the other node's crossing allows.
+    LatencyOutlier,
+    /// A calibration discharge did not end in time.
+    NoCalibration,
+    /// The times do not fit the law of the circuit (order or denominators).
+    Implausible,
+    /// The GPIO lines could not be used.
+    Pins,
+}
+
+impl Fault {
+    /// Every fault.
+    pub const ALL: [Fault; 9] = [
+        Fault::NoCharge,
+        Fault::MissedEdge,
+        Fault::LostEvent,
+        Fault::CoalescedEdge,
+        Fault::WideBracket,
+        Fault::LatencyOutlier,
+        Fault::NoCalibration,
+        Fault::Implausible,
+        Fault::Pins,
+    ];
+
+    /// The name in the stream.
+    pub fn as_str(self) -> &'static str {
+        match self {
+            Fault::NoCharge => "no-charge",
+            Fault::MissedEdge => "missed-edge",
+            Fault::LostEvent => "lost-event",
+            Fault::CoalescedEdge => "coalesced-edge",
+            Fault::WideBracket => "wide-bracket",
+            Fault::LatencyOutlier => "latency-outlier",
+            Fault::NoCalibration => "no-calibration",
+            Fault::Implausible => "implausible",
+            Fault::Pins => "pins",
+        }
+    }
+}
+
+impl fmt::Display for Fault {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(self.as_str())
+    }
+}
+
+/// What is known about a channel. Never holds NaN, infinity, or a negative resistance.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Status {
+    /// A number.
+    Ok {
+        /// Which equation.
+        branch: Branch,
+        /// Ohm.
+        r_ohm: Measured,
+        /// Newton; `None` for a channel without force calibration.
+        f_n: Option<Measured>,
+    },
+    /// The resistance is above what the deadline resolves.
+    Open {
+        /// Lower bound, ohm.
+        r_min_ohm: f64,
+        /// The force that belongs to it: upper bound, newton.
+        f_max_n: Option<f64>,
+    },
+    /// The resistance is below what can be told from 0.
+    Short {
+        /// Upper bound (2 sigma), ohm.
+        r_max_ohm: f64,
+        /// The force that belongs to it: lower bound, newton.
+        f_min_n: Option<f64>,
+    },
+    /// Not known.
+    Fault(Fault),
+}
+
+impl Status {
+    /// The name in the stream.
+    pub fn as_str(&self) -> &'static str {
+        match self {
+            Status::Ok { .. } => "ok",
+            Status::Open { .. } => "open",
+            Status::Short { .. } => "short",
+            Status::Fault(_) => "fault",
+        }
+    }
+}
+
+/// One reading of one channel.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Reading {
+    /// Index of the channel in the configuration.
+    pub channel: usize,
+    /// Counts the readings of the instrument from 1.
+    pub seq: u64,
+    /// The middle of the x discharge, `CLOCK_MONOTONIC`.
+    pub at: Nanos,
+    /// What is known.
+    pub status: Status,
+    /// How it was estimated.
+    pub method: Method,
+    /// How long the cycle's share of this reading took, charge and calibration included.
+    pub duration: Nanos,
+}

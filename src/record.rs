@@ -1,0 +1,61 @@
+//! The timings of one discharge.
+//!
+//! For: what passes from [`discharge`](crate::discharge) to the methods, and onto a tape. Must not know: how it
+//! was taken, or what follows from it.
+
+use crate::units::Nanos;
+
+/// Which resistors a discharge (or a part of it) runs through.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum Through {
+    /// Rc1.
+    C1,
+    /// Rc2.
+    C2,
+    /// Rc1 + Rc2 in series (Fig. 1(b)).
+    C12,
+    /// The sensor of a channel.
+    X(usize),
+    /// The sensor of a channel and Rc1 + Rc2 at once (QERM).
+    XWithC12(usize),
+}
+
+impl Through {
+    /// The channel whose sensor takes part.
+    pub fn channel(self) -> Option<usize> {
+        match self {
+            Through::X(channel) | Through::XWithC12(channel) => Some(channel),
+            _ => None,
+        }
+    }
+}
+
+/// The planned change of resistor in the middle of a discharge. Times in ns since its start.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Switch {
+    /// The first resistor was released.
+    pub at_ns: f64,
+    /// The next one was sunk.
+    pub on_ns: f64,
+    /// The next one.
+    pub to: Through,
+}
+
+/// The timings of one discharge, in ns since its start; crossings include the latency offset d, switches do not.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Record {
+    /// What it started through.
+    pub through: Through,
+    /// When it started.
+    pub start: Nanos,
+    /// The switch, if one was made before node B (or the only node) crossed.
+    pub switch: Option<Switch>,
+    /// The crossing of node A.
+    pub a_ns: Option<f64>,
+    /// The crossing of node B.
+    pub b_ns: Option<f64>,
+    /// 1-sigma type-B uncertainty of a switch instant from the width of the calls' brackets, ns. 0: exact.
+    pub u_switch_ns: f64,
+    /// When the last wait ended: a node that had not crossed was still above its threshold then.
+    pub waited_ns: f64,
+}

@@ -1,0 +1,55 @@
+//! Quantities and instants: what every number of this crate is measured in.
+//!
+//! For: units in types and in text ("2.2 uF"). Must not know: what a quantity is used for.
+
+use std::fmt;
+use std::ops::{Add, Sub};
+
+/// An instant on `CLOCK_MONOTONIC`, or the distance of two instants, in whole nanoseconds.
+///
+/// The kernel stamps edges in whole nanoseconds; fractions of a nanosecond exist only in the times of a
+/// [`Record`](crate::record::Record), which are `f64` with the suffix `_ns`.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Default)]
+pub struct Nanos(pub i64);
+
+impl Nanos {
+    /// Zero.
+    pub const ZERO: Nanos = Nanos(0);
+    /// The farthest instant: "no time-out".
+    pub const MAX: Nanos = Nanos(i64::MAX);
+
+    /// From seconds, rounded to the nearest nanosecond; saturates.
+    pub fn from_seconds(seconds: f64) -> Nanos {
+        Nanos((seconds * 1e9).round() as i64)
+    }
+
+    /// In seconds.
+    pub fn as_seconds(self) -> f64 {
+        self.0 as f64 * 1e-9
+    }
+
+    /// In nanoseconds as a float, for the arithmetic of estimates.
+    pub fn as_ns(self) -> f64 {
+        self.0 as f64
+    }
+}
+
+impl Add for Nanos {
+    type Output = Nanos;
+    fn add(self, other: Nanos) -> Nanos {
+        Nanos(self.0.saturating_add(other.0))
+    }
+}
+
+impl Sub for Nanos {
+    type Output = Nanos;
+    fn sub(self, other: Nanos) -> Nanos {
+        Nanos(self.0.saturating_sub(other.0))
+    }
+}
+
+impl fmt::Display for Nanos {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{} ns", self.0)
+    }
+}
