@@ -1,4 +1,10 @@
 //! cermd
+pub mod discharge;
+pub mod estimate;
+pub mod force;
+pub mod method;
+pub mod noise;
+pub mod offset;
 pub mod pins;
 pub mod reading;
 pub mod record;
