@@ -110,7 +110,7 @@ impl Table {
         Table::parse(&text)
     }
 
-    /// Reads lines of `force_n,r_ohm`. Empty lines, lines that begin with `#` and a first line of names are passed over.
+    /// Reads lines of `force_n,r_ohm`. Empty lines, lines that begin with `#` and a line of names before the first pair are passed over.
     ///
     /// # Errors
     /// [`TableError`] with the line and the remedy.
@@ -118,7 +118,7 @@ impl Table {
         let mut pairs = Vec::new();
         for (index, line) in text.lines().enumerate() {
             let line = line.trim();
-            let is_header = index == 0 && line.starts_with(|c: char| c.is_ascii_alphabetic());
+            let is_header = pairs.is_empty() && line.starts_with(|c: char| c.is_ascii_alphabetic());
             if line.is_empty() || line.starts_with('#') || is_header {
                 continue;
             }
