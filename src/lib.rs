@@ -1,4 +1,6 @@
 //! cermd
+pub mod circuit;
+pub mod config;
 pub mod pins;
 pub mod reading;
 pub mod record;
