@@ -1,4 +1,6 @@
 //! cermd
+pub mod circuit;
+pub mod config;
 pub mod discharge;
 pub mod estimate;
 pub mod force;
