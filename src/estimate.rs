@@ -44,6 +44,11 @@ impl Estimator {
         Estimator { method, r1_ohm, r2_ohm, nodes, offset, noise: Noise::default(), c1: None, c2: None }
     }
 
+    /// The method.
+    pub fn method(&self) -> Method {
+        self.method
+    }
+
     /// The offset in force.
     pub fn offset(&self) -> Offset {
         self.offset
@@ -295,3 +300,6 @@ impl Covariances {
         crossings.sum::<f64>() + single.sum::<f64>()
     }
 }
+
+#[cfg(test)]
+mod tests;

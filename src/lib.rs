@@ -12,6 +12,8 @@ pub mod offset;
 pub mod pins;
 pub mod reading;
 pub mod record;
+pub mod replay;
 pub mod settings;
 pub mod stats;
+pub mod tape;
 pub mod units;
