@@ -332,3 +332,6 @@ pub fn run<P: Pins>(pins: &mut P, plan: Plan) -> Result<Outcome, PinsError> {
         action = discharge.handle(event);
     }
 }
+
+#[cfg(test)]
+mod tests;
