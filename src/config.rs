@@ -239,3 +239,6 @@ impl Config {
         self.base.join(file)
     }
 }
+
+#[cfg(test)]
+mod tests;
