@@ -89,7 +89,7 @@ impl Config {
     pub fn check(&self) -> Vec<Finding> {
         let mut findings = Findings::default();
         circuit::check(&self.circuit, &mut findings);
-        measure::check(&self.measure, self.circuit.network, &mut findings);
+        measure::check(self, &mut findings);
         let predictable = !findings.has_errors();
         gpio::check(self, &mut findings);
         channels::check(&self.channels, &mut findings);

@@ -10,13 +10,6 @@ pub fn check(config: &Config, findings: &mut Findings) {
     if config.gpio.backend == Backend::Mock {
         return scene(config, findings);
     }
-    if config.mock.is_some() {
-        findings.warning(
-            "mock",
-            "not used: gpio.backend is hardware",
-            "backend = \"mock\", or without [mock]",
-        );
-    }
     if config.gpio.chip.is_none() {
         findings.error(
             "gpio.chip",

@@ -2,16 +2,23 @@
 
 use super::Findings;
 use crate::circuit::Network;
-use crate::config::{Measure, MethodName, Offset};
+use crate::config::{Config, Measure, MethodName, Offset};
+use crate::reading::Method;
 use crate::units::{Nanos, Seconds};
 
 /// An offset beyond this is not a latency.
 const LARGEST_OFFSET: Nanos = Nanos(1_000_000);
+/// A longer wait is a slip of a prefix.
+const LONGEST_WAIT: Nanos = Nanos(60_000_000_000);
 /// Beyond this fraction of T_xA even a late node B has crossed.
 const LARGEST_SWITCH_FRACTION: f64 = 1.3;
 
-pub fn check(measure: &Measure, network: Network, findings: &mut Findings) {
-    method(measure.method, network, findings);
+pub fn check(config: &Config, findings: &mut Findings) {
+    let measure = &config.measure;
+    method(measure.method, config.circuit.network, findings);
+    if measure.t_l.is_some() && config.method().is_some_and(|method| method != Method::Cerm) {
+        findings.warning("measure.t-l", "not used: only \"cerm\" has it", "method = \"cerm\", or without it");
+    }
     durations(measure, findings);
     if measure.rate_hz.is_some_and(|rate| !rate.is_finite() || rate <= 0.0) {
         findings.error(
@@ -66,8 +73,15 @@ fn durations(measure: &Measure, findings: &mut Findings) {
             findings.error(format!("measure.{name}"), "below zero", "without it: there is a default");
         }
     }
-    let cerm_only = measure.method.is_some_and(|method| method != MethodName::Cerm);
-    if measure.t_l.is_some() && cerm_only {
-        findings.warning("measure.t-l", "not used: only \"cerm\" has it", "method = \"cerm\", or without it");
+    let waits = [
+        ("charge-time", measure.charge_time),
+        ("settle-time", measure.settle_time),
+        ("deadline", measure.deadline),
+    ];
+    for (name, wait) in waits {
+        if let Some(wait) = wait.filter(|wait| *wait > LONGEST_WAIT) {
+            let reason = format!("{:.3} is longer than a minute", Seconds::from(wait));
+            findings.error(format!("measure.{name}"), reason, "without it: it is derived");
+        }
     }
 }

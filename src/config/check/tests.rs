@@ -2,6 +2,8 @@
 
 use super::*;
 use crate::pins::MAX_CHANNELS;
+use crate::units::{Nanos, Seconds};
+use proptest::prelude::*;
 
 const GOOD: &str = r#"
 [circuit]
@@ -186,7 +188,6 @@ fn the_simulated_circuit() {
     let gpio = &GOOD[GOOD.find("[gpio]").unwrap()..GOOD.find("[measure]").unwrap()];
     one(&[(gpio, "")], "error: mock.scene: missing");
     one(&[(gpio, "[mock]\nscene = \"\"\n")], "error: mock.scene: missing");
-    one(&[("[server]", "[mock]\nscene = \"pi4\"\n[server]")], "warning: mock: not used");
     let mock = config(&[(gpio, "[mock]\nscene = \"pi4\"\n"), ("sink = \"GPIO16\"\n", "")]);
     assert_eq!(complaints(&mock), Vec::<String>::new());
 }
@@ -216,6 +217,10 @@ fn durations() {
     one_measure(
         "deadline = \"10 ms\"",
         "error: measure.deadline: 10 ms is shorter than the discharge through Rc2, 10.4 ms",
+    );
+    one_measure(
+        "deadline = \"50 s\"\ncharge-time = \"90 s\"",
+        "error: measure.charge-time: 90 s is longer than a minute",
     );
     one_measure("t-l = \"-1 ms\"", "error: measure.t-l: below zero");
     one(&[("\"cerm\"", "\"tcdic\"\nt-l = \"1 ms\"")], "warning: measure.t-l: not used");
@@ -297,4 +302,30 @@ fn sockets() {
     let mode = |mode: &str| format!("{socket}\nmode = \"{mode}\"");
     one(&[(socket, &mode("0666"))], "warning: server.mode: \"0666\" lets everybody write");
     one(&[(socket, &mode("060"))], "warning: server.mode: \"0060\" keeps even the owner out");
+}
+
+proptest! {
+    /// Whatever passes can be planned with; whatever does not is refused without a panic.
+    #[test]
+    fn what_passes_can_be_planned(
+        c_a in quantity("F", -12..-3), c_b in quantity("F", -12..-5),
+        r_c1 in quantity("ohm", 0..5), r_c2 in quantity("ohm", 2..9),
+        deadline in quantity("s", -4..2), method in prop_oneof![Just("cerm"), Just("tcdic"), Just("tpcm")],
+    ) {
+        let config = config(&[
+            ("2.2 uF", &c_a), ("680 nF", &c_b), ("2.32 kohm", &r_c1), ("12.7 kohm", &r_c2),
+            ("\"cerm\"", &format!("\"{method}\"\ndeadline = \"{deadline}\"")),
+        ]);
+        if config.check().iter().all(|finding| finding.severity != Severity::Error) {
+            let calibration = config.circuit.crossing(config.last_node(), config.circuit.r_c2);
+            prop_assert!(calibration.is_some_and(|time| time.0 > 0.0 && time.0 <= config.deadline().as_seconds()));
+            prop_assert!(config.charge_time() > Nanos::ZERO);
+            prop_assert!(config.cycle(Seconds(0.0)).0.is_finite());
+        }
+    }
+}
+
+/// A quantity of any sign and of any size between these powers of ten, as text.
+fn quantity(unit: &'static str, powers: std::ops::Range<i32>) -> impl Strategy<Value = String> {
+    (-0.5..10.0f64, powers).prop_map(move |(mantissa, power)| format!("{mantissa}e{power} {unit}"))
 }
