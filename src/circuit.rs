@@ -128,12 +128,11 @@ impl Circuit {
 
     /// Every value that must be positive, by its name. Ro may be zero.
     fn values(&self) -> impl Iterator<Item = (&'static str, f64)> {
-        let capacitors = match self.network {
-            Network::TwoCapacitor { c_a, c_b } => [("c-a", c_a.0), ("c-b", c_b.0)],
-            Network::OneCapacitor { c } | Network::SeriesCalibration { c } => [("c", c.0); 2],
+        let (first, second) = match self.network {
+            Network::TwoCapacitor { c_a, c_b } => (("c-a", c_a.0), Some(("c-b", c_b.0))),
+            Network::OneCapacitor { c } | Network::SeriesCalibration { c } => (("c", c.0), None),
         };
-        let distinct = if capacitors[0] == capacitors[1] { 1 } else { 2 };
-        capacitors.into_iter().take(distinct).chain([
+        [first].into_iter().chain(second).chain([
             ("r-c1", self.r_c1.0),
             ("r-c2", self.r_c2.0),
             ("v-dd", self.v_dd.0),

@@ -59,18 +59,18 @@ pub struct Measure {
     pub method: Option<MethodName>,
     /// Readings of each channel per second, hertz, above 0. Default: as fast as the circuit allows.
     pub rate_hz: Option<f64>,
-    /// How long the capacitors are charged before each discharge. Default: until 1e-6 of V_DD is left, which
-    /// is 14.2 time constants of the slowest charge with two capacitors, 13.8 with one.
+    /// How long the capacitors are charged before each discharge, above 0 up to 1 min. Default: until 1e-6 of V_DD
+    /// is left, which is 14.2 time constants of the slowest charge with two capacitors, 13.8 with one.
     pub charge_time: Option<Nanos>,
-    /// The pause between the end of the charge and the start of the discharge. Default: 20 us.
+    /// The pause between the end of the charge and the start of the discharge, 0 to 1 min. Default: 20 us.
     pub settle_time: Option<Nanos>,
-    /// The longest discharge through a sensor; a higher resistance reads `open`. Default: 5 times the predicted
-    /// discharge through Rc2 (Rc1 + Rc2 where they are in series).
+    /// The longest discharge through a sensor, up to 1 min, and not below the predicted discharge through Rc2 (Rc1 +
+    /// Rc2 where they are in series); a higher resistance reads `open`. Default: 5 times that discharge.
     pub deadline: Option<Nanos>,
     /// The latency offset d of the crossings, 0 to 1 ms. Default: `auto` for `cerm` and `qerm`; in the other
     /// methods it cancels, and is 0.
     pub offset: Option<Offset>,
-    /// Time limit T_L of eq. (19): a discharge whose T_xA is below it is finished through Rc2. Default: where the
+    /// Time limit T_L of eq. (19): a discharge whose T_xA is below it is finished through Rc2; 0 or above. Default: where the
     /// predicted uncertainties of both branches cross.
     pub t_l: Option<Nanos>,
     /// The planned switch comes at this fraction of the predicted T_xA, above 0 and below 1.3. Default: 0.9.
@@ -239,3 +239,6 @@ impl Config {
         self.base.join(file)
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -13,23 +13,23 @@ use serde::de::{Deserializer, Error};
 struct Table {
     /// Which circuit. Required.
     kind: Kind,
-    /// C_A between nodes A and B, farad. Required for `two-capacitor`. Nominal: never enters an estimate.
+    /// C_A between nodes A and B, 10 pF to 1 mF. Required for `two-capacitor`. Nominal: never enters an estimate.
     c_a: Option<Farad>,
-    /// C_B from node B to ground, farad. Required for `two-capacitor`. Nominal.
+    /// C_B from node B to ground, 10 pF to 1 mF, below C_A V_Th / (V_DD - V_Th). Required for `two-capacitor`. Nominal.
     c_b: Option<Farad>,
-    /// The only capacitor, farad. Required for the other kinds. Nominal.
+    /// The only capacitor, 10 pF to 1 mF. Required for the other kinds. Nominal.
     c: Option<Farad>,
-    /// Rc1 as measured, ohm. Required.
+    /// Rc1 as measured, 1 ohm to 100 Mohm. Required.
     r_c1: Ohm,
-    /// Rc2 as measured, ohm, above Rc1. Required.
+    /// Rc2 as measured, 1 ohm to 100 Mohm, above Rc1 unless in series with it. Required.
     r_c2: Ohm,
-    /// Supply voltage, nominal. Default 3.3 V.
+    /// Supply voltage, nominal, 0.5 V to 30 V. Default 3.3 V.
     #[serde(default = "v_dd")]
     v_dd: Volt,
-    /// Falling threshold of the inputs, nominal. Default 1.3 V.
+    /// Falling threshold of the inputs, nominal, above 0 and below V_DD. Default 1.3 V.
     #[serde(default = "v_th")]
     v_th: Volt,
-    /// Rp + Ro of a charger, nominal. Default 220 ohm.
+    /// Rp + Ro of a charger, nominal, 1 ohm to 100 Mohm. Default 220 ohm.
     #[serde(default = "r_charge")]
     r_charge: Ohm,
 }

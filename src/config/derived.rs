@@ -4,7 +4,7 @@
 //! Every value here is meaningful only for a configuration without error findings.
 
 use super::{Config, Offset};
-use crate::circuit::{Circuit, Network};
+use crate::circuit::Network;
 use crate::pins::Node;
 use crate::reading::Method;
 use crate::units::{Nanos, Ohm, Seconds};
@@ -73,13 +73,12 @@ impl Config {
         self.circuit.crossing(self.last_node(), r).unwrap_or_default()
     }
 
-    /// The predicted time of one reading of every channel, calibration and charges included, with `r` on each
-    /// channel; without what the system's calls take.
-    pub fn cycle(&self, r: Ohm) -> Seconds {
-        let Circuit { r_c1, .. } = self.circuit;
+    /// The predicted time of one reading of every channel, calibration and charges included, when each x
+    /// discharge takes `x`; without what the system's calls take.
+    pub fn cycle(&self, x: Seconds) -> Seconds {
         let channels = self.channels.len() as f64;
         let pause = self.charge_time().as_seconds() + self.settle_time().as_seconds();
-        let calibration = self.discharge(r_c1).0 + self.discharge(self.circuit.r_second()).0;
-        Seconds((2.0 + channels) * pause + calibration + channels * self.discharge(r).0)
+        let calibration = self.discharge(self.circuit.r_c1).0 + self.discharge(self.circuit.r_second()).0;
+        Seconds((2.0 + channels) * pause + calibration + channels * x.0)
     }
 }
