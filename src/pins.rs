@@ -10,7 +10,9 @@
 use crate::units::Nanos;
 use std::fmt;
 
+pub mod faulty;
 pub mod sim;
+pub mod trace;
 
 /// The most sensor channels that share one pair of capacitors.
 pub const MAX_CHANNELS: usize = 16;

@@ -1,0 +1,1 @@
+//! Seeded fault injection over a [`Pins`].
