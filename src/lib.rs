@@ -3,3 +3,4 @@ pub mod pins;
 pub mod reading;
 pub mod record;
 pub mod units;
+pub mod wire;
