@@ -2,5 +2,6 @@
 pub mod pins;
 pub mod reading;
 pub mod record;
+pub mod server;
 pub mod units;
 pub mod wire;

@@ -20,7 +20,9 @@ pub use lines::{Line, LineSplitter};
 pub use message::{
     ReadingLine, ServerMessage, StatusName, UnreadableLine, VersionLine, write_reading, write_version,
 };
+pub(crate) use message::{begin_reading, end_reading};
 pub use object::Object;
+pub(crate) use request::excerpt;
 pub use request::{ErrorCode, Instrument, Refusal, Request, Watch};
 pub use time::UnixTime;
 
