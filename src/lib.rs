@@ -16,4 +16,6 @@ pub mod replay;
 pub mod settings;
 pub mod stats;
 pub mod tape;
+pub mod server;
 pub mod units;
+pub mod wire;
