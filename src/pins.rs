@@ -11,6 +11,7 @@ use crate::units::Nanos;
 use std::fmt;
 
 pub mod chardev;
+pub mod chardev_v1;
 pub mod sim;
 
 /// The most sensor channels that share one pair of capacitors.

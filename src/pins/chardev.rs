@@ -14,14 +14,13 @@ use self::chips::Chip;
 use self::edges::EdgeBuffer;
 use self::error::{as_io, while_running};
 use self::request::{Switching, charging, drive_request, inputs, released, sense_request, watching};
-use self::wait::{monotonic, sleep_until, time_left};
+use self::wait::{monotonic, readable, sleep_until};
 use self::wiring::Lines;
 use super::{Armed, Bracket, Drives, Edge, Levels, Pins, PinsError};
 use crate::units::Nanos;
 use gpiocdev_uapi::v2::{self, LineConfig, LineValues};
-use nix::errno::Errno;
 use nix::fcntl::{FcntlArg, OFlag, fcntl};
-use nix::poll::{PollFd, PollFlags, ppoll};
+use nix::poll::{PollFd, PollFlags};
 use std::fs::File;
 use std::os::fd::AsFd;
 
@@ -151,20 +150,17 @@ impl Chardev {
             Err(error) => Err(while_running("read", SENSE_LINES, &self.chip, as_io(error))),
         }
     }
+}
 
-    /// Waits for the sense request to become readable, at most until an instant.
-    fn poll(&self, until: Nanos) -> Result<(), PinsError> {
-        let mut watched = [PollFd::new(self.sense_file.as_fd(), PollFlags::POLLIN)];
-        match ppoll(&mut watched, Some(time_left(until)), None) {
-            Ok(_) | Err(Errno::EINTR) => {}
-            Err(errno) => return Err(while_running("ppoll", SENSE_LINES, &self.chip, errno.into())),
-        }
-        let gone = PollFlags::POLLHUP | PollFlags::POLLERR | PollFlags::POLLNVAL;
-        match watched[0].revents() {
-            Some(events) if events.intersects(gone) => Err(PinsError::Gone { chip: self.chip.clone() }),
-            _ => Ok(()),
-        }
+/// What is to drive when `on` is asked for and these lines are wired. A circuit without a charger of node B is
+/// charged by that of node A alone.
+pub(super) fn to_be_driven(on: Drives, wired: Drives) -> Result<Drives, PinsError> {
+    if on.conflicts() {
+        return Err(PinsError::Conflict(on));
     }
+    let on = on.without(Drives::CHARGE_B.without(wired));
+    let unwired = on.without(wired);
+    if unwired.is_none() { Ok(on) } else { Err(PinsError::Unwired(unwired)) }
 }
 
 impl Pins for Chardev {
@@ -178,15 +174,7 @@ impl Pins for Chardev {
     /// # Errors
     /// [`PinsError::Unwired`] if a line of `on` is not wired, before anything is touched.
     fn drive(&mut self, on: Drives) -> Result<Bracket, PinsError> {
-        if on.conflicts() {
-            return Err(PinsError::Conflict(on));
-        }
-        // A circuit without a charger of node B is charged by that of node A alone.
-        let on = on.without(Drives::CHARGE_B.without(self.wired));
-        let unwired = on.without(self.wired);
-        if !unwired.is_none() {
-            return Err(PinsError::Unwired(unwired));
-        }
+        let on = to_be_driven(on, self.wired)?;
         let before = monotonic();
         let from = match self.driving.take() {
             Some(driving) => driving,
@@ -220,7 +208,9 @@ impl Pins for Chardev {
             if monotonic() >= until {
                 return Ok(None);
             }
-            self.poll(until)?;
+            let mut watched = [PollFd::new(self.sense_file.as_fd(), PollFlags::POLLIN)];
+            readable(&mut watched, until)
+                .map_err(|errno| while_running("ppoll", SENSE_LINES, &self.chip, errno.into()))?;
         }
     }
 
@@ -244,5 +234,20 @@ impl Drop for Chardev {
     fn drop(&mut self) {
         let _ = v2::set_line_config(&self.sense_file, inputs());
         let _ = v2::set_line_config(&self.drive_file, inputs());
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_cannot_drive_is_refused() {
+        let wired = Drives::CHARGE_A.and(Drives::C1).and(Drives::x(0));
+        let refused = |on| to_be_driven(on, wired).unwrap_err();
+        assert!(matches!(refused(Drives::CHARGE.and(Drives::C1)), PinsError::Conflict(_)));
+        assert!(matches!(refused(Drives::C2.and(Drives::C1)), PinsError::Unwired(Drives::C2)));
+        assert_eq!(to_be_driven(Drives::CHARGE, wired).unwrap(), Drives::CHARGE_A);
+        assert_eq!(to_be_driven(Drives::x(0), wired).unwrap(), Drives::x(0));
     }
 }

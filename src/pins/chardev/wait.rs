@@ -2,6 +2,7 @@
 
 use crate::units::Nanos;
 use nix::errno::Errno;
+use nix::poll::{PollFd, PollFlags, ppoll};
 use nix::sys::time::{TimeSpec, TimeValLike};
 use nix::time::{ClockId, ClockNanosleepFlags, clock_gettime, clock_nanosleep};
 
@@ -16,8 +17,22 @@ pub(in crate::pins) fn clock(id: ClockId) -> Nanos {
 }
 
 /// From now until an instant, not negative, as the kernel takes it.
-pub(in crate::pins) fn time_left(until: Nanos) -> TimeSpec {
+fn time_left(until: Nanos) -> TimeSpec {
     TimeSpec::nanoseconds((until - monotonic()).0.max(0))
+}
+
+/// Waits until one of the descriptors can be read, at most until an instant; may return early.
+///
+/// # Errors
+/// `ENODEV` when the chip behind a descriptor has disappeared, else what `ppoll` answers.
+pub(in crate::pins) fn readable(watched: &mut [PollFd], until: Nanos) -> Result<(), Errno> {
+    match ppoll(watched, Some(time_left(until)), None) {
+        Ok(_) | Err(Errno::EINTR) => {}
+        Err(errno) => return Err(errno),
+    }
+    let gone = PollFlags::POLLHUP | PollFlags::POLLERR | PollFlags::POLLNVAL;
+    let lost = watched.iter().any(|fd| fd.revents().is_some_and(|events| events.intersects(gone)));
+    if lost { Err(Errno::ENODEV) } else { Ok(()) }
 }
 
 /// How long before an instant to stop sleeping and to spin, learned from how late wake-ups come.
@@ -82,6 +97,7 @@ mod tests {
     use rand::SeedableRng;
     use rand_chacha::ChaCha8Rng;
     use rand_distr::{Distribution, Exp};
+    use std::os::fd::AsFd;
 
     #[test]
     fn one_wake_up_in_a_hundred_is_later_than_the_margin() {
@@ -126,6 +142,17 @@ mod tests {
             assert!(monotonic() >= at);
         }
         assert!(margin.get() >= SpinMargin::LEAST);
+    }
+
+    #[test]
+    fn a_descriptor_that_hangs_up_is_a_chip_that_is_gone() {
+        let (reader, writer) = nix::unistd::pipe().unwrap();
+        let wait = |until| readable(&mut [PollFd::new(reader.as_fd(), PollFlags::POLLIN)], until);
+        assert_eq!(wait(Nanos::ZERO), Ok(()), "nothing to read, and no time left");
+        nix::unistd::write(&writer, b"edge").unwrap();
+        assert_eq!(wait(Nanos::MAX), Ok(()), "something to read");
+        drop(writer);
+        assert_eq!(wait(Nanos::MAX), Err(Errno::ENODEV));
     }
 
     #[test]

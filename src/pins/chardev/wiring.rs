@@ -86,22 +86,25 @@ impl Lines {
 }
 
 impl Wiring {
-    /// What each line is for, by the keys of the configuration, and its name or offset.
-    fn parts(&self) -> (Vec<(&'static str, &str)>, Vec<(Drives, String, &str)>) {
-        let mut sense = vec![("sense-a", self.sense_a.as_str())];
-        sense.extend(self.sense_b.as_deref().map(|name| ("sense-b", name)));
-        let mut drives = Vec::new();
-        for (channel, name) in self.sinks_x.iter().enumerate() {
-            drives.push((Drives::x(channel), format!("sink-x{channel}"), name.as_str()));
-        }
-        drives.push((Drives::C1, "sink-c1".to_string(), self.sink_c1.as_str()));
-        drives.push((Drives::C2, "sink-c2".to_string(), self.sink_c2.as_str()));
-        let chargers =
-            [(Drives::CHARGE_A, "charge-a", &self.charge_a), (Drives::CHARGE_B, "charge-b", &self.charge_b)];
-        for (part, key, name) in chargers {
-            drives.extend(name.as_deref().map(|name| (part, key.to_string(), name)));
-        }
-        (sense, drives)
+    /// The key of each sense line in a configuration, and its name or offset.
+    fn sense_parts(&self) -> impl Iterator<Item = (&'static str, &str)> {
+        let b = self.sense_b.as_deref().map(|name| ("sense-b", name));
+        std::iter::once(("sense-a", self.sense_a.as_str())).chain(b)
+    }
+
+    /// The same for the drive lines, in switching order.
+    fn drive_parts(&self) -> impl Iterator<Item = (Drives, String, &str)> {
+        let sensors = self.sinks_x.iter().enumerate();
+        let sensors =
+            sensors.map(|(channel, name)| (Drives::x(channel), format!("sink-x{channel}"), Some(name)));
+        let others = [
+            (Drives::C1, "sink-c1", Some(&self.sink_c1)),
+            (Drives::C2, "sink-c2", Some(&self.sink_c2)),
+            (Drives::CHARGE_A, "charge-a", self.charge_a.as_ref()),
+            (Drives::CHARGE_B, "charge-b", self.charge_b.as_ref()),
+        ];
+        let others = others.into_iter().map(|(part, key, name)| (part, key.to_string(), name));
+        sensors.chain(others).filter_map(|(part, key, name)| Some((part, key, name?.as_str())))
     }
 
     /// Whether the sense lines have to charge as well, as in the published circuit.
@@ -120,10 +123,9 @@ impl Wiring {
             let offset = super::chips::line_offset(&known, wanted, &chip.title())?;
             Ok::<_, OpenError>(Line { offset, title: format!("{key} ({wanted})") })
         };
-        let (sense, drives) = self.parts();
-        let sense = sense.into_iter().map(|(key, name)| find(key, name)).collect::<Result<Vec<_>, _>>()?;
-        let drives = drives
-            .into_iter()
+        let sense = self.sense_parts().map(|(key, name)| find(key, name)).collect::<Result<Vec<_>, _>>()?;
+        let drives = self
+            .drive_parts()
             .map(|(part, key, name)| Ok(DriveLine { part, line: find(&key, name)? }))
             .collect::<Result<Vec<_>, OpenError>>()?;
         let lines = Lines { sense, drives, sense_charges: self.sense_charges() };
@@ -188,11 +190,10 @@ pub(in crate::pins) mod tests {
             offset: name.trim_start_matches("GPIO").parse().unwrap(),
             title: format!("{key} ({name})"),
         };
-        let (sense, drives) = wiring.parts();
         Lines {
-            sense: sense.into_iter().map(|(key, name)| at(key, name)).collect(),
-            drives: drives
-                .into_iter()
+            sense: wiring.sense_parts().map(|(key, name)| at(key, name)).collect(),
+            drives: wiring
+                .drive_parts()
                 .map(|(part, key, name)| DriveLine { part, line: at(&key, name) })
                 .collect(),
             sense_charges: wiring.sense_charges(),
