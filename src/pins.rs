@@ -12,6 +12,7 @@ use std::fmt;
 
 pub mod chardev;
 pub mod chardev_v1;
+pub mod contract;
 pub mod sim;
 
 /// The most sensor channels that share one pair of capacitors.
