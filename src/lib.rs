@@ -11,6 +11,7 @@ pub mod noise;
 pub mod offset;
 pub mod pins;
 pub mod reading;
+pub mod realtime;
 pub mod record;
 pub mod replay;
 pub mod settings;

@@ -11,6 +11,9 @@ use crate::units::Nanos;
 use std::fmt;
 
 pub mod faulty;
+pub mod chardev;
+pub mod chardev_v1;
+pub mod contract;
 pub mod sim;
 pub mod trace;
 
@@ -81,6 +84,11 @@ impl Drives {
     /// Whether no line drives.
     pub const fn is_none(self) -> bool {
         self.0 == 0
+    }
+
+    /// The lines that are in both sets.
+    pub const fn only(self, other: Drives) -> Drives {
+        Drives(self.0 & other.0)
     }
 
     /// How many lines drive.
@@ -190,6 +198,15 @@ pub enum PinsError {
     /// A charger and a sink were asked to drive at once; nothing was switched.
     #[error("refused to drive {0}: a charger and a sink would drive against each other")]
     Conflict(Drives),
+    /// A part that no line plays was asked to drive; nothing was switched.
+    #[error("refused to drive {0}: no line is wired to it")]
+    Unwired(Drives),
+    /// The chip has disappeared, its driver unbound or the board unplugged: let go, and open it again later.
+    #[error("the GPIO chip {chip} is gone")]
+    Gone {
+        /// Name and label it had.
+        chip: String,
+    },
     /// A kernel call failed.
     #[error("{call} on {line} failed: {source}; {hint}")]
     Call {
