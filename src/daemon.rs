@@ -12,10 +12,9 @@ mod signals;
 
 use crate::backend::{self, OpenError};
 use crate::config::{Config, ConfigError, Finding, Severity};
-use crate::server::{ListenError, Limits, Listener, Server};
+use crate::server::{Limits, ListenError, Listener, Server};
 use crate::settings::{Settings, SettingsError};
 use crate::stats::Stats;
-use crate::tape::Header;
 use crate::units::Nanos;
 use measuring::Measuring;
 use nix::poll::{PollFd, PollFlags, PollTimeout, poll};
@@ -194,7 +193,11 @@ impl Daemon {
             let asked = self.signals.take();
             if asked.end {
                 notify(&[NotifyState::Stopping, NotifyState::Status("stopping")]);
-                log::info!("stopping: {} readings in {:.0} s", self.stats.readings, (now - self.started).as_seconds());
+                log::info!(
+                    "stopping: {} readings in {:.0} s",
+                    self.stats.readings,
+                    (now - self.started).as_seconds()
+                );
                 return Ok(());
             }
             if let (true, Some(path)) = (asked.reload, path) {
@@ -229,7 +232,9 @@ impl Daemon {
         }
         let (readings, discharges) = self.measuring.take_lost();
         if readings + discharges > 0 {
-            log::warn!("{readings} readings and {discharges} discharges were lost: this process gets too little time");
+            log::warn!(
+                "{readings} readings and {discharges} discharges were lost: this process gets too little time"
+            );
             self.server.miss_readings(readings);
             self.server.miss_raw(discharges);
         }

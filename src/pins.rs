@@ -10,10 +10,10 @@
 use crate::units::Nanos;
 use std::fmt;
 
-pub mod faulty;
 pub mod chardev;
 pub mod chardev_v1;
 pub mod contract;
+pub mod faulty;
 pub mod sim;
 pub mod trace;
 
@@ -253,23 +253,29 @@ pub trait Pins {
     fn levels(&mut self) -> Result<Levels, PinsError>;
 }
 
-impl<P: Pins + ?Sized> Pins for &mut P {
-    fn now(&mut self) -> Nanos {
-        (**self).now()
-    }
-    fn drive(&mut self, on: Drives) -> Result<Bracket, PinsError> {
-        (**self).drive(on)
-    }
-    fn arm(&mut self) -> Result<Armed, PinsError> {
-        (**self).arm()
-    }
-    fn edge(&mut self, until: Nanos) -> Result<Option<Edge>, PinsError> {
-        (**self).edge(until)
-    }
-    fn sleep_until(&mut self, at: Nanos) -> Result<(), PinsError> {
-        (**self).sleep_until(at)
-    }
-    fn levels(&mut self) -> Result<Levels, PinsError> {
-        (**self).levels()
-    }
+macro_rules! forward_pins {
+    ($($pointer:ty),*) => {$(
+        impl<P: Pins + ?Sized> Pins for $pointer {
+            fn now(&mut self) -> Nanos {
+                (**self).now()
+            }
+            fn drive(&mut self, on: Drives) -> Result<Bracket, PinsError> {
+                (**self).drive(on)
+            }
+            fn arm(&mut self) -> Result<Armed, PinsError> {
+                (**self).arm()
+            }
+            fn edge(&mut self, until: Nanos) -> Result<Option<Edge>, PinsError> {
+                (**self).edge(until)
+            }
+            fn sleep_until(&mut self, at: Nanos) -> Result<(), PinsError> {
+                (**self).sleep_until(at)
+            }
+            fn levels(&mut self) -> Result<Levels, PinsError> {
+                (**self).levels()
+            }
+        }
+    )*};
 }
+
+forward_pins!(&mut P, Box<P>);

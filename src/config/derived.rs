@@ -10,7 +10,7 @@ use crate::reading::Method;
 use crate::units::{Nanos, Ohm, Seconds};
 
 /// What is left of V_DD at the end of a derived charge.
-const CHARGE_RESIDUAL: f64 = 1e-6;
+const CHARGE_RESIDUAL: f64 = 1e-4;
 /// A derived deadline in discharges through the second calibration resistor.
 const DEADLINE_IN_SECOND_DISCHARGES: f64 = 5.0;
 /// The settle time that is used when none is given.

@@ -8,7 +8,7 @@
 use crate::backend::{self, AnyPins, OpenError};
 use crate::config::Config;
 use crate::instrument::{Instrument, Message};
-use crate::pins::PinsError;
+use crate::pins::{Armed, Bracket, Drives, Edge, Levels, Pins, PinsError};
 use crate::settings::Settings;
 use crate::stats::Stats;
 use crate::units::Nanos;
@@ -158,6 +158,8 @@ impl Worker {
 
     /// Opens the pins again until that works or the thread is to stop. What was learned stays.
     fn reopen(&mut self, instrument: &mut Instrument<AnyPins>) {
+        // The old pins go first: a line has one holder at a time.
+        *instrument.pins() = Box::new(Closed);
         loop {
             let naps = REOPEN_AFTER.as_millis() / 100;
             for _ in 0..naps {
@@ -195,5 +197,29 @@ impl Worker {
             // It fails only when the counter would overflow: then it is readable anyway.
             let _ = self.shared.wake.write(1);
         }
+    }
+}
+
+/// Stands in while there are no pins.
+struct Closed;
+
+impl Pins for Closed {
+    fn now(&mut self) -> Nanos {
+        super::monotonic()
+    }
+    fn drive(&mut self, _on: Drives) -> Result<Bracket, PinsError> {
+        Err(PinsError::Ended)
+    }
+    fn arm(&mut self) -> Result<Armed, PinsError> {
+        Err(PinsError::Ended)
+    }
+    fn edge(&mut self, _until: Nanos) -> Result<Option<Edge>, PinsError> {
+        Err(PinsError::Ended)
+    }
+    fn sleep_until(&mut self, _at: Nanos) -> Result<(), PinsError> {
+        Err(PinsError::Ended)
+    }
+    fn levels(&mut self) -> Result<Levels, PinsError> {
+        Err(PinsError::Ended)
     }
 }

@@ -48,7 +48,7 @@ pub fn report(server: &mut Server, stats: &mut Stats, loaded: &Loaded, report: R
 }
 
 /// The daemon's own fields of STATS.
-pub fn stats(stats: &Stats, config: &Config, uptime: Nanos) -> impl FnMut(&mut Object<'_>) {
+pub fn stats(stats: &Stats, config: &Config, uptime: Nanos) -> impl FnMut(&mut Object<'_>) + use<> {
     let stats = *stats;
     let backend = match config.gpio.backend {
         Backend::Chardev => "chardev",
