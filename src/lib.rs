@@ -1,4 +1,5 @@
 //! cermd
+pub mod client;
 pub mod pins;
 pub mod reading;
 pub mod record;
