@@ -10,7 +10,7 @@ mod measuring;
 mod publish;
 mod signals;
 
-use crate::backend::{self, OpenError};
+use crate::backend::{self, AnyPins, OpenError};
 use crate::config::{Config, ConfigError, Finding, Severity};
 use crate::server::{Limits, ListenError, Listener, Server};
 use crate::settings::{Settings, SettingsError};
@@ -20,7 +20,7 @@ use measuring::Measuring;
 use nix::poll::{PollFd, PollFlags, PollTimeout, poll};
 use nix::time::{ClockId, clock_gettime};
 use sd_notify::NotifyState;
-use signals::Signals;
+pub use signals::{Signals, StopHandle};
 use std::io;
 use std::os::fd::AsFd;
 use std::path::{Path, PathBuf};
@@ -153,6 +153,18 @@ impl Daemon {
     /// # Errors
     /// What is missing.
     pub fn start(loaded: Loaded, signals: Signals) -> Result<Daemon, DaemonError> {
+        Daemon::start_with(loaded, signals, |config| backend::open(config, monotonic()))
+    }
+
+    /// The same with pins that `open` opens, after the socket, in the place of those that the configuration names.
+    ///
+    /// # Errors
+    /// What is missing.
+    pub fn start_with(
+        loaded: Loaded,
+        signals: Signals,
+        open: impl FnOnce(&Config) -> Result<AnyPins, OpenError>,
+    ) -> Result<Daemon, DaemonError> {
         let config = &loaded.config;
         let listener = match Listener::from_systemd()? {
             Some(listener) => listener,
@@ -160,8 +172,8 @@ impl Daemon {
         };
         let mut server = Server::new(listener, &publish::channels(&loaded.settings), Limits::default())
             .map_err(system("epoll"))?;
-        server.set_tape_header(&publish::header(config, &loaded.settings));
-        let measuring = start_measuring(&loaded)?;
+        server.set_tape_header(&publish::header(config, &loaded.settings, None));
+        let measuring = measure(&loaded, open(config)?)?;
         log::info!("serving {} channel(s) on {}", config.channels.len(), config.server.socket.display());
         // Half the interval that the service manager waits, as it recommends.
         let watchdog_every = sd_notify::watchdog_enabled().map(|every| Nanos((every.as_nanos() / 2) as i64));
@@ -240,7 +252,14 @@ impl Daemon {
         }
         if self.stats.offset_is_known && !offset_was_known {
             publish::log_offset(&self.stats);
+            self.announce_tape_header();
         }
+    }
+
+    /// With the offset as soon as it is known: a tape that begins later holds no split discharges to find it from.
+    fn announce_tape_header(&mut self) {
+        let found = self.stats.offset_is_known.then_some(self.stats.offset.d_ns);
+        self.server.set_tape_header(&publish::header(&self.loaded.config, &self.loaded.settings, found));
     }
 
     /// A file that is wrong leaves everything as it is.
@@ -271,7 +290,7 @@ impl Daemon {
         }
         self.stats = Stats::default();
         self.server.set_channels(&publish::channels(&self.loaded.settings));
-        self.server.set_tape_header(&publish::header(&self.loaded.config, &self.loaded.settings));
+        self.announce_tape_header();
         Ok(())
     }
 
@@ -290,7 +309,10 @@ impl Daemon {
 }
 
 fn start_measuring(loaded: &Loaded) -> Result<Measuring, DaemonError> {
-    let pins = backend::open(&loaded.config, monotonic())?;
+    measure(loaded, backend::open(&loaded.config, monotonic())?)
+}
+
+fn measure(loaded: &Loaded, pins: AnyPins) -> Result<Measuring, DaemonError> {
     Measuring::start(pins, loaded.config.clone(), loaded.settings.clone()).map_err(system("thread"))
 }
 
@@ -300,5 +322,3 @@ fn notify(states: &[NotifyState<'_>]) {
         log::debug!("sd_notify: {error}");
     }
 }
-
-pub use signals::Signals as SignalSource;

@@ -1,27 +1,12 @@
 //! The daemon: parse, run, exit status.
 
-use cermd::{config, daemon};
+use cermd::cli::{Cermd, NO_HARDWARE};
+use cermd::{check, daemon};
 use clap::Parser;
-use std::path::PathBuf;
 use std::process::ExitCode;
 
-/// Measures resistances by timing RC discharges over GPIO lines, and streams them on a unix socket.
-#[derive(Debug, Parser)]
-#[command(version, after_help = NO_HARDWARE)]
-struct Arguments {
-    /// The configuration file
-    #[arg(long, value_name = "FILE")]
-    config: Option<PathBuf>,
-    /// Check the configuration, say what is found, and exit
-    #[arg(long)]
-    check: bool,
-}
-
-const NO_HARDWARE: &str = "Without hardware: `cermctl demo` shows live readings of a simulated circuit; a file with \
-                           [gpio] backend = \"mock\" and [mock] scene = \"pi4\" makes this daemon serve one.";
-
 fn main() -> ExitCode {
-    let arguments = Arguments::parse();
+    let arguments = Cermd::parse();
     start_log();
     let Some(path) = arguments.config else {
         eprintln!(
@@ -30,7 +15,7 @@ fn main() -> ExitCode {
         return ExitCode::from(2);
     };
     if arguments.check {
-        let report = config::report(&path);
+        let report = check::check(&path);
         print!("{report}");
         return if report.is_usable() { ExitCode::SUCCESS } else { ExitCode::FAILURE };
     }

@@ -23,9 +23,11 @@ pub fn channels(settings: &Settings) -> Vec<ChannelInfo> {
     settings.channels.iter().map(info).collect()
 }
 
-/// The header of a tape, as a line.
-pub fn header(config: &Config, settings: &Settings) -> String {
-    Header::new(config, settings).to_line() + "\n"
+/// The header of a tape, as a line; `found`: the latency offset that a calibration has found, ns.
+pub fn header(config: &Config, settings: &Settings, found: Option<f64>) -> String {
+    let mut header = Header::new(config, settings);
+    header.offset_ns = header.offset_ns.or(found);
+    header.to_line() + "\n"
 }
 
 /// Passes one result on. `to_wall`: from `CLOCK_MONOTONIC` to `CLOCK_REALTIME`.
