@@ -33,7 +33,7 @@ pub enum CtlError {
     #[error("not usable as it is: see the findings above")]
     Unusable,
     /// A file cannot be read or written.
-    #[error("{}: {source}", path.display())]
+    #[error("{}: {source}; {hint}", path.display(), hint = look_where(source))]
     File {
         /// Which.
         path: PathBuf,
@@ -70,6 +70,15 @@ fn elsewhere(error: &ClientError) -> &'static str {
     match error {
         ClientError::NoSocket(_) | ClientError::NobodyThere(_) => "; no hardware? try `cermctl demo`",
         _ => "",
+    }
+}
+
+fn look_where(error: &io::Error) -> &'static str {
+    match error.kind() {
+        io::ErrorKind::NotFound => "is the path right, and is its directory there?",
+        io::ErrorKind::PermissionDenied => "this user may not; choose another place, or try sudo",
+        io::ErrorKind::InvalidData => "it must be text in UTF-8",
+        _ => "is it a file, and is there room?",
     }
 }
 
