@@ -126,6 +126,15 @@ mod tests {
             "backend": "mock", "uptime_s": 12.3456, "readings": 7, "faults": {"missed-edge": 0, "no-charge": 2},
             "offset_known": true, "offset_ns": 8012.3, "offset_u_ns": 110, "r_o_ohm": 40.61, "new_field": [1],
         });
-        insta::assert_snapshot!(table(stats.as_object().unwrap(), false), @"");
+        insta::assert_snapshot!(table(stats.as_object().unwrap(), false), @r"
+        backend               mock
+        uptime                12.35 s
+        readings              7
+        faults                2 no-charge
+        latency offset known  yes
+        latency offset        8.01 +- 0.11 us
+        pin resistance        40.61 ohm
+        new field             [1]
+        ");
     }
 }

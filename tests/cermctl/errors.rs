@@ -18,9 +18,9 @@ fn no_daemon() {
     let folder = tempfile::tempdir().unwrap();
     let name = folder.path().to_str().unwrap();
     let socket = format!("{name}/socket");
-    insta::assert_snapshot!(failure(&mut ctl(&["get", "--socket", &socket]), name), @"");
+    insta::assert_snapshot!(failure(&mut ctl(&["get", "--socket", &socket]), name), @"cermctl: no socket DIR/socket: is cermd running? (systemctl status cermd); no hardware? try `cermctl demo`");
     drop(UnixListener::bind(&socket).unwrap());
-    insta::assert_snapshot!(failure(&mut ctl(&["watch", "--socket", &socket]), name), @"");
+    insta::assert_snapshot!(failure(&mut ctl(&["watch", "--socket", &socket]), name), @"cermctl: nobody answers at DIR/socket: cermd was killed or is still starting (systemctl status cermd); no hardware? try `cermctl demo`");
 }
 
 #[test]
@@ -61,10 +61,10 @@ fn no_such_file() {
     let daemon = Daemon::start();
     let name = daemon.folder.path().to_str().unwrap().to_owned();
     let output = format!("{name}/missing/file");
-    insta::assert_snapshot!(failure(&mut daemon.ctl(&["record", "-o", &output]), &name), @"");
-    insta::assert_snapshot!(failure(&mut ctl(&["estimate", "--method", "cerm", &output]), &name), @"");
-    insta::assert_snapshot!(failure(&mut ctl(&["demo", "--scene", &format!("{output}.toml")]), &name), @"");
-    insta::assert_snapshot!(failure(&mut ctl(&["demo", "--scene", "pi9"]), &name), @"");
+    insta::assert_snapshot!(failure(&mut daemon.ctl(&["record", "-o", &output]), &name), @"cermctl: DIR/missing/file: No such file or directory (os error 2); is the path right, and is its directory there?");
+    insta::assert_snapshot!(failure(&mut ctl(&["estimate", "--method", "cerm", &output]), &name), @"cermctl: DIR/missing/file: No such file or directory (os error 2); is the path right, and is its directory there?");
+    insta::assert_snapshot!(failure(&mut ctl(&["demo", "--scene", &format!("{output}.toml")]), &name), @"cermctl: --scene: cannot read DIR/missing/file.toml: No such file or directory (os error 2)");
+    insta::assert_snapshot!(failure(&mut ctl(&["demo", "--scene", "pi9"]), &name), @r#"cermctl: --scene: there is no built-in scene "pi9"; there are ideal, fpga-paper, pi-zero, pi4, pi5"#);
 }
 
 #[test]
@@ -90,7 +90,7 @@ fn an_instrument_that_has_not_measured_yet() {
     let complaint = failure(&mut get, "-");
     slow.kill().unwrap();
     slow.wait().unwrap();
-    insta::assert_snapshot!(complaint, @"");
+    insta::assert_snapshot!(complaint, @"cermctl: no reading of thumb yet: `cermctl stats` tells whether the instrument measures");
 }
 
 #[test]
