@@ -188,6 +188,8 @@ fn the_demo_needs_nothing_and_leaves_nothing() {
     assert!(!text.contains('\x1b'), "{text}");
     let live: Vec<&str> = text.lines().filter(|line| line.starts_with("simulated  ")).collect();
     assert!(!live.is_empty() && live.iter().all(|line| line.contains("thumb")), "{text}");
+    let summary = text.lines().filter(|line| !line.starts_with("simulated  "));
+    assert!(summary.clone().all(|line| line.chars().count() <= 80), "wider than a terminal:\n{text}");
     for wanted in [
         "board pi4, method cerm",
         " readings in ",

@@ -61,8 +61,12 @@ impl Panel {
 
     /// One line for each channel, in `width` columns.
     pub fn lines(&self, width: usize) -> Vec<Line> {
-        let name = self.name_width();
-        self.channels.iter().map(|channel| channel.line(name, width, self.unicode)).collect()
+        let columns = Columns {
+            name: self.name_width(),
+            has_force: self.channels.iter().any(|channel| channel.unit == Unit::Newton),
+            width,
+        };
+        self.channels.iter().map(|channel| channel.line(&columns, self.unicode)).collect()
     }
 
     /// The last reading of a channel as a line of plain text that is kept.
@@ -89,6 +93,13 @@ impl Panel {
     fn name_width(&self) -> usize {
         self.channels.iter().map(|channel| channel.id.chars().count()).max().unwrap_or(0)
     }
+}
+
+/// What the lines of all channels share.
+struct Columns {
+    name: usize,
+    has_force: bool,
+    width: usize,
 }
 
 impl Channel {
@@ -181,9 +192,10 @@ impl Channel {
         }
     }
 
-    fn line(&self, name: usize, width: usize, unicode: bool) -> Line {
+    fn line(&self, columns: &Columns, unicode: bool) -> Line {
+        let Columns { name, has_force, width } = *columns;
         let (force, ohms, style, status) = self.words(unicode);
-        let force = if self.unit == Unit::Newton { format!("{force:>19}  ") } else { String::new() };
+        let force = if has_force { format!("{force:>19}  ") } else { String::new() };
         let ohms = format!("{ohms:>21}  ");
         let status = format!("{status:<7}");
         let rate = self.rate().map_or_else(|| " ".repeat(7), |rate| format!("{rate:>5.1}/s"));
@@ -195,7 +207,8 @@ impl Channel {
             .add(Style::Plain, ohms);
         let share = self.last.as_ref().and_then(|reading| self.share(reading)).unwrap_or(0.0);
         let line = if room >= NARROWEST_BAR {
-            line.add(Style::Bar, bar(share, room, unicode)).add(Style::Plain, "  ")
+            let (full, empty) = bar(share, room, unicode);
+            line.add(Style::Bar, full).add(Style::Dim, empty).add(Style::Plain, "  ")
         } else {
             line
         };

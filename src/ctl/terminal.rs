@@ -56,6 +56,10 @@ impl Line {
         self
     }
 
+    fn length(&self) -> usize {
+        self.0.iter().map(|(_, text)| text.chars().count()).sum()
+    }
+
     /// Cut to `width` characters; every character is one column wide.
     fn render(&self, width: usize, colours: bool) -> String {
         let mut out = String::new();
@@ -77,8 +81,8 @@ pub struct Terminal {
     is_live: bool,
     colours: bool,
     unicode: bool,
-    /// Lines that the next [`draw`](Terminal::draw) writes over.
-    drawn: usize,
+    /// The lengths of the lines that the next [`draw`](Terminal::draw) writes over, in characters.
+    drawn: Vec<usize>,
 }
 
 impl Terminal {
@@ -90,7 +94,7 @@ impl Terminal {
             is_live,
             colours: is_live && variable("NO_COLOR").is_none(),
             unicode: speaks_utf8(),
-            drawn: 0,
+            drawn: Vec::new(),
         }
     }
 
@@ -115,22 +119,24 @@ impl Terminal {
     /// Writes these lines over the last ones drawn.
     pub fn draw(&mut self, lines: &[Line]) -> Result<(), CtlError> {
         let mut text = String::from(HIDE_CURSOR);
-        if self.drawn > 0 {
-            text += &format!("\x1b[{}A", self.drawn);
-        }
         let width = self.width();
+        // A terminal that has become narrower since has wrapped them.
+        let rows: usize = self.drawn.iter().map(|length| length.div_ceil(width).max(1)).sum();
+        if rows > 0 {
+            text += &format!("\x1b[{rows}A");
+        }
         for line in lines {
             text += &format!("\r{}{CLEAR_TO_END_OF_LINE}\n", line.render(width, self.colours));
         }
         // What is left of a longer drawing.
         text += "\x1b[J";
-        self.drawn = lines.len();
+        self.drawn = lines.iter().map(|line| line.length().min(width)).collect();
         write(&text)
     }
 
     /// Writes a line that stays. On anything but a terminal it is not cut.
     pub fn say(&mut self, line: &Line) -> Result<(), CtlError> {
-        self.drawn = 0;
+        self.drawn.clear();
         let width = if self.is_live { self.width() } else { usize::MAX };
         write(&(line.render(width, self.colours) + "\n"))
     }

@@ -38,15 +38,15 @@ fn places(value: f64, digits: i32) -> usize {
     (digits - 1 - exponent).clamp(0, 6) as usize
 }
 
-/// A bar of `width` columns, filled to a share of 0 to 1, to an eighth of a column.
-pub fn bar(share: f64, width: usize, unicode: bool) -> String {
+/// A bar of `width` columns, filled to a share of 0 to 1, to an eighth of a column: what is full, and what is empty.
+pub fn bar(share: f64, width: usize, unicode: bool) -> (String, String) {
     const EIGHTHS: [&str; 8] = ["", "▏", "▎", "▍", "▌", "▋", "▊", "▉"];
     let share = share.clamp(0.0, 1.0);
     let eighths = (share * width as f64 * 8.0).round() as usize;
     let (full, part) = if unicode { (eighths / 8, EIGHTHS[eighths % 8]) } else { ((eighths + 4) / 8, "") };
     let filled = if unicode { "█" } else { "#" }.repeat(full) + part;
-    let empty = width.saturating_sub(filled.chars().count());
-    filled + &" ".repeat(empty)
+    let empty = if unicode { "·" } else { "." }.repeat(width.saturating_sub(filled.chars().count()));
+    (filled, empty)
 }
 
 /// One column for each share of 0 to 1; `None`: a blank.
@@ -78,11 +78,12 @@ mod tests {
     fn bars_keep_their_width() {
         for unicode in [true, false] {
             for share in 0..=100 {
-                assert_eq!(bar(f64::from(share) / 100.0, 9, unicode).chars().count(), 9);
+                let (full, empty) = bar(f64::from(share) / 100.0, 9, unicode);
+                assert_eq!(full.chars().count() + empty.chars().count(), 9);
             }
         }
-        assert_eq!(bar(0.5, 3, true), "█▌ ");
-        assert_eq!(bar(2.0, 3, false), "###");
+        assert_eq!(bar(0.5, 3, true), ("█▌".to_owned(), "·".to_owned()));
+        assert_eq!(bar(2.0, 3, false), ("###".to_owned(), String::new()));
         assert_eq!(sparkline([Some(0.0), None, Some(1.0)].into_iter(), true), "▁ █");
     }
 }

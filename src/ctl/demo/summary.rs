@@ -14,9 +14,9 @@ use std::collections::BTreeMap;
 
 /// What to do next.
 const HINTS: [(&str, &str); 3] = [
-    ("cermctl demo --scene pi5", "another board; --method tcdic: another method"),
-    ("cermctl check --config FILE", "what to expect of a circuit of your own"),
-    ("cermd --config FILE, cermctl watch", "the same on hardware; hw/cermd.toml is a start"),
+    ("cermctl demo --scene pi5", "another board; or --method tcdic"),
+    ("cermctl check --config FILE", "what to expect of your own circuit"),
+    ("cermd --config FILE, cermctl watch", "on hardware; start from hw/cermd.toml"),
 ];
 
 /// What remains of a reading.
@@ -111,7 +111,7 @@ impl Tally {
     fn fault_names(&self) -> Option<Line> {
         let names: Vec<String> = self.faults.iter().map(|(name, count)| format!("{count} {name}")).collect();
         let why = if self.faults.contains_key("latency-outlier") {
-            " (a late stamp, or the hand moved during the discharge)"
+            " (a late stamp, or the hand moved)"
         } else {
             ""
         };
@@ -126,17 +126,16 @@ impl Tally {
         let errors: Vec<f64> = errors.collect();
         let row = row("error of ohms");
         if errors.is_empty() {
-            return row
-                .add(Style::Plain, "too few readings at rest to compare with the truth; try --seconds 20");
+            return row.add(Style::Plain, "too few readings at rest to tell; try --seconds 20");
         }
         let count = errors.len() as f64;
         let spread = (errors.iter().map(|error| error * error).sum::<f64>() / count).sqrt();
         let within = |u: f64| 100.0 * errors.iter().filter(|error| error.abs() <= u).count() as f64 / count;
         row.add(Style::Plain, format!("{spread:.2} u rms"))
             .add(Style::Dim, " (1 is honest)")
-            .add(Style::Plain, format!(", {:.0} %", within(2.0)))
+            .add(Style::Plain, format!(", {:.0} % within 2 u", within(2.0)))
             .add(Style::Dim, " (95)")
-            .add(Style::Plain, format!(" within 2 u of the truth, {count} readings at rest"))
+            .add(Style::Plain, format!(", {count} at rest"))
     }
 }
 
