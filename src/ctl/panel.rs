@@ -224,3 +224,64 @@ impl Channel {
         Line::default().add(Style::Plain, kept.join("  "))
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::wire::ServerMessage;
+
+    fn reading(at_ms: i64, rest: &str) -> ReadingLine {
+        let line = format!(
+            r#"{{"class":"READING","channel":"thumb","seq":1,"time":"2026-11-21T03:40:00.123456789Z","t_mono_ns":{},{rest},"lost":0}}"#,
+            at_ms * 1_000_000
+        );
+        match ServerMessage::parse(line.as_bytes()).unwrap() {
+            ServerMessage::Reading(reading) => *reading,
+            other => panic!("{other:?}"),
+        }
+    }
+
+    const FULL: &str = r#""status":"ok","r_ohm":1334.6,"r_u_ohm":2.5,"f_n":10.0,"f_u_n":0.02"#;
+    const HALF: &str = r#""status":"ok","r_ohm":2669.2,"r_u_ohm":2.5,"f_n":5.0,"f_u_n":0.01"#;
+    const OPEN: &str = r#""status":"open","r_min_ohm":63000.0,"f_max_n":0.21"#;
+    const FAULT: &str = r#""status":"fault","fault":"missed-edge""#;
+
+    fn panel(readings: &[(i64, &str)]) -> Panel {
+        let info = ChannelInfo { id: "thumb".to_owned(), unit: Unit::Newton };
+        let mut panel = Panel::new([info].iter(), true);
+        readings.iter().for_each(|(at_ms, rest)| panel.feed(&reading(*at_ms, rest)));
+        panel
+    }
+
+    #[test]
+    fn each_state_has_its_words() {
+        let plain = |rest| panel(&[(0, rest)]).plain("thumb");
+        let is = |line: Line, text: &str| assert_eq!(line.text(), text);
+        is(plain(HALF), "03:40:00.123  thumb  5.000 ± 0.010 N  2669.2 ± 2.5 ohm  ok");
+        is(plain(OPEN), "03:40:00.123  thumb  < 0.210 N  > 63000 ohm  open");
+        is(plain(FAULT), "03:40:00.123  thumb  missed-edge  fault");
+        is(
+            panel(&[(0, OPEN), (100, OPEN), (200, OPEN)]).plain("thumb"),
+            "03:40:00.123  thumb  < 0.210 N  > 63000 ohm  open  10.0/s",
+        );
+    }
+
+    #[test]
+    fn the_history_repeats_silence_and_leaves_faults_blank() {
+        let panel = panel(&[(0, OPEN), (1000, FULL), (3000, FAULT), (4000, HALF)]);
+        assert_eq!(
+            panel.channels[0].slots(5_000_000_000, 5),
+            [Some(0.0), Some(1.0), Some(1.0), None, Some(0.5)]
+        );
+        // The first reading is past.
+        assert_eq!(panel.channels[0].slots(4_000_000_000, 4), [Some(1.0), Some(1.0), None, Some(0.5)]);
+    }
+
+    #[test]
+    fn a_narrow_terminal_loses_the_bar_first() {
+        let panel = panel(&[(0, HALF)]);
+        assert!(panel.lines(90)[0].text().contains('█'));
+        let narrow = panel.lines(60)[0].text();
+        assert!(!narrow.contains('█') && narrow.contains("ok"), "{narrow}");
+    }
+}

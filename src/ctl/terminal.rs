@@ -56,6 +56,12 @@ impl Line {
         self
     }
 
+    /// Without its style.
+    #[cfg(test)]
+    pub fn text(&self) -> String {
+        self.render(usize::MAX, false)
+    }
+
     fn length(&self) -> usize {
         self.0.iter().map(|(_, text)| text.chars().count()).sum()
     }

@@ -65,6 +65,23 @@ fn a_tape_gives_the_readings_that_were_made_of_it() {
 }
 
 #[test]
+fn a_tape_has_one_header_also_when_the_offset_is_found_meanwhile() {
+    let daemon = Daemon::start();
+    let tape = daemon.path("tape");
+    let mut record = daemon.spawn(&["record", "--raw", "-o", tape.to_str().unwrap()]);
+    wait_until("the offset is found", || daemon.stats()["offset_known"] == true);
+    let size = || std::fs::metadata(&tape).map_or(0, |file| file.len());
+    let before = size();
+    wait_until("the tape goes on", || size() > before + 10_000);
+    record.interrupt();
+    assert_eq!(record.end(), (Some(0), String::new()));
+    let lines = lines_of(&tape);
+    assert_eq!(lines[0]["class"], "TAPE");
+    assert!(lines[1..].iter().all(|line| line["class"] == "DISCHARGE"));
+    ctl(&["estimate", "--method", "tcdic", tape.to_str().unwrap()]).assert().success().stderr("");
+}
+
+#[test]
 fn the_offset_is_the_tapes_or_the_one_given() {
     let value = |more: &[&str], tape: &str| estimates("cerm", more, tape)[1]["r_ohm"].as_f64().unwrap();
     let given = value(&["--offset", "8 us"], TAPE);
