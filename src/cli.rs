@@ -220,4 +220,12 @@ mod tests {
         Cermd::command().debug_assert();
         Cermctl::command().debug_assert();
     }
+
+    #[test]
+    fn the_help_names_every_board() {
+        let help = Cermctl::command().find_subcommand_mut("demo").unwrap().render_long_help().to_string();
+        for name in crate::pins::sim::Scene::builtin_names() {
+            assert!(help.contains(name), "{name}");
+        }
+    }
 }
