@@ -10,7 +10,7 @@
 //! ```
 //!
 //! With `offset = "auto"`, readings flow from the first cycle on, by full discharges (in whose equations d cancels);
-//! switched ones begin when the offset is known.
+//! switched ones begin when the offset is known. From then on, a split discharge now and then keeps following it.
 
 use crate::discharge::{Outcome, Plan};
 use crate::estimate::Estimator;
@@ -23,6 +23,12 @@ use crate::units::Nanos;
 
 /// A calibration discharge that came to nothing is taken again so many times.
 const RETRIES: u32 = 2;
+/// Rounds of split calibration after which the offset is put in force, and again after each so many further ones.
+const ROUNDS: usize = 64;
+/// Rounds that the offset is the mean of, when there have been that many.
+const WINDOW: usize = 8 * ROUNDS;
+/// Once the offset is known, one cycle in so many has a split discharge.
+const FOLLOW_EVERY: u64 = 8;
 /// A switched discharge must promise so much less variance than the branch in use, or the branch stays: no chatter.
 const HYSTERESIS: f64 = 0.8;
 
@@ -75,8 +81,8 @@ impl Cycle {
         let [r1, r2] = settings.r_ohm;
         let (offset, split) = match settings.offset {
             OffsetSource::Given(d_ns) => (Offset::given(d_ns), None),
-            OffsetSource::Rounds(rounds) => {
-                (Offset::default(), Some(SplitCalibration::new(r1, r2, settings.nodes(), rounds)))
+            OffsetSource::Auto => {
+                (Offset::default(), Some(SplitCalibration::new(r1, r2, settings.nodes(), WINDOW)))
             }
         };
         Cycle {
@@ -97,13 +103,17 @@ impl Cycle {
     pub fn stats(&self) -> Stats {
         let mut stats = self.stats;
         stats.offset = self.estimator.offset();
-        stats.offset_is_known = self.split.is_none();
+        stats.offset_is_known = self.offset_is_known();
         stats
     }
 
     /// The estimator, with the calibration in force.
     pub fn estimator(&self) -> &Estimator {
         &self.estimator
+    }
+
+    fn offset_is_known(&self) -> bool {
+        self.split.as_ref().is_none_or(|split| split.taken() >= ROUNDS)
     }
 
     /// Whether a cycle is about to begin.
@@ -160,7 +170,7 @@ impl Cycle {
     /// When to switch from the sensor to R_2, if the next x discharge of a channel is to be switched at all.
     fn switch_time(&self, channel: usize) -> Option<Nanos> {
         let settings = &self.settings;
-        if !matches!(settings.method, Method::Cerm | Method::Qerm) || self.split.is_some() {
+        if !matches!(settings.method, Method::Cerm | Method::Qerm) || !self.offset_is_known() {
             return None;
         }
         let memory = &self.memory[channel];
@@ -193,7 +203,8 @@ impl Cycle {
         match self.step {
             Step::First => self.calibrated(outcome, Step::Second),
             Step::Second => {
-                let after = if self.split.is_some() { Step::Split } else { Step::Sensor(0) };
+                let due = !self.offset_is_known() || self.stats.cycles % FOLLOW_EVERY == 0;
+                let after = if self.split.is_some() && due { Step::Split } else { Step::Sensor(0) };
                 self.calibrated(outcome, after);
             }
             Step::Split => self.split_done(outcome),
@@ -220,13 +231,12 @@ impl Cycle {
     fn split_done(&mut self, outcome: &Outcome) {
         self.step = Step::Sensor(0);
         let (Some(split), Some((c1, c2))) = (&mut self.split, self.estimator.calibration()) else { return };
-        if let Ok(record) = &outcome.result {
-            split.add(c1, c2, record);
-        }
-        if split.is_complete() {
-            if let Some(offset) = split.result(self.estimator.noise(), c2) {
+        let Ok(record) = &outcome.result else { return };
+        let before = split.taken();
+        split.add(c1, c2, record, self.estimator.noise());
+        if split.taken() != before && split.taken() % ROUNDS == 0 {
+            if let Some(offset) = split.result() {
                 self.estimator.set_offset(offset);
-                self.split = None;
             }
         }
     }

@@ -184,7 +184,7 @@ impl Header {
             circuit: TapeCircuit { kind, r_c1_ohm: config.circuit.r_c1.0, r_c2_ohm: config.circuit.r_c2.0 },
             offset_ns: match settings.offset {
                 OffsetSource::Given(d_ns) => Some(d_ns),
-                OffsetSource::Rounds(_) => None,
+                OffsetSource::Auto => None,
             },
             channels: config.channels.iter().map(channel).collect(),
         }
