@@ -20,7 +20,7 @@
 //! | one discharge, and its timings | [`discharge`], [`record`], [`tape`] |
 //! | timings to ohms and newtons, pure | [`method`], [`noise`], [`offset`], [`estimate`], [`force`], [`replay`] |
 //! | which discharges, in which order | [`cycle`], [`instrument`], [`stats`] |
-//! | what a client is told | [`reading`], [`wire`], [`server`], client |
+//! | what a client is told | [`reading`], [`wire`], [`server`], [`client`] |
 //! | threads, signals, the service manager | [`daemon`] |
 //!
 //! Pure code takes time as an argument; only [`daemon`] and the pins know that time passes by itself. The simulated
@@ -32,6 +32,7 @@
 
 pub mod backend;
 pub mod circuit;
+pub mod client;
 pub mod config;
 pub mod cycle;
 pub mod daemon;

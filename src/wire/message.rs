@@ -174,18 +174,24 @@ pub struct ReadingLine {
 #[error("the server sent what is not a line of this protocol ({0}); is it a cermd of this major version?")]
 pub struct UnreadableLine(String);
 
+impl UnreadableLine {
+    pub(crate) fn new(why: impl Into<String>) -> UnreadableLine {
+        UnreadableLine(why.into())
+    }
+}
+
 impl ServerMessage {
     /// Reads a line of the server.
     ///
     /// # Errors
     /// It is not a JSON object with a class, or a field has another type than this protocol says.
     pub fn parse(line: &[u8]) -> Result<ServerMessage, UnreadableLine> {
-        let unreadable = |error: serde_json::Error| UnreadableLine(error.to_string());
+        let unreadable = |error: serde_json::Error| UnreadableLine::new(error.to_string());
         let Value::Object(mut fields) = serde_json::from_slice(line).map_err(unreadable)? else {
-            return Err(UnreadableLine("not an object".to_owned()));
+            return Err(UnreadableLine::new("not an object"));
         };
         let Some(Value::String(class)) = fields.remove("class") else {
-            return Err(UnreadableLine("no class".to_owned()));
+            return Err(UnreadableLine::new("no class"));
         };
         Ok(match class.as_str() {
             "VERSION" => {
@@ -199,7 +205,7 @@ impl ServerMessage {
             "ERROR" => {
                 let mut text = |key: &str| match fields.remove(key) {
                     Some(Value::String(text)) => Ok(text),
-                    _ => Err(UnreadableLine(format!("ERROR without {key}"))),
+                    _ => Err(UnreadableLine::new(format!("ERROR without {key}"))),
                 };
                 ServerMessage::Error { code: text("code")?, message: text("message")? }
             }
