@@ -21,6 +21,10 @@ pub struct Trace<P> {
 pub enum Failed {
     /// [`PinsError::Conflict`].
     Conflict,
+    /// [`PinsError::Unwired`].
+    Unwired,
+    /// [`PinsError::Gone`].
+    Gone,
     /// [`PinsError::Call`].
     Call,
     /// [`PinsError::Ended`].
@@ -31,6 +35,8 @@ impl From<&PinsError> for Failed {
     fn from(error: &PinsError) -> Failed {
         match error {
             PinsError::Conflict(_) => Failed::Conflict,
+            PinsError::Unwired(_) => Failed::Unwired,
+            PinsError::Gone { .. } => Failed::Gone,
             PinsError::Call { .. } => Failed::Call,
             PinsError::Ended => Failed::Ended,
         }
@@ -139,6 +145,8 @@ impl fmt::Display for Failed {
         f.write_str(match self {
             Failed::Conflict => "refused: conflict",
             Failed::Call => "failed",
+            Failed::Unwired => "unwired",
+            Failed::Gone => "gone",
             Failed::Ended => "ended",
         })
     }
