@@ -159,6 +159,7 @@ impl Cycle {
             settle: settings.settle,
             timeout: settings.deadline,
             widest_bracket: self.calls.widest(),
+            single_call: self.calls.single(),
         }
     }
 
@@ -199,7 +200,9 @@ impl Cycle {
     /// Takes the outcome of the discharge that [`Cycle::next`] asked for, `now` being the time; answers a reading when
     /// it was a sensor's.
     pub fn done(&mut self, outcome: &Outcome, now: Nanos) -> Option<Reading> {
-        self.calls.add(outcome.widest_call);
+        if let (Step::First, Some(call)) = (self.step, outcome.start_call) {
+            self.calls.add(call);
+        }
         match self.step {
             Step::First => self.calibrated(outcome, Step::Second),
             Step::Second => {
@@ -296,26 +299,34 @@ fn middle_of(record: &Record) -> Nanos {
     record.start + Nanos((end / 2.0) as i64)
 }
 
-/// Follows how long the calls take that switch lines, to tell an interrupted one from a usual one.
+/// Follows how long a call takes that switches one line, to tell an interrupted one from a usual one, and to place the
+/// moment at which the line moves.
 #[derive(Debug, Clone, Copy, Default)]
 struct CallGate {
-    /// The median of the widest call of each discharge, ns.
-    typical_ns: Option<f64>,
+    /// The median, ns.
+    single_ns: Option<f64>,
 }
 
 impl CallGate {
-    /// A call longer than this was interrupted: the line may have moved anywhere in it.
-    fn widest(&self) -> Nanos {
-        self.typical_ns.map_or(Nanos::MAX, |typical| Nanos((4.0 * typical + 2000.0) as i64))
+    fn single(&self) -> Option<Nanos> {
+        self.single_ns.map(|single| Nanos(single as i64))
     }
 
-    /// Steps towards each value, not by it: a long call moves the median no more than a short one.
-    fn add(&mut self, widest: Nanos) {
-        let width = widest.as_ns();
-        self.typical_ns = Some(match self.typical_ns {
-            None => width,
-            Some(typical) if width > typical => (typical * 1.05).max(1.0),
-            Some(typical) => typical / 1.05,
+    /// A call longer than this was interrupted: the line may have moved anywhere in it. A call for two lines takes less
+    /// than two calls.
+    fn widest(&self) -> Nanos {
+        self.single_ns.map_or(Nanos::MAX, |single| Nanos((4.0 * single + 2000.0) as i64))
+    }
+
+    /// Steps towards each value, not by it: a long call moves the median no more than a short one. The steps are small
+    /// beside the calls, and so are they beside the jitter of crossings.
+    fn add(&mut self, call: Nanos) {
+        let call = call.as_ns();
+        self.single_ns = Some(match self.single_ns {
+            None => call,
+            Some(single) if (call - single).abs() <= 0.01 * single => single,
+            Some(single) if call > single => (single * 1.01).max(1.0),
+            Some(single) => single / 1.01,
         });
     }
 }

@@ -34,3 +34,31 @@ fn explore() {
         }
     }
 }
+
+#[test]
+#[ignore]
+fn look() {
+    for (scene, method, r) in [
+        ("fpga-paper", Method::Cerm, 100.0),
+        ("pi4", Method::Cerm, 100.0),
+        ("pi-zero", Method::Qerm, 310.0),
+        ("pi-zero", Method::Cerm, 310.0),
+    ] {
+        for seed in 0..3 {
+            let mut i = Bench::new(scene, method, r, seed, "deadline = \"400 ms\"").instrument();
+            settle(&mut i);
+            read(&mut i, 600, |_| {});
+            let e = i.cycle().estimator();
+            let (c1, c2) = e.calibration().unwrap();
+            let ratio = (r - 2320.0) / (e.r2() - 2320.0);
+            println!(
+                "{scene} {:?} offset {:?}\n  c1 {c1:?} c2 {c2:?} cov c1 {:?} c2 {:?}\n pred {:?}",
+                method,
+                e.offset(),
+                e.noise().covariance(c1),
+                e.noise().covariance(c2),
+                e.predict(ratio, 0.9, 0.0).map(|v| v.map(|v| v.sqrt() * (e.r2() - 2320.0)))
+            );
+        }
+    }
+}
