@@ -375,3 +375,6 @@ impl Sensor {
         Ok(())
     }
 }
+
+#[cfg(test)]
+mod tests;
