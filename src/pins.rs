@@ -10,6 +10,9 @@
 use crate::units::Nanos;
 use std::fmt;
 
+pub mod chardev;
+pub mod chardev_v1;
+pub mod contract;
 pub mod faulty;
 pub mod sim;
 pub mod trace;
@@ -81,6 +84,11 @@ impl Drives {
     /// Whether no line drives.
     pub const fn is_none(self) -> bool {
         self.0 == 0
+    }
+
+    /// The lines that are in both sets.
+    pub const fn only(self, other: Drives) -> Drives {
+        Drives(self.0 & other.0)
     }
 
     /// How many lines drive.
@@ -190,6 +198,15 @@ pub enum PinsError {
     /// A charger and a sink were asked to drive at once; nothing was switched.
     #[error("refused to drive {0}: a charger and a sink would drive against each other")]
     Conflict(Drives),
+    /// A part that no line plays was asked to drive; nothing was switched.
+    #[error("refused to drive {0}: no line is wired to it")]
+    Unwired(Drives),
+    /// The chip has disappeared, its driver unbound or the board unplugged: let go, and open it again later.
+    #[error("the GPIO chip {chip} is gone")]
+    Gone {
+        /// Name and label it had.
+        chip: String,
+    },
     /// A kernel call failed.
     #[error("{call} on {line} failed: {source}; {hint}")]
     Call {
@@ -236,23 +253,29 @@ pub trait Pins {
     fn levels(&mut self) -> Result<Levels, PinsError>;
 }
 
-impl<P: Pins + ?Sized> Pins for &mut P {
-    fn now(&mut self) -> Nanos {
-        (**self).now()
-    }
-    fn drive(&mut self, on: Drives) -> Result<Bracket, PinsError> {
-        (**self).drive(on)
-    }
-    fn arm(&mut self) -> Result<Armed, PinsError> {
-        (**self).arm()
-    }
-    fn edge(&mut self, until: Nanos) -> Result<Option<Edge>, PinsError> {
-        (**self).edge(until)
-    }
-    fn sleep_until(&mut self, at: Nanos) -> Result<(), PinsError> {
-        (**self).sleep_until(at)
-    }
-    fn levels(&mut self) -> Result<Levels, PinsError> {
-        (**self).levels()
-    }
+macro_rules! forward_pins {
+    ($($pointer:ty),*) => {$(
+        impl<P: Pins + ?Sized> Pins for $pointer {
+            fn now(&mut self) -> Nanos {
+                (**self).now()
+            }
+            fn drive(&mut self, on: Drives) -> Result<Bracket, PinsError> {
+                (**self).drive(on)
+            }
+            fn arm(&mut self) -> Result<Armed, PinsError> {
+                (**self).arm()
+            }
+            fn edge(&mut self, until: Nanos) -> Result<Option<Edge>, PinsError> {
+                (**self).edge(until)
+            }
+            fn sleep_until(&mut self, at: Nanos) -> Result<(), PinsError> {
+                (**self).sleep_until(at)
+            }
+            fn levels(&mut self) -> Result<Levels, PinsError> {
+                (**self).levels()
+            }
+        }
+    )*};
 }
+
+forward_pins!(&mut P, Box<P>);

@@ -1,0 +1,253 @@
+//! For: real GPIO lines through the Linux character device, uAPI v2 (kernel 5.10 and later). Must not know: what a
+//! discharge is.
+//!
+//! Two requests. The *drive request* holds sinks (open drain) and dedicated chargers (open source): a change of
+//! direction is one SET_VALUES, which touches no interrupt. The *sense request* holds the sense lines, inputs with
+//! falling edges for ever. In the published wiring, where the sense lines charge as well, they are reconfigured
+//! (SET_CONFIG) around each charge, but never between [`arm`](Pins::arm) and the next charge: setting up an edge
+//! interrupt takes tens of microseconds.
+//!
+//! Kernel behaviour: drivers/gpio/gpiolib-cdev.c. A level change while an edge is being set up gives no event, so
+//! `arm` reads the levels last. Unread events survive a change of direction, so `arm` drains them.
+
+use self::chips::Chip;
+use self::edges::EdgeBuffer;
+use self::error::{as_io, while_running};
+use self::request::{Switching, charging, drive_request, inputs, released, sense_request, watching};
+use self::wait::{monotonic, readable, sleep_until};
+use self::wiring::Lines;
+use super::{Armed, Bracket, Drives, Edge, Levels, Pins, PinsError};
+use crate::units::Nanos;
+use gpiocdev_uapi::v2::{self, LineConfig, LineValues};
+use nix::fcntl::{FcntlArg, OFlag, fcntl};
+use nix::poll::{PollFd, PollFlags};
+use std::fs::File;
+use std::os::fd::AsFd;
+
+pub(super) mod chips;
+mod edges;
+pub(super) mod error;
+pub(super) mod release;
+mod request;
+pub(super) mod wait;
+pub(super) mod wiring;
+
+pub use chips::{ChipListing, LineListing, Listing, list};
+pub use error::OpenError;
+pub use release::release_lines;
+pub use wait::SpinMargin;
+pub use wiring::Wiring;
+
+/// What errors call the lines of the sense request.
+const SENSE_LINES: &str = "the sense lines";
+/// The lines of one circuit, held until dropped; then all of them are inputs.
+#[derive(Debug)]
+pub struct Chardev {
+    chip: String,
+    lines: Lines,
+    wired: Drives,
+    drive_file: File,
+    sense_file: File,
+    /// What drives now; `None` after a failed call, when every line may.
+    driving: Option<Drives>,
+    /// Whether the sense lines are inputs with falling edges; where they charge, only from `arm` to the next charge.
+    watching: bool,
+    edges: EdgeBuffer,
+    margin: SpinMargin,
+}
+
+impl Chardev {
+    /// Requests all lines of the wiring; nothing drives afterwards.
+    ///
+    /// # Errors
+    /// [`OpenError`], with the likely cause: no such chip or line, no permission, a line held by someone else, a
+    /// kernel without uAPI v2.
+    pub fn open(wiring: &Wiring) -> Result<Chardev, OpenError> {
+        let chip = Chip::find(&wiring.chip)?;
+        let lines = wiring.resolve(&chip)?;
+        let get_line = |request: v2::LineRequest, titles: String| {
+            let offsets = request.offsets.0[..request.num_lines as usize].to_vec();
+            v2::get_line(&chip.file, request)
+                .map_err(|error| chip.refusal("GET_LINE", titles, &offsets, as_io(error)))
+        };
+        let titles = |lines: &mut dyn Iterator<Item = &wiring::Line>| {
+            lines.map(|line| line.title.as_str()).collect::<Vec<_>>().join(", ")
+        };
+        let drive_titles = titles(&mut lines.drives.iter().map(|drive| &drive.line));
+        let drive_file = get_line(drive_request(&lines, &wiring.consumer), drive_titles)?;
+        let sense_titles = titles(&mut lines.sense.iter());
+        let sense_file = get_line(sense_request(&lines, wiring), sense_titles.clone())?;
+        fcntl(&sense_file, FcntlArg::F_SETFL(OFlag::O_NONBLOCK))
+            .map_err(|errno| chip.refusal("F_SETFL", sense_titles, &[], errno.into()))?;
+        Ok(Chardev {
+            chip: chip.title(),
+            wired: lines.wired(),
+            driving: Some(Drives::NONE),
+            watching: !lines.sense_charges,
+            lines,
+            drive_file,
+            sense_file,
+            edges: EdgeBuffer::default(),
+            margin: SpinMargin::default(),
+        })
+    }
+
+    /// How long before an instant sleeping turns into spinning now.
+    pub fn spin_margin(&self) -> SpinMargin {
+        self.margin
+    }
+
+    /// The sense lines that are to charge, when `on` drives and they are wired for it.
+    fn charging_by_sense(&self, on: Drives) -> Drives {
+        if self.lines.sense_charges { on.only(Drives::CHARGE) } else { Drives::NONE }
+    }
+
+    fn configure_sense(&mut self, config: LineConfig) -> Result<(), PinsError> {
+        self.watching = false;
+        v2::set_line_config(&self.sense_file, config)
+            .map_err(|error| while_running("SET_CONFIG", SENSE_LINES, &self.chip, as_io(error)))
+    }
+
+    fn set_values(&self, values: &LineValues) -> Result<(), PinsError> {
+        v2::set_line_values(&self.drive_file, values)
+            .map_err(|error| while_running("SET_VALUES", &self.titles(*values), &self.chip, as_io(error)))
+    }
+
+    /// Releases, then drives: sense lines that charge are released before any sink drives, and charge after all
+    /// sinks are released.
+    fn switch(&mut self, from: Drives, to: Drives) -> Result<(), PinsError> {
+        let charged = self.charging_by_sense(from);
+        let charge = self.charging_by_sense(to);
+        if !charge.contains(charged) {
+            self.configure_sense(charging(charged.only(charge)))?;
+        }
+        for values in Switching::plan(&self.lines, from, to).calls() {
+            self.set_values(values)?;
+        }
+        if !charged.contains(charge) {
+            self.configure_sense(charging(charge))?;
+        }
+        Ok(())
+    }
+
+    fn release_all(&mut self) -> Result<(), PinsError> {
+        if self.lines.sense_charges {
+            self.configure_sense(inputs())?;
+        }
+        self.set_values(&released(&self.lines))
+    }
+
+    fn titles(&self, values: LineValues) -> String {
+        let named = self.lines.drives.iter().enumerate().filter(|(bit, _)| values.mask & 1 << bit != 0);
+        named.map(|(_, drive)| drive.line.title.as_str()).collect::<Vec<_>>().join(", ")
+    }
+
+    /// Fetches what edges there are, without waiting; whether there were any.
+    fn fetch(&mut self) -> Result<bool, PinsError> {
+        match v2::read_event(&self.sense_file, self.edges.room()) {
+            Ok(words) => Ok(self.edges.filled(words, &self.lines)),
+            Err(v2::Error::Os(errno)) if [libc::EAGAIN, libc::EINTR].contains(&errno.0) => Ok(false),
+            Err(error) => Err(while_running("read", SENSE_LINES, &self.chip, as_io(error))),
+        }
+    }
+}
+
+/// What is to drive when `on` is asked for and these lines are wired. A circuit without a charger of node B is
+/// charged by that of node A alone.
+pub(super) fn to_be_driven(on: Drives, wired: Drives) -> Result<Drives, PinsError> {
+    if on.conflicts() {
+        return Err(PinsError::Conflict(on));
+    }
+    let on = on.without(Drives::CHARGE_B.without(wired));
+    let unwired = on.without(wired);
+    if unwired.is_none() { Ok(on) } else { Err(PinsError::Unwired(unwired)) }
+}
+
+impl Pins for Chardev {
+    fn now(&mut self) -> Nanos {
+        monotonic()
+    }
+
+    /// The published wiring takes a SET_CONFIG of the sense lines where a charger switches; the bracket is around all
+    /// calls.
+    ///
+    /// # Errors
+    /// [`PinsError::Unwired`] if a line of `on` is not wired, before anything is touched.
+    fn drive(&mut self, on: Drives) -> Result<Bracket, PinsError> {
+        let on = to_be_driven(on, self.wired)?;
+        let before = monotonic();
+        let from = match self.driving.take() {
+            Some(driving) => driving,
+            None => self.release_all().map(|()| Drives::NONE)?,
+        };
+        self.switch(from, on)?;
+        self.driving = Some(on);
+        Ok(Bracket { before, after: monotonic() })
+    }
+
+    fn arm(&mut self) -> Result<Armed, PinsError> {
+        if !self.watching {
+            self.configure_sense(watching())?;
+            self.watching = true;
+            self.driving = self.driving.map(|driving| driving.without(self.charging_by_sense(driving)));
+        }
+        while self.fetch()? {}
+        self.edges.forget();
+        let (seqno, line_seqno) = self.edges.last_numbers();
+        Ok(Armed { levels: self.levels()?, seqno, line_seqno })
+    }
+
+    fn edge(&mut self, until: Nanos) -> Result<Option<Edge>, PinsError> {
+        loop {
+            if let Some(edge) = self.edges.take(&self.lines) {
+                return Ok(Some(edge));
+            }
+            if self.fetch()? {
+                continue;
+            }
+            if monotonic() >= until {
+                return Ok(None);
+            }
+            let mut watched = [PollFd::new(self.sense_file.as_fd(), PollFlags::POLLIN)];
+            readable(&mut watched, until)
+                .map_err(|errno| while_running("ppoll", SENSE_LINES, &self.chip, errno.into()))?;
+        }
+    }
+
+    fn sleep_until(&mut self, at: Nanos) -> Result<(), PinsError> {
+        sleep_until(at, &mut self.margin)
+            .map_err(|errno| while_running("clock_nanosleep", "CLOCK_MONOTONIC", &self.chip, errno.into()))
+    }
+
+    fn levels(&mut self) -> Result<Levels, PinsError> {
+        let mask = (1 << self.lines.sense.len()) - 1;
+        let mut values = LineValues { bits: 0, mask };
+        v2::get_line_values(&self.sense_file, &mut values)
+            .map_err(|error| while_running("GET_VALUES", SENSE_LINES, &self.chip, as_io(error)))?;
+        Ok(Levels { a: values.get(0).unwrap_or(true), b: values.get(1).unwrap_or(true) })
+    }
+}
+
+impl Drop for Chardev {
+    /// Every line becomes an input before the kernel gets it back: some kernels leave outputs as they are. Nothing can
+    /// be done about an error here; the chip is gone.
+    fn drop(&mut self) {
+        let _ = v2::set_line_config(&self.sense_file, inputs());
+        let _ = v2::set_line_config(&self.drive_file, inputs());
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_cannot_drive_is_refused() {
+        let wired = Drives::CHARGE_A.and(Drives::C1).and(Drives::x(0));
+        let refused = |on| to_be_driven(on, wired).unwrap_err();
+        assert!(matches!(refused(Drives::CHARGE.and(Drives::C1)), PinsError::Conflict(_)));
+        assert!(matches!(refused(Drives::C2.and(Drives::C1)), PinsError::Unwired(Drives::C2)));
+        assert_eq!(to_be_driven(Drives::CHARGE, wired).unwrap(), Drives::CHARGE_A);
+        assert_eq!(to_be_driven(Drives::x(0), wired).unwrap(), Drives::x(0));
+    }
+}

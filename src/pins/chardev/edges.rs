@@ -1,0 +1,127 @@
+//! For: edges between the kernel's buffer and the caller, and the numbers of the last ones. Must not know: how they are
+//! waited for.
+
+use super::wiring::Lines;
+use crate::pins::{Edge, Node};
+use crate::units::Nanos;
+use gpiocdev_uapi::v2::LineEdgeEvent;
+
+/// How many edges one read fetches at most.
+const EDGES: usize = 16;
+/// The length of `struct gpio_v2_line_event` in words.
+const WORDS: usize = size_of::<LineEdgeEvent>() / size_of::<u64>();
+
+/// The edges of one read, handed out one by one.
+#[derive(Debug)]
+pub(super) struct EdgeBuffer {
+    words: [u64; EDGES * WORDS],
+    next: usize,
+    count: usize,
+    seqno: u32,
+    line_seqno: [u32; 2],
+}
+
+impl Default for EdgeBuffer {
+    fn default() -> EdgeBuffer {
+        EdgeBuffer { words: [0; EDGES * WORDS], next: 0, count: 0, seqno: 0, line_seqno: [0; 2] }
+    }
+}
+
+impl EdgeBuffer {
+    /// Where a read may put events; those not yet taken are lost.
+    pub fn room(&mut self) -> &mut [u64] {
+        self.forget();
+        &mut self.words
+    }
+
+    /// Notes that a read has put so many words of events into the room; whether it was any.
+    pub fn filled(&mut self, words: usize, lines: &Lines) -> bool {
+        self.count = words / WORDS;
+        for position in 0..self.count {
+            if let Some(edge) = self.edge(position, lines) {
+                self.seqno = edge.seqno;
+                self.line_seqno[edge.node.index()] = edge.line_seqno;
+            }
+        }
+        self.count > 0
+    }
+
+    /// The next edge.
+    pub fn take(&mut self, lines: &Lines) -> Option<Edge> {
+        while self.next < self.count {
+            self.next += 1;
+            if let Some(edge) = self.edge(self.next - 1, lines) {
+                return Some(edge);
+            }
+        }
+        None
+    }
+
+    /// Drops the edges that have not been taken; their numbers stay known.
+    pub fn forget(&mut self) {
+        (self.next, self.count) = (0, 0);
+    }
+
+    /// `seqno`, and for each node `line_seqno`, of the last edges that were read.
+    pub fn last_numbers(&self) -> (u32, [u32; 2]) {
+        (self.seqno, self.line_seqno)
+    }
+
+    fn edge(&self, position: usize, lines: &Lines) -> Option<Edge> {
+        let event = LineEdgeEvent::from_slice(self.words.get(position * WORDS..)?).ok()?;
+        let node: Node = lines.node_at(event.offset)?;
+        let at = Nanos(event.timestamp_ns as i64);
+        Some(Edge { node, at, seqno: event.seqno, line_seqno: event.line_seqno })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::wiring::tests::{lines, wiring};
+    use super::*;
+
+    /// An event as the kernel writes it: stamp, then id, offset, seqno and line_seqno as 32 bit each, then padding.
+    fn event(at: u64, offset: u32, seqno: u32, line_seqno: u32) -> [u64; WORDS] {
+        let pair = |low: u32, high: u32| {
+            let mut bytes = [0; 8];
+            bytes[..4].copy_from_slice(&low.to_ne_bytes());
+            bytes[4..].copy_from_slice(&high.to_ne_bytes());
+            u64::from_ne_bytes(bytes)
+        };
+        [at, pair(2, offset), pair(seqno, line_seqno), 0, 0, 0]
+    }
+
+    fn fill(buffer: &mut EdgeBuffer, events: &[[u64; WORDS]]) -> bool {
+        let words = events.concat();
+        buffer.room()[..words.len()].copy_from_slice(&words);
+        buffer.filled(words.len(), &lines(&wiring()))
+    }
+
+    #[test]
+    fn edges_come_out_one_by_one_with_their_nodes() {
+        let mut buffer = EdgeBuffer::default();
+        assert!(fill(&mut buffer, &[event(1_000, 5, 7, 4), event(2_000, 6, 8, 4)]));
+        let lines = lines(&wiring());
+        let a = Edge { node: Node::A, at: Nanos(1_000), seqno: 7, line_seqno: 4 };
+        let b = Edge { node: Node::B, at: Nanos(2_000), seqno: 8, line_seqno: 4 };
+        assert_eq!([buffer.take(&lines), buffer.take(&lines), buffer.take(&lines)], [Some(a), Some(b), None]);
+    }
+
+    #[test]
+    fn forgotten_edges_leave_their_numbers() {
+        let mut buffer = EdgeBuffer::default();
+        fill(&mut buffer, &[event(1, 5, u32::MAX, 30), event(2, 5, 0, 31), event(3, 6, 1, 12)]);
+        buffer.forget();
+        assert_eq!(buffer.take(&lines(&wiring())), None);
+        assert_eq!(buffer.last_numbers(), (1, [31, 12]), "numbers wrap");
+    }
+
+    #[test]
+    fn an_empty_read_has_no_edges() {
+        let mut buffer = EdgeBuffer::default();
+        fill(&mut buffer, &[event(1, 5, 1, 1)]);
+        assert!(!fill(&mut buffer, &[]));
+        assert_eq!(buffer.take(&lines(&wiring())), None);
+        assert_eq!(buffer.last_numbers(), (1, [1, 0]));
+    }
+}
