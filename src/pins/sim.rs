@@ -25,7 +25,6 @@ mod kernel;
 pub mod latency;
 pub mod network;
 pub mod noise;
-pub mod quantity;
 pub mod scene;
 pub mod sensor;
 mod truth;

@@ -2,7 +2,7 @@
 //!
 //! For: R_x as a function of time. Must not know: how it is measured.
 
-use super::quantity::{Hertz, Newton, NewtonOhm, Ohm, Seconds};
+use crate::units::{Hertz, Newton, NewtonOhm, Ohm, Seconds};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use serde::Deserialize;

@@ -1,6 +1,6 @@
 use super::*;
 use crate::pins::Node;
-use quantity::Ohm;
+use crate::units::{Ohm, Seconds};
 
 const MS: i64 = 1_000_000;
 
@@ -335,8 +335,8 @@ fn a_ramp_is_integrated() {
     let scene = with("").with_sensors(vec![Sensor::Ramp {
         from: Ohm(1000.0),
         to: Ohm(101_000.0),
-        start: quantity::Seconds(0.0),
-        duration: quantity::Seconds(1.0),
+        start: Seconds(0.0),
+        duration: Seconds(1.0),
     }]);
     let mut pins = SimPins::new(&scene.unwrap(), None);
     let (start, edges) = discharge(&mut pins, Drives::x(0));

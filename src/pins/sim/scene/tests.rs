@@ -32,7 +32,7 @@ fn errors_name_the_key_and_the_remedy() {
     let unknown = changed("v-dd", "vdd");
     assert!(unknown.contains("vdd") && unknown.contains("expected one of"), "{unknown}");
     let unit = changed("2.2 uF", "2.2 uH");
-    assert!(unit.contains("line 6") && unit.contains("write it like \"2.2 uF\""), "{unit}");
+    assert!(unit.contains("line 6") && unit.contains("such as \"2.2 uF\""), "{unit}");
     for (from, to, key) in [
         ("680 nF", "0 F", "circuit.c-b: has to be above 0"),
         ("falling = \"1.3 V\"", "falling = \"3.4 V\"", "circuit.threshold: has to be below v-dd"),
