@@ -21,13 +21,14 @@ fn discharge(pins: &mut SimPins) -> Result<Nanos, PinsError> {
     Ok(last.map_or(Nanos::ZERO, |edge| edge.at - start.after))
 }
 
-fn main() {
+fn main() -> Result<(), Box<dyn std::error::Error>> {
     let mut criterion = Criterion::default().configure_from_args();
     for name in ["ideal", "fpga-paper", "pi4"] {
-        let scene = Scene::builtin(name).unwrap();
+        let scene = Scene::builtin(name)?;
         let mut pins = SimPins::new(&scene, None);
-        assert!(discharge(&mut pins).unwrap() > Nanos::ZERO, "the discharge has to end");
+        assert!(discharge(&mut pins)? > Nanos::ZERO, "the discharge has to end");
         criterion.bench_function(&format!("discharge {name}"), |b| b.iter(|| discharge(&mut pins)));
     }
     criterion.final_summary();
+    Ok(())
 }
