@@ -263,6 +263,21 @@ mod tests {
     }
 
     #[test]
+    fn a_tape_begins_with_its_header_and_has_no_past() {
+        let mut hub = hub(4);
+        hub.tape_header = b"{\"class\":\"TAPE\"}\n".to_vec();
+        let mut session = Session::new(&hub, false);
+        let discharge =
+            |hub: &mut Hub, line: &[u8]| hub.ring.push(Kind::Raw(None), Nanos(0), |out| out.extend(line));
+        discharge(&mut hub, b"before\n");
+        let watch = answers(&mut session, &hub, "{\"class\":\"WATCH\",\"raw\":true}\n");
+        assert!(watch.ends_with("]}\n{\"class\":\"TAPE\"}\n"), "{watch}");
+        discharge(&mut hub, b"after\n");
+        assert_eq!(answers(&mut session, &hub, ""), "after\n");
+        assert_eq!(answers(&mut session, &hub, "{\"class\":\"WATCH\",\"raw\":true}\n"), "");
+    }
+
+    #[test]
     fn an_idle_client_holds_next_to_nothing() {
         let hub = hub(4);
         let mut session = Session::new(&hub, false);
