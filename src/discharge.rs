@@ -263,7 +263,9 @@ impl Discharge {
         let single_ns = self.plan.single_call.unwrap_or(self.start.width()).as_ns();
         let since_start = |at: Nanos| (at - self.start.before).as_ns() - single_ns / 2.0;
         let [a_ns, b_ns] = self.crossings.map(|crossing| crossing.map(since_start));
-        let between_ns = |call: Bracket, lines: u32| if lines > 1 { (call.width().as_ns() - single_ns).max(0.0) } else { 0.0 };
+        let between_ns = |call: Bracket, lines: u32| {
+            if lines > 1 { (call.width().as_ns() - single_ns).max(0.0) } else { 0.0 }
+        };
         Record {
             through: self.plan.through,
             start: self.start.before,

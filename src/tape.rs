@@ -279,7 +279,7 @@ impl Header {
         let record = Record {
             through: through(line.through)?,
             start: Nanos::ZERO,
-second_ns: line.second_ns,
+            second_ns: line.second_ns,
             switch,
             a_ns: line.a_ns,
             b_ns: line.b_ns,

@@ -1,3 +1,4 @@
+#![allow(clippy::unwrap_used, clippy::panic)] // A test that cannot be set up fails.
 //! Honest uncertainty: 95 % of the readings lie within two of their own sigma.
 mod common;
 

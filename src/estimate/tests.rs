@@ -20,7 +20,7 @@ impl Bench {
         Record {
             through,
             start: Nanos::ZERO,
-second_ns: 0.0,
+            second_ns: 0.0,
             switch: None,
             a_ns: parts[0].map(|t| t + self.d),
             b_ns: parts[1].map(|t| t + self.d),

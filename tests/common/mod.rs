@@ -3,11 +3,11 @@
 
 use cermd::config::Config;
 use cermd::instrument::{Instrument, Message};
-use cermd::pins::sim::quantity::Ohm;
 use cermd::pins::sim::{Kind, Scene, Sensor, SimPins};
 use cermd::reading::{Method, Reading, Status};
 use cermd::record::Record;
 use cermd::settings::Settings;
+use cermd::units::Ohm;
 
 /// What a test runs: a board by name, and what is changed on it and in the configuration.
 #[derive(Debug, Clone)]
