@@ -1,12 +1,12 @@
 //! Holds a real chip with a real circuit to the contract of `Pins`, and times the calls.
 //!
-//! `contract --chip LABEL [--backend chardev-v1] [--sense-charges]`: the pinout is that of the example configuration.
+//! `contract --chip LABEL [--backend chardev-v1] [--sense-charges] [--release-lines]`: the pinout is that of the example configuration.
 //! One line a clause, "held" or "broken"; exit status 1 if any is broken.
 
 use cermd::pins::chardev::{Chardev, Wiring};
 use cermd::pins::chardev_v1::ChardevV1;
 use cermd::pins::contract::{Bench, check, dropping_releases};
-use cermd::pins::{Drives, Pins};
+use cermd::pins::{Drives, Pins, chardev, chardev_v1};
 use cermd::realtime::{Realtime, Wishes};
 use cermd::units::Nanos;
 use clap::{Parser, ValueEnum};
@@ -23,6 +23,9 @@ struct Options {
     /// The sense lines charge too.
     #[arg(long)]
     sense_charges: bool,
+    /// Only make all lines inputs, as after a kill.
+    #[arg(long)]
+    release_lines: bool,
     /// Time to charge, in microseconds.
     #[arg(long, default_value_t = 10_000)]
     charge_us: i64,
@@ -49,9 +52,11 @@ fn main() -> ExitCode {
         println!("{what}: {outcome}");
     }
     let wiring = wiring(&options);
-    let held = match options.backend {
-        Backend::Chardev => hold(|| Chardev::open(&wiring), &options),
-        Backend::ChardevV1 => hold(|| ChardevV1::open(&wiring), &options),
+    let held = match (options.backend, options.release_lines) {
+        (Backend::Chardev, true) => chardev::release_lines(&wiring).map(|()| true).map_err(Into::into),
+        (Backend::ChardevV1, true) => chardev_v1::release_lines(&wiring).map(|()| true).map_err(Into::into),
+        (Backend::Chardev, false) => hold(|| Chardev::open(&wiring), &options),
+        (Backend::ChardevV1, false) => hold(|| ChardevV1::open(&wiring), &options),
     };
     match held {
         Ok(true) => ExitCode::SUCCESS,
