@@ -2,8 +2,14 @@
 //!
 //! For: units in types and in text ("2.2 uF"). Must not know: what a quantity is used for.
 
+mod quantity;
+
+pub use quantity::{Farad, Hertz, Newton, NewtonOhm, Ohm, ParseQuantityError, Quantity, Seconds, Volt};
+
+use serde::{Deserialize, Deserializer, Serialize, Serializer};
 use std::fmt;
 use std::ops::{Add, Sub};
+use std::str::FromStr;
 
 /// An instant on `CLOCK_MONOTONIC`, or the distance of two instants, in whole nanoseconds.
 ///
@@ -45,6 +51,38 @@ impl Sub for Nanos {
     type Output = Nanos;
     fn sub(self, other: Nanos) -> Nanos {
         Nanos(self.0.saturating_sub(other.0))
+    }
+}
+
+impl From<Seconds> for Nanos {
+    fn from(seconds: Seconds) -> Nanos {
+        Nanos::from_seconds(seconds.0)
+    }
+}
+
+impl From<Nanos> for Seconds {
+    fn from(nanos: Nanos) -> Seconds {
+        Seconds(nanos.as_seconds())
+    }
+}
+
+impl FromStr for Nanos {
+    type Err = ParseQuantityError;
+    /// Reads a duration such as `3 ms`, rounded to the nearest nanosecond.
+    fn from_str(text: &str) -> Result<Nanos, ParseQuantityError> {
+        text.parse::<Seconds>().map(Nanos::from)
+    }
+}
+
+impl Serialize for Nanos {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        Seconds::from(*self).serialize(serializer)
+    }
+}
+
+impl<'de> Deserialize<'de> for Nanos {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Nanos, D::Error> {
+        Seconds::deserialize(deserializer).map(Nanos::from)
     }
 }
 

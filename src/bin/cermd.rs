@@ -1,2 +1,64 @@
-//! cermd
-fn main() {}
+//! The daemon: parse, run, exit status.
+
+use cermd::{config, daemon};
+use clap::Parser;
+use std::path::PathBuf;
+use std::process::ExitCode;
+
+/// Measures resistances by timing RC discharges over GPIO lines, and streams them on a unix socket.
+#[derive(Debug, Parser)]
+#[command(version, after_help = NO_HARDWARE)]
+struct Arguments {
+    /// The configuration file
+    #[arg(long, value_name = "FILE")]
+    config: Option<PathBuf>,
+    /// Check the configuration, say what is found, and exit
+    #[arg(long)]
+    check: bool,
+}
+
+const NO_HARDWARE: &str = "Without hardware: `cermctl demo` shows live readings of a simulated circuit; a file with \
+                           [gpio] backend = \"mock\" and [mock] scene = \"pi4\" makes this daemon serve one.";
+
+fn main() -> ExitCode {
+    let arguments = Arguments::parse();
+    start_log();
+    let Some(path) = arguments.config else {
+        eprintln!(
+            "cermd: no configuration file: name one with --config FILE. No hardware was touched.\n{NO_HARDWARE}"
+        );
+        return ExitCode::from(2);
+    };
+    if arguments.check {
+        let report = config::report(&path);
+        print!("{report}");
+        return if report.is_usable() { ExitCode::SUCCESS } else { ExitCode::FAILURE };
+    }
+    match daemon::run(&path) {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            log::error!("{error}");
+            ExitCode::FAILURE
+        }
+    }
+}
+
+/// To standard error; run by systemd, each line begins with its syslog priority (sd-daemon(3)) and has no time, which the
+/// journal adds. RUST_LOG chooses what is said.
+fn start_log() {
+    use std::io::Write;
+    let mut logger = env_logger::Builder::from_env(env_logger::Env::default().default_filter_or("info"));
+    if std::env::var_os("JOURNAL_STREAM").is_some() {
+        logger.format(|out, record| {
+            let priority = match record.level() {
+                log::Level::Error => 3,
+                log::Level::Warn => 4,
+                log::Level::Info => 6,
+                log::Level::Debug | log::Level::Trace => 7,
+            };
+            // Every line of its own, or the journal takes the rest for another priority.
+            record.args().to_string().lines().try_for_each(|line| writeln!(out, "<{priority}>{line}"))
+        });
+    }
+    logger.init();
+}

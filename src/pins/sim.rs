@@ -1,4 +1,242 @@
 //! The simulated circuit.
 //!
-//! For: a [`Pins`](super::Pins) whose lines end in a network of resistors and capacitors, with the latencies of a
-//! real kernel. Must not know: any estimator.
+//! For: a [`Pins`] whose lines end in a network of resistors and capacitors, with the latencies of a real kernel, in
+//! virtual time. Must not know: any estimator.
+//!
+//! Time only moves inside calls: a call that costs nothing takes none. [`SimPins::paced`] makes the calling thread
+//! sleep so that the wall clock keeps step; the stamps stay those of virtual time, so that readings do not depend
+//! on the load of the host.
+//!
+//! [`network`] solves the voltages, [`course`] inverts them, [`scene`] describes a board, [`sensor`] what is
+//! connected to it.
+
+use super::{Armed, Bracket, Drives, Edge, Levels, Pins, PinsError};
+use crate::units::Nanos;
+use analog::{Analog, Fall};
+use kernel::{Events, next_edge};
+use latency::{Calls, Delay};
+use rand_chacha::ChaCha8Rng;
+use std::time::{Duration, Instant};
+
+mod analog;
+mod build;
+pub mod course;
+mod kernel;
+pub mod latency;
+pub mod network;
+pub mod noise;
+pub mod quantity;
+pub mod scene;
+pub mod sensor;
+mod truth;
+
+pub use network::{Charge, Circuit, Crossings, exact_discharge};
+pub use scene::{Kind, Scene, SceneError};
+pub use sensor::Sensor;
+pub use truth::Truth;
+
+/// Cost of the calls that do not switch, ns.
+#[derive(Debug, Clone, Copy, Default)]
+struct Reads {
+    clock_ns: i64,
+    levels_ns: i64,
+    arm_ns: i64,
+}
+
+/// Keeps the wall clock in step.
+#[derive(Debug, Clone, Copy)]
+struct Pace {
+    started: Instant,
+    started_ns: i64,
+}
+
+/// A board on the bench of the imagination. Instants inside are virtual ns since its construction; those that are
+/// handed out are later by the epoch.
+#[derive(Debug, Clone)]
+pub struct SimPins {
+    now_ns: i64,
+    epoch: Nanos,
+    pace: Option<Pace>,
+    analog: Analog,
+    events: Events,
+    calls: Option<Calls>,
+    wake: Option<Delay>,
+    sleep: Option<Delay>,
+    reads: Reads,
+    clock_ns: Option<i64>,
+    armed: bool,
+    conflicts: u64,
+    truth: Truth,
+    seed: u64,
+    rng: ChaCha8Rng,
+}
+
+impl SimPins {
+    /// The same board with stamps that start at `epoch` (now on `CLOCK_MONOTONIC`), the thread that calls it
+    /// sleeping whenever virtual time is ahead of the wall clock.
+    pub fn paced(mut self, epoch: Nanos) -> SimPins {
+        self.epoch = epoch - Nanos(self.now_ns);
+        self.pace = Some(Pace { started: Instant::now(), started_ns: self.now_ns });
+        self
+    }
+
+    /// The lines that drive: none after every proper end.
+    pub fn driving(&self) -> Drives {
+        self.analog.on()
+    }
+
+    /// How often a charger and a sink drove or were asked to drive against each other. Tests assert 0.
+    pub fn conflicts(&self) -> u64 {
+        self.conflicts
+    }
+
+    /// What really happened since the last [`Pins::arm`].
+    pub fn truth(&self) -> &Truth {
+        &self.truth
+    }
+
+    /// The network as it is, with the sensors' present values.
+    pub fn circuit(&self) -> &Circuit {
+        &self.analog.circuit
+    }
+
+    /// The voltages of nodes A and B now; B of a circuit without it means nothing.
+    pub fn voltages(&mut self) -> [f64; 2] {
+        self.catch_up(self.now_ns);
+        self.analog.voltages(self.now_ns)
+    }
+
+    /// R_x of a channel at an instant, ohm; `None` without such a channel in the scene.
+    pub fn r_x(&self, channel: usize, at: Nanos) -> Option<f64> {
+        self.analog.r_x(channel, (at - self.epoch).0)
+    }
+
+    fn stamp(&self, ns: i64) -> Nanos {
+        Nanos(ns) + self.epoch
+    }
+
+    /// Moves virtual time on, never back.
+    fn go_on_to(&mut self, ns: i64) {
+        self.now_ns = self.now_ns.max(ns);
+        if let Some(pace) = self.pace {
+            let ahead = Duration::from_nanos((self.now_ns - pace.started_ns).max(0) as u64);
+            if let Some(rest) = ahead.checked_sub(pace.started.elapsed()) {
+                std::thread::sleep(rest);
+            }
+        }
+    }
+
+    /// Takes account of every fall up to an instant.
+    fn catch_up(&mut self, to_ns: i64) {
+        while let Some(fall) = self.analog.next_fall(to_ns) {
+            self.fell(fall);
+        }
+    }
+
+    fn fell(&mut self, fall: Fall) {
+        self.truth.crossed(fall.node, fall.since_ns, fall.crossed);
+        if self.armed {
+            self.events.fell(fall.node, fall.since_ns, fall.seen);
+        }
+    }
+
+    fn switch(&mut self, on: Drives, at_ns: i64) {
+        self.catch_up(at_ns);
+        self.analog.switch(on, at_ns);
+        self.truth.switched(on, at_ns);
+        if on.conflicts() {
+            self.conflicts += 1;
+        }
+    }
+
+    /// Switches line by line, as long as that takes.
+    fn switch_slowly(&mut self, calls: Calls, on: Drives) {
+        let old = self.driving();
+        let (releases, drives) = (old.without(on), on.without(old));
+        let lines = (releases.count() + drives.count()) as usize;
+        let begin_ns = self.now_ns;
+        let call = calls.begin(lines, &mut self.rng);
+        let mut state = old;
+        let moves = releases.lines().map(|line| (line, false)).chain(drives.lines().map(|line| (line, true)));
+        for (position, (line, driven)) in moves.enumerate() {
+            let after_ns = calls.moves_ns(&call, position, &mut self.rng).round() as i64;
+            state = if driven { state.and(line) } else { state.without(line) };
+            self.switch(state, begin_ns + after_ns);
+        }
+        self.go_on_to(begin_ns + calls.duration_ns(&call).round() as i64);
+    }
+}
+
+impl Pins for SimPins {
+    fn now(&mut self) -> Nanos {
+        let now = self.stamp(self.now_ns);
+        self.go_on_to(self.now_ns + self.reads.clock_ns);
+        now
+    }
+
+    fn drive(&mut self, on: Drives) -> Result<Bracket, PinsError> {
+        if on.conflicts() {
+            self.conflicts += 1;
+            return Err(PinsError::Conflict(on));
+        }
+        if let Some(period) = self.clock_ns {
+            self.go_on_to(next_edge(self.now_ns, period));
+        }
+        let before = self.now();
+        match self.calls {
+            Some(calls) => self.switch_slowly(calls, on),
+            None => self.switch(on, self.now_ns),
+        }
+        Ok(Bracket { before, after: self.now() })
+    }
+
+    fn arm(&mut self) -> Result<Armed, PinsError> {
+        self.go_on_to(self.now_ns + self.reads.arm_ns);
+        self.catch_up(self.now_ns);
+        self.armed = true;
+        self.truth.clear();
+        let (seqno, line_seqno) = self.events.drain();
+        Ok(Armed { levels: self.analog.levels(self.now_ns), seqno, line_seqno })
+    }
+
+    fn edge(&mut self, until: Nanos) -> Result<Option<Edge>, PinsError> {
+        let until_ns = (until - self.epoch).0;
+        self.catch_up(self.now_ns);
+        loop {
+            // An edge that is stamped while this waits wakes the program; one that was there before does not.
+            if let Some(stamp_ns) = self.events.next_stamp_ns().filter(|ns| *ns <= until_ns.max(self.now_ns))
+            {
+                if stamp_ns > self.now_ns {
+                    let late_ns = self.wake.map_or(0.0, |wake| wake.draw_ns(&mut self.rng));
+                    self.go_on_to(stamp_ns.saturating_add(late_ns.round() as i64));
+                }
+                let edge = self.events.take();
+                return Ok(edge.map(|edge| Edge { at: edge.at + self.epoch, ..edge }));
+            }
+            match self.analog.next_fall(until_ns) {
+                Some(fall) => self.fell(fall),
+                None => break,
+            }
+        }
+        self.sleep_until(until)?;
+        Ok(None)
+    }
+
+    fn sleep_until(&mut self, at: Nanos) -> Result<(), PinsError> {
+        let at_ns = (at - self.epoch).0;
+        if at_ns > self.now_ns {
+            let late_ns = self.sleep.map_or(0.0, |sleep| sleep.draw_ns(&mut self.rng));
+            self.go_on_to(at_ns.saturating_add(late_ns.round() as i64));
+        }
+        Ok(())
+    }
+
+    fn levels(&mut self) -> Result<Levels, PinsError> {
+        self.go_on_to(self.now_ns + self.reads.levels_ns);
+        self.catch_up(self.now_ns);
+        Ok(self.analog.levels(self.now_ns))
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,97 @@
+//! `[[channel]]`: names that clients can tell apart, and characteristics that are physical.
+
+use super::Findings;
+use crate::config::{Channel, Force};
+use crate::pins::MAX_CHANNELS;
+
+/// The longest name of a channel, bytes: the first line that a client gets has to hold all of them.
+const LONGEST_ID: usize = 64;
+/// Beyond this a zero is not the difference of two pins, ohm.
+const LARGEST_ZERO_OHM: f64 = 200.0;
+
+/// The name of a channel's key: by the channel's id, or by its number (from 1) where the id is unfit to print.
+pub fn key(index: usize, channel: &Channel, name: &str) -> String {
+    if is_printable(&channel.id) {
+        format!("channel.{}.{name}", channel.id)
+    } else {
+        format!("channel.#{}.{name}", index + 1)
+    }
+}
+
+fn is_printable(id: &str) -> bool {
+    !id.trim().is_empty() && !id.contains(char::is_control)
+}
+
+pub fn check(channels: &[Channel], findings: &mut Findings) {
+    if channels.is_empty() {
+        findings.error("channel", "there is none", "[[channel]] with id = \"thumb\"");
+    }
+    if channels.len() > MAX_CHANNELS {
+        findings.error(
+            "channel",
+            format!("there are {}, more than the {MAX_CHANNELS} that may share one circuit", channels.len()),
+            "a second circuit with a daemon of its own",
+        );
+    }
+    for (index, channel) in channels.iter().enumerate() {
+        id(index, channels, findings);
+        zero(index, channel, findings);
+        if let Some(characteristic) = &channel.force {
+            force(&key(index, channel, "force"), characteristic, findings);
+        }
+    }
+}
+
+fn id(index: usize, channels: &[Channel], findings: &mut Findings) {
+    let channel = &channels[index];
+    let key = key(index, channel, "id");
+    if !is_printable(&channel.id) {
+        findings.error(
+            key,
+            format!("{:?} is empty or has control characters", channel.id),
+            "a word such as \"thumb\"",
+        );
+    } else if channel.id.len() > LONGEST_ID {
+        findings.error(key, format!("longer than {LONGEST_ID} bytes"), "a word such as \"thumb\"");
+    } else if channels[..index].iter().any(|other| other.id == channel.id) {
+        findings.error(key, "two channels have this id", "another id for one of them");
+    }
+}
+
+fn zero(index: usize, channel: &Channel, findings: &mut Findings) {
+    let key = key(index, channel, "zero-ohm");
+    if !channel.zero_ohm.is_finite() {
+        findings.error(key, "not a number", "0.0, or what a short circuit reads");
+    } else if channel.zero_ohm.abs() > LARGEST_ZERO_OHM {
+        findings.warning(
+            key,
+            format!("{} ohm is more than two pins can differ by", channel.zero_ohm),
+            "0.0, or what a short circuit in the sensor's place reads",
+        );
+    }
+}
+
+fn force(key: &str, characteristic: &Force, findings: &mut Findings) {
+    let positive = |value: f64| value.is_finite() && value > 0.0;
+    let fault = match characteristic {
+        Force::Calibrated { fc1, fc2 } if !(positive(fc2.0) && fc1 > fc2) => Some((
+            format!("fc1 = {fc1} at the lower resistance has to exceed fc2 = {fc2}, and both be above zero"),
+            "the greater force as fc1",
+        )),
+        Force::Alpha(alpha) if !positive(alpha.0) => Some((
+            format!("alpha = {alpha} is not above zero"),
+            "alpha = \"13346 N ohm\", usual for an FSR 402",
+        )),
+        Force::PowerLaw { at_1_kohm, exponent } if !(positive(at_1_kohm.0) && positive(*exponent)) => Some((
+            format!("at-1-kohm = {at_1_kohm} and exponent = {exponent} have to be above zero"),
+            "{ at-1-kohm = \"13.3 N\", exponent = 1.0 }",
+        )),
+        Force::Table(file) if file.as_os_str().is_empty() => {
+            Some(("table names no file".to_owned(), "a CSV file beside the configuration"))
+        }
+        _ => None,
+    };
+    if let Some((reason, remedy)) = fault {
+        findings.error(key, reason, remedy);
+    }
+}

@@ -1,0 +1,87 @@
+//! `[measure]`: values that are wrong in any circuit, and methods that are wrong in this one.
+
+use super::Findings;
+use crate::circuit::Network;
+use crate::config::{Config, Measure, MethodName, Offset};
+use crate::reading::Method;
+use crate::units::{Nanos, Seconds};
+
+/// An offset beyond this is not a latency.
+const LARGEST_OFFSET: Nanos = Nanos(1_000_000);
+/// A longer wait is a slip of a prefix.
+const LONGEST_WAIT: Nanos = Nanos(60_000_000_000);
+/// Beyond this fraction of T_xA even a late node B has crossed.
+const LARGEST_SWITCH_FRACTION: f64 = 1.3;
+
+pub fn check(config: &Config, findings: &mut Findings) {
+    let measure = &config.measure;
+    method(measure.method, config.circuit.network, findings);
+    if measure.t_l.is_some() && config.method().is_some_and(|method| method != Method::Cerm) {
+        findings.warning("measure.t-l", "not used: only \"cerm\" has it", "method = \"cerm\", or without it");
+    }
+    durations(measure, findings);
+    if measure.rate_hz.is_some_and(|rate| !rate.is_finite() || rate <= 0.0) {
+        findings.error(
+            "measure.rate-hz",
+            "not above zero",
+            "20, or without it: as fast as the circuit allows",
+        );
+    }
+    if let Some(Offset::Fixed(d)) = measure.offset {
+        if d < Nanos::ZERO || d > LARGEST_OFFSET {
+            findings.error(
+                "measure.offset",
+                format!("{} is not between 0 and 1 ms", Seconds::from(d)),
+                "\"auto\", or \"8 us\"",
+            );
+        }
+    }
+    if measure.switch_fraction.is_some_and(|fraction| !(fraction > 0.0 && fraction < LARGEST_SWITCH_FRACTION))
+    {
+        findings.error("measure.switch-fraction", "not between 0 and 1.3", "0.9");
+    }
+}
+
+fn method(method: Option<MethodName>, network: Network, findings: &mut Findings) {
+    let (remedy, reason) = match (method, network) {
+        (Some(MethodName::Tracked), _) => ("\"cerm\"", "\"tracked\" is not yet available"),
+        (Some(MethodName::Cerm | MethodName::Tcdic), Network::OneCapacitor { .. }) => {
+            ("\"tpcm\", or another circuit", "this method needs kind = \"two-capacitor\"")
+        }
+        (Some(MethodName::Cerm | MethodName::Tcdic), Network::SeriesCalibration { .. }) => {
+            ("\"qerm\", or another circuit", "this method needs kind = \"two-capacitor\"")
+        }
+        (Some(MethodName::Qerm), Network::TwoCapacitor { .. }) => {
+            ("\"cerm\", or another circuit", "\"qerm\" needs kind = \"series-calibration\"")
+        }
+        (Some(MethodName::Qerm), Network::OneCapacitor { .. }) => {
+            ("\"tpcm\", or another circuit", "\"qerm\" needs kind = \"series-calibration\"")
+        }
+        _ => return,
+    };
+    findings.error("measure.method", reason, remedy);
+}
+
+fn durations(measure: &Measure, findings: &mut Findings) {
+    for (name, time) in [("charge-time", measure.charge_time), ("deadline", measure.deadline)] {
+        if time.is_some_and(|time| time <= Nanos::ZERO) {
+            findings.error(format!("measure.{name}"), "not above zero", "without it: it is derived");
+        }
+    }
+    for (name, time) in [("settle-time", measure.settle_time), ("t-l", measure.t_l)] {
+        if time.is_some_and(|time| time < Nanos::ZERO) {
+            findings.error(format!("measure.{name}"), "below zero", "without it: there is a default");
+        }
+    }
+    let waits = [
+        ("charge-time", measure.charge_time),
+        ("settle-time", measure.settle_time),
+        ("deadline", measure.deadline),
+    ];
+    for (name, wait) in waits {
+        if let Some(wait) = wait.filter(|wait| *wait > LONGEST_WAIT) {
+            let reason = format!("{:.3} is longer than a minute", Seconds::from(wait));
+            findings.error(format!("measure.{name}"), reason, "without it: it is derived");
+        }
+    }
+}

@@ -1,0 +1,159 @@
+//! What the circuit will do: settings against predicted times, and the predictions themselves.
+//!
+//! Runs only for a valid circuit, an available method, and settings that are right in themselves.
+
+use super::Findings;
+use crate::circuit::Network;
+use crate::config::{Config, Offset};
+use crate::pins::Node;
+use crate::reading::Method;
+use crate::units::Seconds;
+
+/// A shorter charge leaves more than 1 % of V_DD, and what is left differs from discharge to discharge.
+const SHORTEST_CHARGE_TAUS: f64 = 5.0;
+/// The parts of a split discharge have to be long against the system calls between them.
+const SHORTEST_PART: Seconds = Seconds(50e-6);
+
+pub fn check(config: &Config, findings: &mut Findings) {
+    charge_time(config, findings);
+    deadline(config, findings);
+    rate(config, findings);
+    switch(config, findings);
+    split_calibration(config, findings);
+    if !findings.has_errors() {
+        predictions(config, findings);
+    }
+}
+
+/// The name of the second calibration resistor.
+fn second(config: &Config) -> &'static str {
+    match config.circuit.network {
+        Network::SeriesCalibration { .. } => "Rc1 + Rc2",
+        _ => "Rc2",
+    }
+}
+
+fn charge_time(config: &Config, findings: &mut Findings) {
+    let tau = config.circuit.charge_tau();
+    let taus = config.charge_time().as_seconds() / tau.0;
+    if taus < SHORTEST_CHARGE_TAUS {
+        findings.warning(
+            "measure.charge-time",
+            format!("{:.3} is {taus:.1} time constants of the charge", Seconds::from(config.charge_time())),
+            format!(
+                "at least \"{:.2}\" ({SHORTEST_CHARGE_TAUS} of them), or without it",
+                Seconds(SHORTEST_CHARGE_TAUS * tau.0)
+            ),
+        );
+    }
+}
+
+fn deadline(config: &Config, findings: &mut Findings) {
+    let calibration = config.discharge(config.circuit.r_second());
+    let deadline = config.deadline();
+    if deadline.as_seconds() < calibration.0 {
+        findings.error(
+            "measure.deadline",
+            format!(
+                "{:.3} is shorter than the discharge through {}, {calibration:.3}: even calibration would fail",
+                Seconds::from(deadline),
+                second(config),
+            ),
+            format!("at least \"{:.2}\", or without it", Seconds(2.0 * calibration.0)),
+        );
+    }
+}
+
+fn rate(config: &Config, findings: &mut Findings) {
+    let Some(rate) = config.measure.rate_hz else { return };
+    let fastest = config.cycle(Seconds(0.0));
+    let usual = config.cycle(config.discharge(config.circuit.r_second()));
+    let remedy = format!("at most {:.1}, a shorter charge-time, or smaller capacitors", 1.0 / usual.0);
+    if rate * fastest.0 > 1.0 {
+        let reason = format!("calibration and charging alone take {fastest:.3}, {:.1} Hz", 1.0 / fastest.0);
+        findings.error("measure.rate-hz", reason, remedy);
+    } else if rate * usual.0 > 1.0 {
+        let reason = format!("a cycle with the sensor at {} takes {usual:.3}", second(config));
+        findings.warning("measure.rate-hz", reason, remedy);
+    }
+}
+
+fn switch(config: &Config, findings: &mut Findings) {
+    let latest = match config.method() {
+        Some(Method::Cerm) => ratio_b_to_a(config),
+        Some(Method::Qerm) => 1.0,
+        _ => return,
+    };
+    if config.switch_fraction() >= latest {
+        findings.warning(
+            "measure.switch-fraction",
+            format!("the last crossing comes at {latest:.3} of T_xA, before the planned switch"),
+            format!("{:.2}", 0.9 * latest),
+        );
+    }
+}
+
+fn ratio_b_to_a(config: &Config) -> f64 {
+    match (config.circuit.g(Node::A), config.circuit.g(Node::B)) {
+        (Some(a), Some(b)) => b.0 / a.0,
+        _ => 1.0,
+    }
+}
+
+/// The split calibration that finds the offset runs Rc1 up to the switch, and the second resistor from there.
+fn split_calibration(config: &Config, findings: &mut Findings) {
+    let circuit = &config.circuit;
+    let (Offset::Auto, Some(g_a), Some(g)) =
+        (config.offset(), circuit.g(Node::A), circuit.g(config.last_node()))
+    else {
+        return;
+    };
+    let at = g_a.0 * config.switch_fraction();
+    let parts = [
+        ("Rc1", Seconds(at * (circuit.r_c1.0 + circuit.r_o.0))),
+        (second(config), Seconds((g.0 - at) * (circuit.r_second().0 + circuit.r_o.0))),
+    ];
+    for (name, part) in parts {
+        if part < SHORTEST_PART {
+            findings.warning(
+                "measure.offset",
+                format!(
+                    "\"auto\" splits a calibration discharge, and its part through {name} has only {:.2}",
+                    Seconds(part.0.max(0.0)),
+                ),
+                "larger capacitors, another switch-fraction, or a measured offset such as \"8 us\"",
+            );
+        }
+    }
+}
+
+fn predictions(config: &Config, findings: &mut Findings) {
+    let circuit = &config.circuit;
+    let nodes = if config.last_node() == Node::B { &Node::BOTH[..] } else { &[Node::A] };
+    for (key, name, r) in [("r-c1", "Rc1", circuit.r_c1), ("r-c2", second(config), circuit.r_second())] {
+        let times: Vec<String> = nodes
+            .iter()
+            .filter_map(|node| {
+                circuit.crossing(*node, r).map(|time| format!("node {node:?} after {time:.3}"))
+            })
+            .collect();
+        findings.info(format!("circuit.{key}"), format!("through {name}, {}", times.join(", ")));
+    }
+    let charge = Seconds::from(config.charge_time());
+    let taus = charge.0 / circuit.charge_tau().0;
+    findings.info("measure.charge-time", format!("{charge:.3}, {taus:.1} time constants of the charge"));
+    let deadline = Seconds::from(config.deadline());
+    if let Some(highest) = circuit.resistance(config.last_node(), deadline) {
+        findings.info("measure.deadline", format!("{deadline:.3}, enough for a sensor of {highest:.3}"));
+    }
+    let usual = config.cycle(config.discharge(circuit.r_second()));
+    let longest = config.cycle(deadline);
+    findings.info(
+        "measure.rate-hz",
+        format!(
+            "a cycle takes {usual:.3} ({:.1} Hz) with the sensor at {}, {longest:.3} at most",
+            1.0 / usual.0,
+            second(config),
+        ),
+    );
+}

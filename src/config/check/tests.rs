@@ -1,0 +1,331 @@
+//! One test per finding: a good configuration, one thing wrong.
+
+use super::*;
+use crate::pins::MAX_CHANNELS;
+use crate::units::{Nanos, Seconds};
+use proptest::prelude::*;
+
+const GOOD: &str = r#"
+[circuit]
+kind = "two-capacitor"
+c-a = "2.2 uF"
+c-b = "680 nF"
+r-c1 = "2.32 kohm"
+r-c2 = "12.7 kohm"
+
+[gpio]
+backend = "chardev"
+chip = "pinctrl-rp1"
+sense-a = "GPIO5"
+sense-b = "GPIO6"
+charge-a = "GPIO13"
+charge-b = "GPIO19"
+sink-c1 = "GPIO20"
+sink-c2 = "GPIO21"
+
+[measure]
+method = "cerm"
+
+[[channel]]
+id = "thumb"
+sink = "GPIO16"
+force = { fc1 = "5.75 N", fc2 = "1.05 N" }
+
+[server]
+socket = "/run/cermd/cermd.sock"
+"#;
+
+const SERIES: [(&str, &str); 4] = [
+    ("\"two-capacitor\"", "\"series-calibration\""),
+    ("c-a = \"2.2 uF\"\nc-b = \"680 nF\"", "c = \"1 uF\""),
+    ("sense-b = \"GPIO6\"\n", ""),
+    ("charge-b = \"GPIO19\"\n", ""),
+];
+
+/// GOOD with some of its text replaced; what is replaced has to be there exactly once.
+fn config(changes: &[(&str, &str)]) -> Config {
+    let text = changes.iter().fold(GOOD.to_owned(), |text, (old, new)| {
+        assert_eq!(text.matches(old).count(), 1, "{old}");
+        text.replace(old, new)
+    });
+    Config::parse(&text, "test").unwrap_or_else(|error| panic!("{error}"))
+}
+
+/// The findings that are not predictions, as they are printed.
+fn complaints(config: &Config) -> Vec<String> {
+    let findings = config.check();
+    findings.iter().filter(|f| f.severity != Severity::Info).map(Finding::to_string).collect()
+}
+
+/// Exactly one complaint, that begins as said.
+#[track_caller]
+fn one(changes: &[(&str, &str)], beginning: &str) {
+    let complaints = complaints(&config(changes));
+    assert!(complaints.len() == 1 && complaints[0].starts_with(beginning), "{complaints:#?}");
+    assert!(complaints[0].contains("; try "), "{complaints:#?}");
+}
+
+/// One complaint about an added line of `[measure]`.
+#[track_caller]
+fn one_measure(line: &str, beginning: &str) {
+    one(&[("[measure]\n", &format!("[measure]\n{line}\n"))], beginning);
+}
+
+/// One complaint about another `force`.
+#[track_caller]
+fn one_force(force: &str, beginning: &str) {
+    one(&[("{ fc1 = \"5.75 N\", fc2 = \"1.05 N\" }", force)], beginning);
+}
+
+#[test]
+fn a_good_one_has_predictions_only() {
+    let findings: Vec<String> = config(&[]).check().iter().map(Finding::to_string).collect();
+    insta::assert_snapshot!(findings.join("\n"), @r#"
+    info: circuit.r-c1: through Rc1, node A after 1.14 ms, node B after 1.93 ms
+    info: circuit.r-c2: through Rc2, node A after 6.16 ms, node B after 10.4 ms
+    info: measure.charge-time: 14.8 ms, 14.2 time constants of the charge
+    info: measure.deadline: 52.2 ms, enough for a sensor of 63.7 kohm
+    info: measure.rate-hz: a cycle takes 67.4 ms (14.8 Hz) with the sensor at Rc2, 109 ms at most
+    "#);
+}
+
+#[test]
+fn series_calibration_is_good_too() {
+    let mut changes = SERIES.to_vec();
+    changes.push(("\"cerm\"", "\"qerm\""));
+    let findings: Vec<String> = config(&changes).check().iter().map(Finding::to_string).collect();
+    insta::assert_snapshot!(findings.join("\n"), @r#"
+    info: circuit.r-c1: through Rc1, node A after 2.2 ms
+    info: circuit.r-c2: through Rc1 + Rc2, node A after 14 ms
+    info: measure.charge-time: 3.04 ms, 13.8 time constants of the charge
+    info: measure.deadline: 70.1 ms, enough for a sensor of 75.3 kohm
+    info: measure.rate-hz: a cycle takes 39.4 ms (25.4 Hz) with the sensor at Rc1 + Rc2, 95.6 ms at most
+    "#);
+}
+
+#[test]
+fn circuit_values() {
+    one(
+        &[("\"2.32 kohm\"", "\"12.7 kohm\"")],
+        "error: circuit.r-c1: 12.7 kohm is not below r-c2 = 12.7 kohm",
+    );
+    one(&[("\"2.32 kohm\"", "\"15 kohm\"")], "error: circuit.r-c1: 15 kohm is not below");
+    one(&[("\"2.2 uF\"", "\"0 F\"")], "error: circuit.c-a: c-a is not above zero");
+    one(&[("\"2.32 kohm\"", "\"-1 ohm\"")], "error: circuit.r-c1: r-c1 is not above zero");
+    one(&[("\"2.2 uF\"", "\"2.2 F\"")], "error: circuit.c-a: 2.2 F is not between 10 pF and 1 mF");
+    one(
+        &[("\"2.32 kohm\"", "\"2.32 mohm\"")],
+        "error: circuit.r-c1: 2.32 mohm is not between 1 ohm and 100 Mohm",
+    );
+    one(&[("\"680 nF\"", "\"1.43 uF\"")], "error: circuit.c-b: node B never falls below 1.3 V");
+    one(&[("\"680 nF\"", "\"1.4 uF\"")], "warning: circuit.c-b: node B ends at 1.28 V");
+    one(&[("\"12.7 kohm\"", "\"3.3 kohm\"")], "warning: circuit.r-c2: calibration at");
+    one(
+        &[("\"2.32 kohm\"", "\"100 ohm\"")],
+        "warning: circuit.r-c1: the discharge starts with 23.6 mA, above the 16 mA",
+    );
+}
+
+#[test]
+fn circuit_nominals() {
+    let circuit = |line: &str| config(&[("[circuit]\n", &format!("[circuit]\n{line}\n"))]);
+    for (line, beginning) in [
+        ("v-th = \"3.3 V\"", "error: circuit.v-th: the threshold 3.3 V is not below the supply 3.3 V"),
+        (
+            "v-dd = \"48 V\"\nr-charge = \"4 kohm\"",
+            "error: circuit.v-dd: 48 V is not between 500 mV and 30 V",
+        ),
+        ("r-charge = \"100 ohm\"", "warning: circuit.r-charge: charging starts with 33.0 mA"),
+    ] {
+        let complaints = complaints(&circuit(line));
+        assert!(complaints.iter().any(|complaint| complaint.starts_with(beginning)), "{complaints:#?}");
+    }
+}
+
+#[test]
+fn lines_that_are_missing() {
+    for (line, key) in [
+        ("chip = \"pinctrl-rp1\"\n", "gpio.chip"),
+        ("sense-a = \"GPIO5\"\n", "gpio.sense-a"),
+        ("sense-b = \"GPIO6\"\n", "gpio.sense-b"),
+        ("charge-a = \"GPIO13\"\n", "gpio.charge-a"),
+        ("charge-b = \"GPIO19\"\n", "gpio.charge-b"),
+        ("sink-c1 = \"GPIO20\"\n", "gpio.sink-c1"),
+        ("sink-c2 = \"GPIO21\"\n", "gpio.sink-c2"),
+        ("sink = \"GPIO16\"\n", "channel.thumb.sink"),
+    ] {
+        one(&[(line, "")], &format!("error: {key}: missing"));
+    }
+}
+
+#[test]
+fn sense_lines_may_charge_in_uapi_v2_only() {
+    let own = [("charge-a = \"GPIO13\"\ncharge-b = \"GPIO19\"\n", "")];
+    assert_eq!(complaints(&config(&own)), Vec::<String>::new());
+    one(&[own[0], ("\"chardev\"", "\"chardev-v1\"")], "error: gpio.charge-a: missing: this kernel interface");
+    assert_eq!(complaints(&config(&[("\"chardev\"", "\"chardev-v1\"")])), Vec::<String>::new());
+}
+
+#[test]
+fn lines_that_are_equal() {
+    one(&[("\"GPIO21\"", "\"GPIO20\"")], "error: gpio.sink-c2: GPIO20 is gpio.sink-c1 already");
+    one(&[("\"GPIO16\"", "\"GPIO5\"")], "error: channel.thumb.sink: GPIO5 is gpio.sense-a already");
+    one(&[("\"GPIO5\"", "5"), ("\"GPIO6\"", "\"5\"")], "error: gpio.sense-b: 5 is gpio.sense-a already");
+}
+
+#[test]
+fn lines_that_are_not_used() {
+    let mut changes = SERIES[..2].to_vec();
+    changes.push(("\"cerm\"", "\"qerm\""));
+    let complaints = complaints(&config(&changes));
+    assert_eq!(complaints.len(), 2, "{complaints:#?}");
+    assert!(complaints[0].starts_with("warning: gpio.sense-b: not used"));
+    assert!(complaints[1].starts_with("warning: gpio.charge-b: not used"));
+}
+
+#[test]
+fn the_simulated_circuit() {
+    let gpio = &GOOD[GOOD.find("[gpio]").unwrap()..GOOD.find("[measure]").unwrap()];
+    one(&[(gpio, "")], "error: mock.scene: missing");
+    one(&[(gpio, "[mock]\nscene = \"\"\n")], "error: mock.scene: missing");
+    let mock = config(&[(gpio, "[mock]\nscene = \"pi4\"\n"), ("sink = \"GPIO16\"\n", "")]);
+    assert_eq!(complaints(&mock), Vec::<String>::new());
+}
+
+#[test]
+fn methods() {
+    one(&[("\"cerm\"", "\"tracked\"")], "error: measure.method: \"tracked\" is not yet available");
+    one(&[("\"cerm\"", "\"qerm\"")], "error: measure.method: \"qerm\" needs kind = \"series-calibration\"");
+    one(&SERIES, "error: measure.method: this method needs kind = \"two-capacitor\"");
+    let one_capacitor = [SERIES[0].0, "\"one-capacitor\""];
+    one(
+        &[(one_capacitor[0], one_capacitor[1]), SERIES[1], SERIES[2], SERIES[3], ("\"cerm\"", "\"tcdic\"")],
+        "error: measure.method: this method needs kind = \"two-capacitor\"",
+    );
+    for (method, changes) in [("\"tpcm\"", &[][..]), ("\"tcdic\"", &[]), ("\"tpcm\"", &SERIES)] {
+        let changes: Vec<_> = changes.iter().copied().chain([("\"cerm\"", method)]).collect();
+        assert_eq!(complaints(&config(&changes)), Vec::<String>::new(), "{method}");
+    }
+}
+
+#[test]
+fn durations() {
+    one_measure("charge-time = \"0 s\"", "error: measure.charge-time: not above zero");
+    one_measure("charge-time = \"3 ms\"", "warning: measure.charge-time: 3 ms is 2.9 time constants");
+    one_measure("settle-time = \"-1 us\"", "error: measure.settle-time: below zero");
+    one_measure("deadline = \"0 s\"", "error: measure.deadline: not above zero");
+    one_measure(
+        "deadline = \"10 ms\"",
+        "error: measure.deadline: 10 ms is shorter than the discharge through Rc2, 10.4 ms",
+    );
+    one_measure(
+        "deadline = \"50 s\"\ncharge-time = \"90 s\"",
+        "error: measure.charge-time: 90 s is longer than a minute",
+    );
+    one_measure("t-l = \"-1 ms\"", "error: measure.t-l: below zero");
+    one(&[("\"cerm\"", "\"tcdic\"\nt-l = \"1 ms\"")], "warning: measure.t-l: not used");
+}
+
+#[test]
+fn rates() {
+    one_measure("rate-hz = 0", "error: measure.rate-hz: not above zero");
+    one_measure("rate-hz = nan", "error: measure.rate-hz: not above zero");
+    one_measure("rate-hz = 100", "error: measure.rate-hz: calibration and charging alone take");
+    one_measure("rate-hz = 16", "warning: measure.rate-hz: a cycle with the sensor at Rc2 takes");
+    assert_eq!(complaints(&config(&[("[measure]", "[measure]\nrate-hz = 10")])), Vec::<String>::new());
+}
+
+#[test]
+fn offsets_and_switches() {
+    one_measure("offset = \"2 ms\"", "error: measure.offset: 2 ms is not between 0 and 1 ms");
+    one_measure("offset = \"-1 us\"", "error: measure.offset: -1 us is not between");
+    for fraction in ["0.0", "1.3", "-0.5", "nan"] {
+        one_measure(
+            &format!("switch-fraction = {fraction}"),
+            "error: measure.switch-fraction: not between 0 and 1.3",
+        );
+    }
+    // The paper's capacitors: B follows A closely.
+    let paper = [("\"2.2 uF\"", "\"330 nF\""), ("\"680 nF\"", "\"22 nF\"")];
+    one(
+        &[paper[0], paper[1], ("[measure]", "[measure]\nswitch-fraction = 1.2\noffset = \"8 us\"")],
+        "warning: measure.switch-fraction: the last crossing comes at 1.116 of T_xA",
+    );
+    one(
+        &paper,
+        "warning: measure.offset: \"auto\" splits a calibration discharge, and its part through Rc1 has only 41 us",
+    );
+}
+
+#[test]
+fn channels() {
+    let channel = &GOOD[GOOD.find("[[channel]]").unwrap()..GOOD.find("[server]").unwrap()];
+    one(&[(channel, "")], "error: channel: there is none");
+    let many: String =
+        (0..=MAX_CHANNELS).map(|i| format!("[[channel]]\nid = \"{i}\"\nsink = {}\n", 100 + i)).collect();
+    one(&[(channel, &many)], "error: channel: there are 17, more than the 16");
+    one(&[("\"thumb\"", "\"\"")], "error: channel.#1.id: \"\" is empty or has control characters");
+    one(&[("\"thumb\"", "\"a\\nb\"")], "error: channel.#1.id: \"a\\nb\" is empty or has control");
+    one(&[("\"thumb\"", &format!("\"{}\"", "x".repeat(65)))], "error: channel.xxx");
+    one(
+        &[("[server]", "[[channel]]\nid = \"thumb\"\nsink = 17\n[server]")],
+        "error: channel.thumb.id: two channels have this id",
+    );
+    one(&[("id = ", "zero-ohm = inf\nid = ")], "error: channel.thumb.zero-ohm: not a number");
+    one(&[("id = ", "zero-ohm = 1000\nid = ")], "warning: channel.thumb.zero-ohm: 1000 ohm is more");
+}
+
+#[test]
+fn forces() {
+    one_force(
+        "{ fc1 = \"1 N\", fc2 = \"1 N\" }",
+        "error: channel.thumb.force: fc1 = 1 N at the lower resistance",
+    );
+    one_force("{ fc1 = \"1 N\", fc2 = \"-1 N\" }", "error: channel.thumb.force: fc1 = 1 N");
+    one_force("{ alpha = \"0 N ohm\" }", "error: channel.thumb.force: alpha = 0 N ohm is not above zero");
+    one_force("{ at-1-kohm = \"13 N\", exponent = -1 }", "error: channel.thumb.force: at-1-kohm = 13 N");
+    one_force("{ table = \"\" }", "error: channel.thumb.force: table names no file");
+    for force in
+        ["{ alpha = \"13346 N ohm\" }", "{ at-1-kohm = \"13 N\", exponent = 1.1 }", "{ table = \"f.csv\" }"]
+    {
+        let config = config(&[("{ fc1 = \"5.75 N\", fc2 = \"1.05 N\" }", force)]);
+        assert_eq!(complaints(&config), Vec::<String>::new(), "{force}");
+    }
+}
+
+#[test]
+fn sockets() {
+    let socket = "\"/run/cermd/cermd.sock\"";
+    let long = format!("\"/{}\"", "x".repeat(107));
+    one(&[(socket, &long)], "error: server.socket: the path has 108 bytes, and 1 to 107");
+    one(&[(socket, "\"\"")], "error: server.socket: the path has 0 bytes");
+    let mode = |mode: &str| format!("{socket}\nmode = \"{mode}\"");
+    one(&[(socket, &mode("0666"))], "warning: server.mode: \"0666\" lets everybody write");
+    one(&[(socket, &mode("060"))], "warning: server.mode: \"0060\" keeps even the owner out");
+}
+
+proptest! {
+    /// Whatever passes can be planned with; whatever does not is refused without a panic.
+    #[test]
+    fn what_passes_can_be_planned(
+        c_a in quantity("F", -12..-3), c_b in quantity("F", -12..-5),
+        r_c1 in quantity("ohm", 0..5), r_c2 in quantity("ohm", 2..9),
+        deadline in quantity("s", -4..2), method in prop_oneof![Just("cerm"), Just("tcdic"), Just("tpcm")],
+    ) {
+        let config = config(&[
+            ("2.2 uF", &c_a), ("680 nF", &c_b), ("2.32 kohm", &r_c1), ("12.7 kohm", &r_c2),
+            ("\"cerm\"", &format!("\"{method}\"\ndeadline = \"{deadline}\"")),
+        ]);
+        if config.check().iter().all(|finding| finding.severity != Severity::Error) {
+            let calibration = config.circuit.crossing(config.last_node(), config.circuit.r_c2);
+            prop_assert!(calibration.is_some_and(|time| time.0 > 0.0 && time.0 <= config.deadline().as_seconds()));
+            prop_assert!(config.charge_time() > Nanos::ZERO);
+            prop_assert!(config.cycle(Seconds(0.0)).0.is_finite());
+        }
+    }
+}
+
+/// A quantity of any sign and of any size between these powers of ten, as text.
+fn quantity(unit: &'static str, powers: std::ops::Range<i32>) -> impl Strategy<Value = String> {
+    (-0.5..10.0f64, powers).prop_map(move |(mantissa, power)| format!("{mantissa}e{power} {unit}"))
+}

@@ -1,0 +1,80 @@
+//! `[circuit]`: the parts on the board.
+//!
+//! For: the flat table of the file as a [`Circuit`]. Must not know: whether its values make sense.
+
+use crate::circuit::{Circuit, NOMINAL_R_CHARGE, NOMINAL_R_O, NOMINAL_V_DD, NOMINAL_V_TH, Network};
+use crate::units::{Farad, Ohm, Volt};
+use serde::Deserialize;
+use serde::de::{Deserializer, Error};
+
+/// The table as it is written.
+#[derive(Deserialize)]
+#[serde(rename_all = "kebab-case", deny_unknown_fields)]
+struct Table {
+    /// Which circuit. Required.
+    kind: Kind,
+    /// C_A between nodes A and B, 10 pF to 1 mF. Required for `two-capacitor`. Nominal: never enters an estimate.
+    c_a: Option<Farad>,
+    /// C_B from node B to ground, 10 pF to 1 mF, below C_A V_Th / (V_DD - V_Th). Required for `two-capacitor`. Nominal.
+    c_b: Option<Farad>,
+    /// The only capacitor, 10 pF to 1 mF. Required for the other kinds. Nominal.
+    c: Option<Farad>,
+    /// Rc1 as measured, 1 ohm to 100 Mohm. Required.
+    r_c1: Ohm,
+    /// Rc2 as measured, 1 ohm to 100 Mohm, above Rc1 unless in series with it. Required.
+    r_c2: Ohm,
+    /// Supply voltage, nominal, 0.5 V to 30 V. Default 3.3 V.
+    #[serde(default = "v_dd")]
+    v_dd: Volt,
+    /// Falling threshold of the inputs, nominal, above 0 and below V_DD. Default 1.3 V.
+    #[serde(default = "v_th")]
+    v_th: Volt,
+    /// Rp + Ro of a charger, nominal, 1 ohm to 100 Mohm. Default 220 ohm.
+    #[serde(default = "r_charge")]
+    r_charge: Ohm,
+}
+
+#[derive(Deserialize, Clone, Copy)]
+#[serde(rename_all = "kebab-case")]
+enum Kind {
+    TwoCapacitor,
+    OneCapacitor,
+    SeriesCalibration,
+}
+
+fn v_dd() -> Volt {
+    NOMINAL_V_DD
+}
+
+fn v_th() -> Volt {
+    NOMINAL_V_TH
+}
+
+fn r_charge() -> Ohm {
+    NOMINAL_R_CHARGE
+}
+
+/// Reads the table; a capacitor that is missing or does not belong to the kind is refused.
+pub fn deserialize<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Circuit, D::Error> {
+    let table = Table::deserialize(deserializer)?;
+    let network = match (table.kind, table.c_a, table.c_b, table.c) {
+        (Kind::TwoCapacitor, Some(c_a), Some(c_b), None) => Network::TwoCapacitor { c_a, c_b },
+        (Kind::OneCapacitor, None, None, Some(c)) => Network::OneCapacitor { c },
+        (Kind::SeriesCalibration, None, None, Some(c)) => Network::SeriesCalibration { c },
+        (Kind::TwoCapacitor, ..) => {
+            return Err(D::Error::custom("kind \"two-capacitor\" has the capacitors c-a and c-b, and no c"));
+        }
+        (Kind::OneCapacitor | Kind::SeriesCalibration, ..) => {
+            return Err(D::Error::custom("this kind has one capacitor, c, and neither c-a nor c-b"));
+        }
+    };
+    Ok(Circuit {
+        network,
+        r_c1: table.r_c1,
+        r_c2: table.r_c2,
+        v_dd: table.v_dd,
+        v_th: table.v_th,
+        r_charge: table.r_charge,
+        r_o: NOMINAL_R_O,
+    })
+}

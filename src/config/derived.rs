@@ -1,0 +1,84 @@
+//! What the configuration leaves open, derived from the circuit.
+//!
+//! For: the values that the instrument runs with. Must not know: whether they were given or derived, afterwards.
+//! Every value here is meaningful only for a configuration without error findings.
+
+use super::{Config, Offset};
+use crate::circuit::Network;
+use crate::pins::Node;
+use crate::reading::Method;
+use crate::units::{Nanos, Ohm, Seconds};
+
+/// What is left of V_DD at the end of a derived charge.
+const CHARGE_RESIDUAL: f64 = 1e-4;
+/// A derived deadline in discharges through the second calibration resistor.
+const DEADLINE_IN_SECOND_DISCHARGES: f64 = 5.0;
+/// The settle time that is used when none is given.
+const SETTLE_TIME: Nanos = Nanos(20_000);
+/// The switch fraction that is used when none is given.
+const SWITCH_FRACTION: f64 = 0.9;
+
+impl Config {
+    /// The method to use; `None` when the one asked for is not available.
+    pub fn method(&self) -> Option<Method> {
+        match (self.measure.method, self.circuit.network) {
+            (Some(name), _) => name.method(),
+            (None, Network::TwoCapacitor { .. }) => Some(Method::Cerm),
+            (None, Network::SeriesCalibration { .. }) => Some(Method::Qerm),
+            (None, Network::OneCapacitor { .. }) => Some(Method::Tpcm),
+        }
+    }
+
+    /// The node whose crossing ends a discharge: B where the method times it.
+    pub fn last_node(&self) -> Node {
+        match (self.method(), self.circuit.network) {
+            (Some(Method::Tpcm | Method::Qerm), _) => Node::A,
+            (_, Network::TwoCapacitor { .. }) => Node::B,
+            _ => Node::A,
+        }
+    }
+
+    /// How long to charge before each discharge.
+    pub fn charge_time(&self) -> Nanos {
+        self.measure.charge_time.unwrap_or_else(|| self.circuit.charge_time(CHARGE_RESIDUAL).into())
+    }
+
+    /// The pause between charge and discharge.
+    pub fn settle_time(&self) -> Nanos {
+        self.measure.settle_time.unwrap_or(SETTLE_TIME)
+    }
+
+    /// The longest discharge through a sensor.
+    pub fn deadline(&self) -> Nanos {
+        self.measure.deadline.unwrap_or_else(|| {
+            Nanos::from_seconds(DEADLINE_IN_SECOND_DISCHARGES * self.discharge(self.circuit.r_second()).0)
+        })
+    }
+
+    /// The latency offset.
+    pub fn offset(&self) -> Offset {
+        let needed = matches!(self.method(), Some(Method::Cerm | Method::Qerm));
+        let default = if needed { Offset::Auto } else { Offset::Fixed(Nanos::ZERO) };
+        self.measure.offset.unwrap_or(default)
+    }
+
+    /// Where the planned switch comes, as a fraction of the predicted T_xA.
+    pub fn switch_fraction(&self) -> f64 {
+        self.measure.switch_fraction.unwrap_or(SWITCH_FRACTION)
+    }
+
+    /// The predicted full discharge through `r`, up to the last crossing that the method times; 0 where the
+    /// circuit never crosses.
+    pub fn discharge(&self, r: Ohm) -> Seconds {
+        self.circuit.crossing(self.last_node(), r).unwrap_or_default()
+    }
+
+    /// The predicted time of one reading of every channel, calibration and charges included, when each x
+    /// discharge takes `x`; without what the system's calls take.
+    pub fn cycle(&self, x: Seconds) -> Seconds {
+        let channels = self.channels.len() as f64;
+        let pause = self.charge_time().as_seconds() + self.settle_time().as_seconds();
+        let calibration = self.discharge(self.circuit.r_c1).0 + self.discharge(self.circuit.r_second()).0;
+        Seconds((2.0 + channels) * pause + calibration + channels * x.0)
+    }
+}

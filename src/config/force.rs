@@ -1,0 +1,84 @@
+//! `force = { .. }`: how the resistance of a sensor becomes a force.
+//!
+//! For: the four ways to say it. Must not know: how the conversion is computed, or what a table file holds.
+
+use crate::units::{Newton, NewtonOhm};
+use serde::Deserialize;
+use serde::de::{Deserializer, Error};
+use std::path::PathBuf;
+
+/// A sensor's characteristic.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Force {
+    /// `{ fc1 = "5.75 N", fc2 = "1.05 N" }`: the forces at which the sensor has Rc1 and Rc2, for eq. (27).
+    Calibrated {
+        /// F_c1, newton, above F_c2: the lower resistance is the greater force.
+        fc1: Newton,
+        /// F_c2, newton.
+        fc2: Newton,
+    },
+    /// `{ alpha = "13346 N ohm" }`: F = alpha / R, eq. (1).
+    Alpha(NewtonOhm),
+    /// `{ at-1-kohm = "13.3 N", exponent = 1.05 }`: F = F_1k (R / 1 kohm)^-exponent.
+    PowerLaw {
+        /// The force at which the sensor has 1 kohm, newton.
+        at_1_kohm: Newton,
+        /// Above 0; 1 for a sensor that follows eq. (1).
+        exponent: f64,
+    },
+    /// `{ table = "FILE.csv" }`: measured pairs, relative to the configuration file.
+    Table(PathBuf),
+}
+
+#[derive(Deserialize)]
+#[serde(rename_all = "kebab-case", deny_unknown_fields)]
+struct Table {
+    fc1: Option<Newton>,
+    fc2: Option<Newton>,
+    alpha: Option<NewtonOhm>,
+    at_1_kohm: Option<Newton>,
+    exponent: Option<f64>,
+    table: Option<PathBuf>,
+}
+
+impl<'de> Deserialize<'de> for Force {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Force, D::Error> {
+        match Table::deserialize(deserializer)? {
+            Table {
+                fc1: Some(fc1),
+                fc2: Some(fc2),
+                alpha: None,
+                at_1_kohm: None,
+                exponent: None,
+                table: None,
+            } => Ok(Force::Calibrated { fc1, fc2 }),
+            Table {
+                fc1: None,
+                fc2: None,
+                alpha: Some(alpha),
+                at_1_kohm: None,
+                exponent: None,
+                table: None,
+            } => Ok(Force::Alpha(alpha)),
+            Table {
+                fc1: None,
+                fc2: None,
+                alpha: None,
+                at_1_kohm: Some(at_1_kohm),
+                exponent: Some(exponent),
+                table: None,
+            } => Ok(Force::PowerLaw { at_1_kohm, exponent }),
+            Table {
+                fc1: None,
+                fc2: None,
+                alpha: None,
+                at_1_kohm: None,
+                exponent: None,
+                table: Some(table),
+            } => Ok(Force::Table(table)),
+            _ => Err(D::Error::custom(
+                "force takes one of { fc1, fc2 }, { alpha }, { at-1-kohm, exponent }, { table }",
+            )),
+        }
+    }
+}

@@ -1,0 +1,315 @@
+//! Parsing, defaults, the shipped file and the reports.
+
+use super::*;
+use crate::circuit::Network;
+use crate::units::{Farad, Newton, NewtonOhm, Ohm, Volt};
+use std::fs;
+
+const MINIMAL: &str = r#"
+[circuit]
+kind = "two-capacitor"
+c-a = "2.2 uF"
+c-b = "680 nF"
+r-c1 = "2.32 kohm"
+r-c2 = "12.7 kohm"
+"#;
+
+const FULL: &str = r#"
+[circuit]
+kind = "two-capacitor"
+c-a = "2.2 uF"
+c-b = "680 nF"
+r-c1 = "2.32 kohm"
+r-c2 = "12.7 kohm"
+v-dd = "5 V"
+v-th = "2 V"
+r-charge = "330 ohm"
+
+[gpio]
+backend = "chardev"
+chip = "pinctrl-rp1"
+sense-a = "GPIO5"
+sense-b = 6
+charge-a = "GPIO13"
+charge-b = "GPIO19"
+sink-c1 = "20"
+sink-c2 = "GPIO21"
+
+[measure]
+method = "cerm"
+rate-hz = 20
+charge-time = "3 ms"
+settle-time = "50 us"
+deadline = "50 ms"
+offset = "auto"
+t-l = "616 us"
+switch-fraction = 0.8
+
+[[channel]]
+id = "thumb"
+sink = "GPIO16"
+zero-ohm = 1.5
+force = { fc1 = "5.75 N", fc2 = "1.05 N" }
+
+[[channel]]
+id = "index"
+force = { table = "index.csv" }
+
+[server]
+socket = "/tmp/s"
+mode = "0600"
+
+[mock]
+scene = "pi4"
+seed = 7
+"#;
+
+fn parse(text: &str) -> Config {
+    Config::parse(text, "test").unwrap_or_else(|error| panic!("{error}"))
+}
+
+fn refusal(text: &str) -> String {
+    Config::parse(text, "test.toml").unwrap_err().to_string()
+}
+
+#[test]
+fn everything_can_be_said() {
+    let config = parse(FULL);
+    assert_eq!(config.circuit.network, Network::TwoCapacitor { c_a: Farad(2.2e-6), c_b: Farad(680e-9) });
+    assert_eq!((config.circuit.r_c1, config.circuit.r_c2), (Ohm(2_320.0), Ohm(12_700.0)));
+    assert_eq!((config.circuit.v_dd, config.circuit.v_th), (Volt(5.0), Volt(2.0)));
+    assert_eq!(config.circuit.r_charge, Ohm(330.0));
+    assert_eq!(config.gpio.backend, Backend::Chardev);
+    assert_eq!(config.gpio.sense_a, Some(Line::Name("GPIO5".to_owned())));
+    assert_eq!(config.gpio.sense_b, Some(Line::Offset(6)));
+    assert_eq!(config.gpio.sink_c1, Some(Line::Offset(20)));
+    assert_eq!(config.method(), Some(Method::Cerm));
+    assert_eq!(config.measure.rate_hz, Some(20.0));
+    assert_eq!(config.charge_time(), Nanos(3_000_000));
+    assert_eq!(config.settle_time(), Nanos(50_000));
+    assert_eq!(config.deadline(), Nanos(50_000_000));
+    assert_eq!(config.measure.offset, Some(Offset::Auto));
+    assert_eq!(config.measure.t_l, Some(Nanos(616_000)));
+    assert_eq!(config.switch_fraction(), 0.8);
+    assert_eq!(config.channels[0].zero_ohm, 1.5);
+    assert_eq!(config.channels[0].force, Some(Force::Calibrated { fc1: Newton(5.75), fc2: Newton(1.05) }));
+    assert_eq!(config.channels[1].force, Some(Force::Table(PathBuf::from("index.csv"))));
+    assert_eq!(config.server, Server { socket: PathBuf::from("/tmp/s"), mode: Mode(0o600) });
+    assert_eq!(config.mock, Some(Mock { scene: "pi4".to_owned(), seed: Some(7) }));
+}
+
+#[test]
+fn silence_has_defaults() {
+    let config = parse(MINIMAL);
+    assert_eq!((config.circuit.v_dd, config.circuit.v_th), (Volt(3.3), Volt(1.3)));
+    assert_eq!(config.gpio, Gpio::default());
+    assert_eq!(config.gpio.backend, Backend::Mock);
+    assert_eq!(config.method(), Some(Method::Cerm));
+    assert_eq!(config.offset(), Offset::Auto);
+    assert_eq!(config.settle_time(), Nanos(20_000));
+    assert_eq!(config.switch_fraction(), 0.9);
+    assert_eq!(config.server.socket, Path::new("/run/cermd/cermd.sock"));
+    assert_eq!(config.server.mode, Mode(0o660));
+    assert_eq!((config.channels.len(), config.mock.is_none()), (0, true));
+}
+
+#[test]
+fn derived_times_follow_the_circuit() {
+    let config = parse(MINIMAL);
+    let (charge, deadline) = (config.charge_time().as_seconds(), config.deadline().as_seconds());
+    assert!((charge / config.circuit.charge_tau().0 - 14.16).abs() < 0.01, "{charge}");
+    let t_c2b = (12_700.0 + 40.0) * config.circuit.g(crate::pins::Node::B).unwrap().0;
+    assert!((deadline - 5.0 * t_c2b).abs() < 1e-9, "{deadline}");
+}
+
+#[test]
+fn the_method_follows_the_circuit() {
+    let one = |kind: &str, method: &str| {
+        let text = format!(
+            "[circuit]\nkind = \"{kind}\"\nc = \"1 uF\"\nr-c1 = \"1 kohm\"\nr-c2 = \"9 kohm\"\n{method}"
+        );
+        parse(&text)
+    };
+    assert_eq!(one("one-capacitor", "").method(), Some(Method::Tpcm));
+    assert_eq!(one("one-capacitor", "").offset(), Offset::Fixed(Nanos::ZERO));
+    assert_eq!(one("series-calibration", "").method(), Some(Method::Qerm));
+    assert_eq!(one("series-calibration", "").offset(), Offset::Auto);
+    assert_eq!(one("one-capacitor", "[measure]\nmethod = \"tracked\"").method(), None);
+    // TPCM in the circuit with two capacitors times node A only, and so does its deadline.
+    let tpcm = parse(&format!("{MINIMAL}[measure]\nmethod = \"tpcm\""));
+    assert_eq!(Some(tpcm.discharge(Ohm(1e3))), tpcm.circuit.crossing(crate::pins::Node::A, Ohm(1e3)));
+}
+
+#[test]
+fn other_forces_and_offsets() {
+    let with = |force: &str| {
+        parse(&format!("{MINIMAL}[[channel]]\nid = \"a\"\nforce = {force}")).channels[0].force.clone()
+    };
+    assert_eq!(with("{ alpha = \"13346 N ohm\" }"), Some(Force::Alpha(NewtonOhm(13_346.0))));
+    let power = Force::PowerLaw { at_1_kohm: Newton(13.3), exponent: 1.05 };
+    assert_eq!(with("{ at-1-kohm = \"13.3 N\", exponent = 1.05 }"), Some(power));
+    let offset = parse(&format!("{MINIMAL}[measure]\noffset = \"8 us\"")).offset();
+    assert_eq!(offset, Offset::Fixed(Nanos(8_000)));
+}
+
+#[test]
+fn an_unknown_key_is_pointed_at() {
+    insta::assert_snapshot!(refusal(&MINIMAL.replace("c-b", "cb")), @r#"
+    test.toml: TOML parse error at line 5, column 1
+      |
+    5 | cb = "680 nF"
+      | ^^
+    unknown field `cb`, expected one of `kind`, `c-a`, `c-b`, `c`, `r-c1`, `r-c2`, `v-dd`, `v-th`, `r-charge`
+    "#);
+}
+
+#[test]
+fn a_wrong_unit_is_pointed_at() {
+    insta::assert_snapshot!(refusal(&MINIMAL.replace("2.2 uF", "2.2 uH")), @r#"
+    test.toml: TOML parse error at line 4, column 7
+      |
+    4 | c-a = "2.2 uH"
+      |       ^^^^^^^^
+    expected a capacitance such as "2.2 uF", got "2.2 uH"
+    "#);
+}
+
+#[test]
+fn refusals_name_the_line_and_the_choice() {
+    let text = |line: &str| format!("{MINIMAL}{line}\n");
+    for (text, line, said) in [
+        (MINIMAL.replace("c-b = \"680 nF\"\n", ""), 2, "has the capacitors c-a and c-b"),
+        (MINIMAL.replace("two-c", "one-c"), 2, "one capacitor, c, and neither c-a nor c-b"),
+        (MINIMAL.replace("two-c", "three-c"), 3, "unknown variant `three-capacitor`"),
+        (MINIMAL.replace("\"2.2 uF\"", "2.2e-6"), 4, "expected a capacitance such as \"2.2 uF\""),
+        (MINIMAL.replace("r-c1 = \"2.32 kohm\"\n", ""), 2, "missing field `r-c1`"),
+        (
+            text("[measure]\noffset = \"soon\""),
+            9,
+            "expected a duration such as \"3 ms\", got \"soon\"; or \"auto\"",
+        ),
+        (text("[measure]\nmethod = \"magic\""), 9, "unknown variant `magic`"),
+        (text("[gpio]\nbackend = \"spi\""), 9, "unknown variant `spi`"),
+        (text("[gpio]\nchip = \"a\""), 8, "missing field `backend`"),
+        (text("[gpio]\nbackend = \"mock\"\nsense-a = -1"), 10, "a line's name such as \"GPIO17\""),
+        (text("[gpio]\nbackend = \"mock\"\nsense-a = \"\""), 10, "a line's name such as \"GPIO17\""),
+        (text("[server]\nmode = \"0680\""), 9, "expected octal permissions such as \"0660\", got \"0680\""),
+        (text("[server]\nmode = \"1777\""), 9, "expected octal permissions"),
+        (text("[[channel]]\nsink = 1"), 8, "missing field `id`"),
+        (text("[[channel]]\nid = \"a\"\nforce = { fc1 = \"1 N\" }"), 10, "force takes one of"),
+        (
+            text("[[channel]]\nid = \"a\"\nforce = { fc1 = \"1 N\", fc2 = \"1 g\" }"),
+            10,
+            "expected a force such as",
+        ),
+        (text("[mock]\nseed = 1"), 8, "missing field `scene`"),
+        (text("[thumb]"), 8, "unknown field `thumb`"),
+        (text("[measure"), 8, "unclosed table"),
+        ("[measure]\nrate-hz = 1\n".to_owned(), 1, "missing field `circuit`"),
+    ] {
+        let message = refusal(&text);
+        assert!(message.starts_with("test.toml: ") && message.contains(said), "{message}");
+        assert!(message.contains(&format!("at line {line}, column ")), "{message}");
+    }
+}
+
+#[test]
+fn files_count_from_the_configuration() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("cermd.toml");
+    fs::write(&file, FULL).unwrap();
+    let config = Config::load(&file).unwrap();
+    assert_eq!(config.path(Path::new("index.csv")), folder.path().join("index.csv"));
+    assert_eq!(config.path(Path::new("/etc/x.csv")), Path::new("/etc/x.csv"));
+    assert_eq!(parse(FULL).path(Path::new("index.csv")), Path::new("index.csv"));
+}
+
+#[test]
+fn a_file_that_is_not_there_gets_a_hint() {
+    let report = report(Path::new("/nonexistent/cermd.toml"));
+    assert!(!report.is_usable());
+    insta::assert_snapshot!(report, @"error: /nonexistent/cermd.toml: No such file or directory (os error 2); name a file with --config, or try `cermctl demo`");
+}
+
+/// The report on FULL, changed a little, with the file's folder left out.
+fn rendered(change: (&str, &str)) -> (String, bool) {
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("cermd.toml");
+    fs::write(&file, FULL.replace(change.0, change.1)).unwrap();
+    let report = report(&file);
+    (report.to_string().replace(&format!("{}/", folder.path().display()), ""), report.is_usable())
+}
+
+#[test]
+fn a_report_of_errors() {
+    let (text, usable) = rendered(("\"12.7 kohm\"", "\"1.27 kohm\""));
+    assert!(!usable);
+    insta::assert_snapshot!(text, @r#"
+    error: circuit.r-c1: 2.32 kohm is not below r-c2 = 1.27 kohm; try the lower resistor as r-c1
+    error: channel.index.sink: missing; try the line that the sensor is wired to
+    cermd.toml: not usable: 2 error(s), 0 warning(s)
+    "#);
+}
+
+#[test]
+fn a_report_of_warnings() {
+    let (text, usable) = rendered(("id = \"index\"\n", "id = \"index\"\nsink = 17\n"));
+    assert!(usable);
+    insta::assert_snapshot!(text, @r#"
+    warning: measure.charge-time: 3 ms is 1.9 time constants of the charge; try at least "7.9 ms" (5 of them), or without it
+    info: circuit.r-c1: through Rc1, node A after 1.12 ms, node B after 1.89 ms
+    info: circuit.r-c2: through Rc2, node A after 6.06 ms, node B after 10.2 ms
+    info: measure.charge-time: 3 ms, 1.9 time constants of the charge
+    info: measure.deadline: 50 ms, enough for a sensor of 62.5 kohm
+    info: measure.rate-hz: a cycle takes 44.6 ms (22.4 Hz) with the sensor at Rc2, 124 ms at most
+    cermd.toml: usable: 0 error(s), 1 warning(s)
+    "#);
+}
+
+#[test]
+fn a_report_of_a_refusal() {
+    let (text, usable) = rendered(("rate-hz", "rate"));
+    assert!(!usable);
+    insta::assert_snapshot!(text, @r#"
+    error: cermd.toml: TOML parse error at line 24, column 1
+       |
+    24 | rate = 20
+       | ^^^^
+    unknown field `rate`, expected one of `method`, `rate-hz`, `charge-time`, `settle-time`, `deadline`, `offset`, `t-l`, `switch-fraction`
+    "#);
+}
+
+#[test]
+fn the_shipped_configuration_is_good() {
+    let report = report(&Path::new(env!("CARGO_MANIFEST_DIR")).join("hw/cermd.toml"));
+    let findings = report.outcome.as_ref().unwrap();
+    assert!(findings.iter().all(|finding| finding.severity == Severity::Info), "{report}");
+}
+
+/// Every default that the shipped file shows in a comment is the default.
+#[test]
+fn the_shipped_comments_are_true() {
+    let text = include_str!("../../hw/cermd.toml");
+    let uncommented: String = text
+        .lines()
+        .map(|line| match line.strip_prefix("# ") {
+            Some("[mock]") => "[mock]",
+            Some(setting) if setting.contains(" = ") && !setting.contains([';', ',']) => setting,
+            _ => line,
+        })
+        .flat_map(|line| [line, "\n"])
+        .collect();
+    let (shown, silent) = (parse(&uncommented), parse(text));
+    assert!(shown.measure.charge_time.is_some() && shown.measure.switch_fraction.is_some(), "{uncommented}");
+    assert_eq!(
+        (shown.circuit, &shown.server, &shown.channels),
+        (silent.circuit, &silent.server, &silent.channels)
+    );
+    assert_eq!((shown.settle_time(), shown.offset()), (silent.settle_time(), silent.offset()));
+    assert_eq!(shown.switch_fraction(), silent.switch_fraction());
+    for (shown, derived) in
+        [(shown.charge_time(), silent.charge_time()), (shown.deadline(), silent.deadline())]
+    {
+        assert!((shown.as_ns() / derived.as_ns() - 1.0).abs() < 0.005, "{shown} shown, {derived} derived");
+    }
+}

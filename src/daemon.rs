@@ -1,0 +1,304 @@
+//! The daemon: the measuring thread, the server, signals, and the service manager, tied together.
+//!
+//! For: the only place with threads and the only one that knows that time passes by itself. Must not know: equations,
+//! the format of lines, or what a line of GPIO is.
+//!
+//! The main thread waits in one `poll` for the server, for results and for signals. The measuring thread never waits
+//! for it.
+
+mod measuring;
+mod publish;
+mod signals;
+
+use crate::backend::{self, OpenError};
+use crate::config::{Config, ConfigError, Finding, Severity};
+use crate::server::{Limits, ListenError, Listener, Server};
+use crate::settings::{Settings, SettingsError};
+use crate::stats::Stats;
+use crate::units::Nanos;
+use measuring::Measuring;
+use nix::poll::{PollFd, PollFlags, PollTimeout, poll};
+use nix::time::{ClockId, clock_gettime};
+use sd_notify::NotifyState;
+use signals::Signals;
+use std::io;
+use std::os::fd::AsFd;
+use std::path::{Path, PathBuf};
+use std::time::Duration;
+
+/// How often the main thread looks after the measuring thread when nothing else wakes it.
+const LOOK_AFTER: Duration = Duration::from_millis(500);
+
+/// Why the daemon does not run.
+#[derive(Debug, thiserror::Error)]
+pub enum DaemonError {
+    /// The configuration cannot be read.
+    #[error("{0}")]
+    Config(#[from] ConfigError),
+    /// The configuration cannot work.
+    #[error("{}: not usable\n{}", path.display(), errors_of(findings))]
+    Findings {
+        /// The file.
+        path: PathBuf,
+        /// What is wrong with it, and more.
+        findings: Vec<Finding>,
+    },
+    /// A file that it names is wrong.
+    #[error(transparent)]
+    Settings(#[from] SettingsError),
+    /// There are no pins.
+    #[error(transparent)]
+    Open(#[from] OpenError),
+    /// There is no socket.
+    #[error(transparent)]
+    Listen(#[from] ListenError),
+    /// The system refuses something basic.
+    #[error("{call}: {source}")]
+    System {
+        /// What.
+        call: &'static str,
+        /// Why.
+        source: io::Error,
+    },
+    /// The measuring thread has panicked, which is a mistake of the program.
+    #[error("the measuring thread has died; every line is released. Please report this with the lines above")]
+    Died,
+}
+
+fn errors_of(findings: &[Finding]) -> String {
+    let errors = findings.iter().filter(|finding| finding.severity == Severity::Error);
+    errors.map(ToString::to_string).collect::<Vec<_>>().join("\n")
+}
+
+fn system(call: &'static str) -> impl Fn(io::Error) -> DaemonError {
+    move |source| DaemonError::System { call, source }
+}
+
+/// `CLOCK_MONOTONIC` now.
+pub fn monotonic() -> Nanos {
+    clock(ClockId::CLOCK_MONOTONIC)
+}
+
+fn clock(id: ClockId) -> Nanos {
+    // These two clocks exist on every Linux; the call cannot fail with a valid buffer.
+    clock_gettime(id).map_or(Nanos::ZERO, |time| Nanos(time.tv_sec() * 1_000_000_000 + time.tv_nsec()))
+}
+
+/// A configuration that has passed its check, with every file that it names.
+#[derive(Debug, Clone)]
+pub struct Loaded {
+    config: Config,
+    settings: Settings,
+}
+
+impl Loaded {
+    /// Reads and checks a file.
+    ///
+    /// # Errors
+    /// Everything that is wrong with it, each with its remedy.
+    pub fn load(path: &Path) -> Result<Loaded, DaemonError> {
+        Loaded::new(Config::load(path)?, path)
+    }
+
+    /// Checks a configuration; `path` names it in messages.
+    ///
+    /// # Errors
+    /// Everything that is wrong with it, each with its remedy.
+    pub fn new(config: Config, path: &Path) -> Result<Loaded, DaemonError> {
+        let findings = config.check();
+        if findings.iter().any(|finding| finding.severity == Severity::Error) {
+            return Err(DaemonError::Findings { path: path.to_owned(), findings });
+        }
+        for finding in findings.iter().filter(|finding| finding.severity == Severity::Warning) {
+            log::warn!("{finding}");
+        }
+        Ok(Loaded { settings: Settings::new(&config)?, config })
+    }
+
+    /// The configuration.
+    pub fn config(&self) -> &Config {
+        &self.config
+    }
+}
+
+/// Runs until SIGTERM or SIGINT; SIGHUP reads the file again.
+///
+/// # Errors
+/// What keeps it from starting, or from going on. Every line is released.
+pub fn run(path: &Path) -> Result<(), DaemonError> {
+    let signals = Signals::new().map_err(system("signals"))?;
+    let loaded = Loaded::load(path)?;
+    let mut daemon = Daemon::start(loaded, signals)?;
+    daemon.serve(Some(path))
+}
+
+/// The parts of a running daemon.
+#[derive(Debug)]
+pub struct Daemon {
+    // Before the server: no reading is published any more when the socket goes.
+    measuring: Measuring,
+    server: Server,
+    signals: Signals,
+    loaded: Loaded,
+    stats: Stats,
+    started: Nanos,
+    beat: u64,
+    next_watchdog: Nanos,
+    watchdog_every: Option<Nanos>,
+}
+
+impl Daemon {
+    /// Opens pins and socket, starts to measure, and tells the service manager that it is ready.
+    ///
+    /// # Errors
+    /// What is missing.
+    pub fn start(loaded: Loaded, signals: Signals) -> Result<Daemon, DaemonError> {
+        let config = &loaded.config;
+        let listener = match Listener::from_systemd()? {
+            Some(listener) => listener,
+            None => Listener::bind(&config.server.socket, config.server.mode.0)?,
+        };
+        let mut server = Server::new(listener, &publish::channels(&loaded.settings), Limits::default())
+            .map_err(system("epoll"))?;
+        server.set_tape_header(&publish::header(config, &loaded.settings));
+        let measuring = start_measuring(&loaded)?;
+        log::info!("serving {} channel(s) on {}", config.channels.len(), config.server.socket.display());
+        // Half the interval that the service manager waits, as it recommends.
+        let watchdog_every = sd_notify::watchdog_enabled().map(|every| Nanos((every.as_nanos() / 2) as i64));
+        notify(&[NotifyState::Ready, NotifyState::Status("measuring")]);
+        Ok(Daemon {
+            measuring,
+            server,
+            signals,
+            loaded,
+            stats: Stats::default(),
+            started: monotonic(),
+            beat: 0,
+            next_watchdog: Nanos::ZERO,
+            watchdog_every,
+        })
+    }
+
+    /// Serves until a signal asks for the end. `path`: what SIGHUP reads again.
+    ///
+    /// # Errors
+    /// The measuring thread or the system has failed.
+    pub fn serve(&mut self, path: Option<&Path>) -> Result<(), DaemonError> {
+        loop {
+            self.wait().map_err(system("poll"))?;
+            self.publish();
+            let now = monotonic();
+            let mut fields = publish::stats(&self.stats, &self.loaded.config, now - self.started);
+            self.server.turn(now, &mut fields).map_err(system("epoll_wait"))?;
+            let asked = self.signals.take();
+            if asked.end {
+                notify(&[NotifyState::Stopping, NotifyState::Status("stopping")]);
+                log::info!(
+                    "stopping: {} readings in {:.0} s",
+                    self.stats.readings,
+                    (now - self.started).as_seconds()
+                );
+                return Ok(());
+            }
+            if let (true, Some(path)) = (asked.reload, path) {
+                self.reload(path)?;
+            }
+            if self.measuring.has_ended() {
+                return Err(DaemonError::Died);
+            }
+            self.feed_watchdog(now);
+        }
+    }
+
+    fn wait(&self) -> io::Result<()> {
+        let watch = |fd| PollFd::new(fd, PollFlags::POLLIN);
+        let mut descriptors =
+            [watch(self.server.as_fd()), watch(self.measuring.wake().as_fd()), watch(self.signals.as_fd())];
+        let until = self.server.wake_at().map(|at| Duration::from_nanos((at - monotonic()).0.max(0) as u64));
+        let timeout = until.unwrap_or(LOOK_AFTER).min(LOOK_AFTER);
+        match poll(&mut descriptors, PollTimeout::try_from(timeout).unwrap_or(PollTimeout::MAX)) {
+            Ok(_) | Err(nix::errno::Errno::EINTR) => Ok(()),
+            Err(errno) => Err(errno.into()),
+        }
+    }
+
+    fn publish(&mut self) {
+        // Empty when nothing was written since: that is no error.
+        let _ = self.measuring.wake().read();
+        let offset_was_known = self.stats.offset_is_known;
+        let to_wall = clock(ClockId::CLOCK_REALTIME) - monotonic();
+        while let Some(report) = self.measuring.next() {
+            publish::report(&mut self.server, &mut self.stats, &self.loaded, report, to_wall);
+        }
+        let (readings, discharges) = self.measuring.take_lost();
+        if readings + discharges > 0 {
+            log::warn!(
+                "{readings} readings and {discharges} discharges were lost: this process gets too little time"
+            );
+            self.server.miss_readings(readings);
+            self.server.miss_raw(discharges);
+        }
+        if self.stats.offset_is_known && !offset_was_known {
+            publish::log_offset(&self.stats);
+        }
+    }
+
+    /// A file that is wrong leaves everything as it is.
+    fn reload(&mut self, path: &Path) -> Result<(), DaemonError> {
+        log::info!("reading {} again", path.display());
+        let loaded = match Loaded::load(path) {
+            Ok(loaded) => loaded,
+            Err(error) => {
+                log::error!("the old configuration stays in force: {error}");
+                return Ok(());
+            }
+        };
+        if loaded.config.server != self.loaded.config.server {
+            log::warn!("[server] takes effect at the next start: the socket stays where it is");
+        }
+        // The lines of the old configuration are released before those of the new one are asked for.
+        self.measuring.stop();
+        self.publish();
+        match start_measuring(&loaded) {
+            Ok(measuring) => {
+                self.measuring = measuring;
+                self.loaded = loaded;
+            }
+            Err(error) => {
+                log::error!("the old configuration stays in force: {error}");
+                self.measuring = start_measuring(&self.loaded)?;
+            }
+        }
+        self.stats = Stats::default();
+        self.server.set_channels(&publish::channels(&self.loaded.settings));
+        self.server.set_tape_header(&publish::header(&self.loaded.config, &self.loaded.settings));
+        Ok(())
+    }
+
+    /// Only while the measuring thread goes on: one that is stuck must be found by the service manager.
+    fn feed_watchdog(&mut self, now: Nanos) {
+        let Some(every) = self.watchdog_every else { return };
+        let beat = self.measuring.beat();
+        if now < self.next_watchdog || beat == self.beat {
+            return;
+        }
+        self.beat = beat;
+        self.next_watchdog = now + every;
+        let status = publish::status_line(&self.stats, self.server.clients());
+        notify(&[NotifyState::Watchdog, NotifyState::Status(&status)]);
+    }
+}
+
+fn start_measuring(loaded: &Loaded) -> Result<Measuring, DaemonError> {
+    let pins = backend::open(&loaded.config, monotonic())?;
+    Measuring::start(pins, loaded.config.clone(), loaded.settings.clone()).map_err(system("thread"))
+}
+
+/// Without a service manager nobody listens, and that is no error.
+fn notify(states: &[NotifyState<'_>]) {
+    if let Err(error) = sd_notify::notify(states) {
+        log::debug!("sd_notify: {error}");
+    }
+}
+
+pub use signals::Signals as SignalSource;

@@ -1,0 +1,225 @@
+//! The measuring thread.
+//!
+//! For: running the instrument without ever waiting for anybody: results leave through a ring, and an event
+//! descriptor wakes whoever reads it. Must not know: clients, or what a result is used for.
+//!
+//! In the loop nothing is allocated, logged or locked. A full ring loses results and counts them.
+
+use crate::backend::{self, AnyPins, OpenError};
+use crate::config::Config;
+use crate::instrument::{Instrument, Message};
+use crate::pins::{Armed, Bracket, Drives, Edge, Levels, Pins, PinsError};
+use crate::settings::Settings;
+use crate::stats::Stats;
+use crate::units::Nanos;
+use nix::sys::eventfd::{EfdFlags, EventFd};
+use rtrb::{Consumer, Producer, RingBuffer};
+use std::io;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+use std::thread::{self, JoinHandle};
+use std::time::Duration;
+
+/// Results that the ring holds: a second or more of the fastest cycle with all channels.
+const RING: usize = 4096;
+/// How long to wait before pins that failed are opened again.
+const REOPEN_AFTER: Duration = Duration::from_secs(1);
+/// How often counters are sent.
+const STATS_EVERY: Nanos = Nanos(250_000_000);
+
+/// What the measuring thread tells.
+#[derive(Debug)]
+pub enum Report {
+    /// A reading or a discharge.
+    Message(Message),
+    /// Counters, from time to time.
+    Stats(Stats),
+    /// The pins failed; they are opened again by and by.
+    Failed(PinsError),
+    /// They still cannot be opened.
+    NotOpened(OpenError),
+    /// They work again.
+    Reopened,
+}
+
+/// What both sides share.
+#[derive(Debug)]
+struct Shared {
+    stop: AtomicBool,
+    beat: AtomicU64,
+    lost_readings: AtomicU64,
+    lost_discharges: AtomicU64,
+    wake: EventFd,
+}
+
+/// A running measurement. Dropping it stops the thread; every line is released before the thread ends.
+#[derive(Debug)]
+pub struct Measuring {
+    shared: Arc<Shared>,
+    results: Consumer<Report>,
+    thread: Option<JoinHandle<()>>,
+}
+
+impl Measuring {
+    /// Starts to measure.
+    ///
+    /// # Errors
+    /// The system has no descriptor or thread left.
+    pub fn start(pins: AnyPins, config: Config, settings: Settings) -> io::Result<Measuring> {
+        let (sender, results) = RingBuffer::new(RING);
+        let shared = Arc::new(Shared {
+            stop: AtomicBool::new(false),
+            beat: AtomicU64::new(0),
+            lost_readings: AtomicU64::new(0),
+            lost_discharges: AtomicU64::new(0),
+            wake: EventFd::from_flags(EfdFlags::EFD_CLOEXEC | EfdFlags::EFD_NONBLOCK)?,
+        });
+        let worker = Worker { shared: Arc::clone(&shared), sender, config };
+        let thread = thread::Builder::new()
+            .name("cermd-measure".to_owned())
+            .spawn(move || worker.run(Instrument::new(pins, settings)))?;
+        Ok(Measuring { shared, results, thread: Some(thread) })
+    }
+
+    /// Readable when there are results.
+    pub fn wake(&self) -> &EventFd {
+        &self.shared.wake
+    }
+
+    /// The next result, if there is one.
+    pub fn next(&mut self) -> Option<Report> {
+        self.results.pop().ok()
+    }
+
+    /// Readings and discharges that a full ring has lost since the last call.
+    pub fn take_lost(&self) -> (u64, u64) {
+        let take = |counter: &AtomicU64| counter.swap(0, Ordering::Relaxed);
+        (take(&self.shared.lost_readings), take(&self.shared.lost_discharges))
+    }
+
+    /// Changes while the thread is alive and not stuck.
+    pub fn beat(&self) -> u64 {
+        self.shared.beat.load(Ordering::Relaxed)
+    }
+
+    /// Whether the thread has ended by itself, which it never should.
+    pub fn has_ended(&self) -> bool {
+        self.thread.as_ref().is_none_or(JoinHandle::is_finished)
+    }
+}
+
+impl Measuring {
+    /// Stops the thread and waits for its end; every line is released then. What it has told can still be read.
+    pub fn stop(&mut self) {
+        self.shared.stop.store(true, Ordering::Relaxed);
+        if let Some(thread) = self.thread.take() {
+            // A panic of the thread has been reported when it happened; its lines are released.
+            let _ = thread.join();
+        }
+    }
+}
+
+impl Drop for Measuring {
+    fn drop(&mut self) {
+        self.stop();
+    }
+}
+
+struct Worker {
+    shared: Arc<Shared>,
+    sender: Producer<Report>,
+    config: Config,
+}
+
+impl Worker {
+    fn run(mut self, mut instrument: Instrument<AnyPins>) {
+        let mut stats_due = Nanos::ZERO;
+        let mut offset_was_known = false;
+        while !self.is_stopped() {
+            let result = instrument.step(&mut |message| self.send(Report::Message(message)));
+            if let Err(error) = result {
+                self.send(Report::Failed(error));
+                self.reopen(&mut instrument);
+            }
+            let stats = instrument.stats();
+            let now = instrument.pins().now();
+            if now >= stats_due || stats.offset_is_known != offset_was_known {
+                stats_due = now + STATS_EVERY;
+                offset_was_known = stats.offset_is_known;
+                self.send(Report::Stats(stats));
+            }
+        }
+    }
+
+    fn is_stopped(&self) -> bool {
+        self.shared.beat.fetch_add(1, Ordering::Relaxed);
+        self.shared.stop.load(Ordering::Relaxed)
+    }
+
+    /// Opens the pins again until that works or the thread is to stop. What was learned stays.
+    fn reopen(&mut self, instrument: &mut Instrument<AnyPins>) {
+        // The old pins go first: a line has one holder at a time.
+        *instrument.pins() = Box::new(Closed);
+        loop {
+            let naps = REOPEN_AFTER.as_millis() / 100;
+            for _ in 0..naps {
+                if self.is_stopped() {
+                    return;
+                }
+                thread::sleep(Duration::from_millis(100));
+            }
+            let now = instrument.pins().now();
+            match backend::open(&self.config, now) {
+                Ok(pins) => {
+                    *instrument.pins() = pins;
+                    self.send(Report::Reopened);
+                    return;
+                }
+                Err(error) => self.send(Report::NotOpened(error)),
+            }
+        }
+    }
+
+    fn send(&mut self, report: Report) {
+        let lost = match report {
+            Report::Message(Message::Reading(_)) => Some(&self.shared.lost_readings),
+            Report::Message(Message::Discharge { .. }) => Some(&self.shared.lost_discharges),
+            _ => None,
+        };
+        // Discharges wait for the reading that they lead to.
+        let is_urgent = !matches!(report, Report::Message(Message::Discharge { .. }));
+        if self.sender.push(report).is_err() {
+            if let Some(counter) = lost {
+                counter.fetch_add(1, Ordering::Relaxed);
+            }
+        }
+        if is_urgent {
+            // It fails only when the counter would overflow: then it is readable anyway.
+            let _ = self.shared.wake.write(1);
+        }
+    }
+}
+
+/// Stands in while there are no pins.
+struct Closed;
+
+impl Pins for Closed {
+    fn now(&mut self) -> Nanos {
+        super::monotonic()
+    }
+    fn drive(&mut self, _on: Drives) -> Result<Bracket, PinsError> {
+        Err(PinsError::Ended)
+    }
+    fn arm(&mut self) -> Result<Armed, PinsError> {
+        Err(PinsError::Ended)
+    }
+    fn edge(&mut self, _until: Nanos) -> Result<Option<Edge>, PinsError> {
+        Err(PinsError::Ended)
+    }
+    fn sleep_until(&mut self, _at: Nanos) -> Result<(), PinsError> {
+        Err(PinsError::Ended)
+    }
+    fn levels(&mut self) -> Result<Levels, PinsError> {
+        Err(PinsError::Ended)
+    }
+}

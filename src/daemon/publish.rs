@@ -1,0 +1,99 @@
+//! What the daemon tells: results to the server, and itself to the log and the service manager.
+//!
+//! For: putting the instrument's results into the words of the stream. Must not know: threads, descriptors.
+
+use super::Loaded;
+use super::measuring::Report;
+use crate::config::{Backend, Config};
+use crate::instrument::Message;
+use crate::reading::Fault;
+use crate::server::Server;
+use crate::settings::Settings;
+use crate::stats::Stats;
+use crate::tape::Header;
+use crate::units::Nanos;
+use crate::wire::{ChannelInfo, Object, Unit, UnixTime};
+
+/// The channels as VERSION announces them.
+pub fn channels(settings: &Settings) -> Vec<ChannelInfo> {
+    let info = |channel: &crate::settings::Channel| ChannelInfo {
+        id: channel.id.clone(),
+        unit: if channel.force.is_some() { Unit::Newton } else { Unit::Ohm },
+    };
+    settings.channels.iter().map(info).collect()
+}
+
+/// The header of a tape, as a line.
+pub fn header(config: &Config, settings: &Settings) -> String {
+    Header::new(config, settings).to_line() + "\n"
+}
+
+/// Passes one result on. `to_wall`: from `CLOCK_MONOTONIC` to `CLOCK_REALTIME`.
+pub fn report(server: &mut Server, stats: &mut Stats, loaded: &Loaded, report: Report, to_wall: Nanos) {
+    match report {
+        Report::Message(Message::Reading(reading)) => {
+            server.publish_reading(&reading, UnixTime((reading.at + to_wall).0));
+        }
+        Report::Message(Message::Discharge { seq, record }) => {
+            if server.wants_raw() {
+                let line = Header::new(&loaded.config, &loaded.settings).discharge_line(seq, &record) + "\n";
+                server.publish_raw(record.through.channel(), record.start, &line);
+            }
+        }
+        Report::Stats(counted) => *stats = counted,
+        Report::Failed(error) => log::error!("{error}; trying again every second"),
+        Report::NotOpened(error) => log::warn!("{error}"),
+        Report::Reopened => log::info!("the GPIO lines are back"),
+    }
+}
+
+/// The daemon's own fields of STATS.
+pub fn stats(stats: &Stats, config: &Config, uptime: Nanos) -> impl FnMut(&mut Object<'_>) + use<> {
+    let stats = *stats;
+    let backend = match config.gpio.backend {
+        Backend::Chardev => "chardev",
+        Backend::ChardevV1 => "chardev-v1",
+        Backend::Mock => "mock",
+    };
+    let method = config.method().map(crate::reading::Method::as_str);
+    move |object| {
+        object.text("backend", backend);
+        object.text("method", method.unwrap_or_default());
+        object.number("uptime_s", uptime.as_seconds(), 9);
+        object.integer("cycles", stats.cycles);
+        object.integer("readings", stats.readings);
+        object.integer("ok", stats.ok);
+        object.integer("open", stats.open);
+        object.integer("short", stats.short);
+        object.object("faults", |object| {
+            for fault in Fault::ALL {
+                object.integer(fault.as_str(), stats.faults[fault as usize]);
+            }
+        });
+        object.integer("retried", stats.retried);
+        object.flag("offset_known", stats.offset_is_known);
+        if stats.offset_is_known {
+            object.number("offset_ns", stats.offset.d_ns, 7);
+            object.number("offset_u_ns", stats.offset.u_d_ns, 3);
+            object.number("r_o_ohm", stats.offset.r_o_ohm.map(|r_o| r_o.0), 5);
+            object.number("r_o_u_ohm", stats.offset.r_o_ohm.map(|r_o| r_o.1), 3);
+        }
+    }
+}
+
+/// Says what the split calibration has found.
+pub fn log_offset(stats: &Stats) {
+    if let Some((r_o, u_r_o)) = stats.offset.r_o_ohm {
+        log::info!(
+            "latency offset {:.2} us +- {:.2} us, pin resistance {r_o:.1} ohm +- {u_r_o:.1} ohm (1 sigma)",
+            stats.offset.d_ns / 1e3,
+            stats.offset.u_d_ns / 1e3
+        );
+    }
+}
+
+/// One line for `systemctl status`.
+pub fn status_line(stats: &Stats, clients: usize) -> String {
+    let faults: u64 = stats.faults.iter().sum();
+    format!("{} readings, {} faults, {} clients", stats.readings, faults, clients)
+}

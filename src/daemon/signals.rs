@@ -1,0 +1,62 @@
+//! Signals as a descriptor to poll.
+//!
+//! For: SIGTERM and SIGINT (end), SIGHUP (reload). Must not know: what either means.
+
+use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM};
+use signal_hook::{flag, low_level};
+use std::io::{self, Read};
+use std::os::fd::{AsFd, BorrowedFd};
+use std::os::unix::net::UnixStream;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+
+/// The signals of this process. Its descriptor is readable after one has come.
+#[derive(Debug)]
+pub struct Signals {
+    woken: UnixStream,
+    end: Arc<AtomicBool>,
+    reload: Arc<AtomicBool>,
+}
+
+/// What was asked for since the last look.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Asked {
+    /// To stop.
+    pub end: bool,
+    /// To read the configuration again.
+    pub reload: bool,
+}
+
+impl Signals {
+    /// Takes over the handlers of SIGTERM, SIGINT and SIGHUP.
+    ///
+    /// # Errors
+    /// The system refuses a descriptor or a handler.
+    pub fn new() -> io::Result<Signals> {
+        let (woken, waker) = UnixStream::pair()?;
+        woken.set_nonblocking(true)?;
+        let signals = Signals { woken, end: Arc::default(), reload: Arc::default() };
+        for (signal, asked) in [(SIGTERM, &signals.end), (SIGINT, &signals.end), (SIGHUP, &signals.reload)] {
+            // The flag first: handlers run in the order of their registration.
+            flag::register(signal, Arc::clone(asked))?;
+            low_level::pipe::register(signal, waker.try_clone()?)?;
+        }
+        Ok(signals)
+    }
+
+    /// What was asked for, once.
+    pub fn take(&mut self) -> Asked {
+        let mut bytes = [0; 64];
+        while matches!(self.woken.read(&mut bytes), Ok(count) if count > 0) {}
+        Asked {
+            end: self.end.swap(false, Ordering::SeqCst),
+            reload: self.reload.swap(false, Ordering::SeqCst),
+        }
+    }
+}
+
+impl AsFd for Signals {
+    fn as_fd(&self) -> BorrowedFd<'_> {
+        self.woken.as_fd()
+    }
+}

@@ -1,0 +1,337 @@
+//! One discharge, without input or output: charge, settle, arm, start, [planned switch], crossings, stop.
+//!
+//! For: turning a [`Plan`] into a [`Record`] or a named [`Fault`], each wait bounded, lines broken before made.
+//! Must not know: clocks, kernels, or what the times mean. [`Discharge`] answers each event with the next
+//! [`Action`]; [`run`] is the few lines that carry the actions out on real or simulated [`Pins`].
+
+use crate::pins::{Armed, Bracket, Drives, Edge, Levels, Node, Pins, PinsError};
+use crate::reading::Fault;
+use crate::record::{Record, Switch, Through};
+use crate::units::Nanos;
+
+/// What one discharge is to do.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Plan {
+    /// What to discharge through first.
+    pub through: Through,
+    /// After how long to switch, and to what. Comes to nothing if the last node crosses earlier.
+    pub switch: Option<(Nanos, Through)>,
+    /// Chargers of the circuit.
+    pub chargers: Drives,
+    /// The node whose crossing ends the discharge: B, or A in circuits that have no other.
+    pub last: Node,
+    /// How long to charge.
+    pub charge: Nanos,
+    /// How long to leave everything floating between charge and start.
+    pub settle: Nanos,
+    /// The longest wait for the last crossing, from the start.
+    pub timeout: Nanos,
+    /// The longest call that still tells when a line was switched.
+    pub widest_bracket: Nanos,
+}
+
+impl Through {
+    /// The lines that sink for this discharge.
+    pub fn drives(self) -> Drives {
+        match self {
+            Through::C1 => Drives::C1,
+            Through::C2 | Through::C12 => Drives::C2,
+            Through::X(channel) => Drives::x(channel),
+            Through::XWithC12(channel) => Drives::x(channel).and(Drives::C2),
+        }
+    }
+}
+
+/// What is to be done next on the pins.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Action {
+    /// [`Pins::drive`].
+    Drive(Drives),
+    /// [`Pins::sleep_until`].
+    Sleep(Nanos),
+    /// [`Pins::arm`].
+    Arm,
+    /// [`Pins::edge`].
+    WaitEdge(Nanos),
+    /// [`Pins::levels`].
+    ReadLevels,
+    /// Nothing: take the [`Discharge::result`].
+    Done,
+}
+
+/// What came of an action.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Event {
+    /// Lines were switched.
+    Drove(Bracket),
+    /// The instant has come.
+    Slept,
+    /// Edges are watched.
+    Armed(Armed),
+    /// An edge, or none until the instant.
+    Edge(Option<Edge>),
+    /// The levels.
+    Levels(Levels),
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Phase {
+    Charging,
+    Charged,
+    Floating,
+    Settled,
+    Arming,
+    Starting,
+    BeforeSwitch,
+    Switching,
+    Crossing,
+    TimedOut,
+    Stopping,
+}
+
+/// The state of one discharge.
+#[derive(Debug, Clone)]
+pub struct Discharge {
+    plan: Plan,
+    phase: Phase,
+    start: Bracket,
+    switch: Option<Bracket>,
+    crossings: [Option<Nanos>; 2],
+    seqno: u32,
+    line_seqno: [u32; 2],
+    waited: Nanos,
+    fault: Option<Fault>,
+}
+
+impl Discharge {
+    /// A discharge to be done; the first action is to charge.
+    pub fn new(plan: Plan) -> (Discharge, Action) {
+        let discharge = Discharge {
+            plan,
+            phase: Phase::Charging,
+            start: Bracket::default(),
+            switch: None,
+            crossings: [None; 2],
+            seqno: 0,
+            line_seqno: [0; 2],
+            waited: Nanos::ZERO,
+            fault: None,
+        };
+        (discharge, Action::Drive(plan.chargers))
+    }
+
+    /// Takes what came of the last action, and answers the next one.
+    ///
+    /// An event that does not belong to the last action is a mistake of the caller; it stops the discharge with
+    /// [`Fault::Pins`].
+    pub fn handle(&mut self, event: Event) -> Action {
+        match (self.phase, event) {
+            (Phase::Charging, Event::Drove(bracket)) => {
+                self.phase = Phase::Charged;
+                Action::Sleep(bracket.after + self.plan.charge)
+            }
+            (Phase::Charged, Event::Slept) => {
+                self.phase = Phase::Floating;
+                Action::Drive(Drives::NONE)
+            }
+            (Phase::Floating, Event::Drove(bracket)) if self.plan.settle > Nanos::ZERO => {
+                self.phase = Phase::Settled;
+                Action::Sleep(bracket.after + self.plan.settle)
+            }
+            (Phase::Floating, Event::Drove(_)) | (Phase::Settled, Event::Slept) => {
+                self.phase = Phase::Arming;
+                Action::Arm
+            }
+            (Phase::Arming, Event::Armed(armed)) => self.armed(armed),
+            (Phase::Starting, Event::Drove(bracket)) => self.started(bracket),
+            (Phase::BeforeSwitch, Event::Slept) => self.make_switch(),
+            (Phase::Switching, Event::Drove(bracket)) => self.switched(bracket),
+            (Phase::Crossing, Event::Edge(Some(edge))) => self.crossed(edge),
+            (Phase::Crossing, Event::Edge(None)) => {
+                self.phase = Phase::TimedOut;
+                Action::ReadLevels
+            }
+            (Phase::TimedOut, Event::Levels(levels)) => self.timed_out(levels),
+            (Phase::Stopping, Event::Drove(_)) => Action::Done,
+            _ => self.stop(Some(Fault::Pins)),
+        }
+    }
+
+    /// The record, once the action is [`Action::Done`].
+    ///
+    /// # Errors
+    /// The fault that ended the discharge.
+    pub fn result(&self) -> Result<Record, Fault> {
+        match self.fault {
+            Some(fault) => Err(fault),
+            None => Ok(self.record()),
+        }
+    }
+
+    /// The longest call that had to be timed; zero if the discharge never started.
+    pub fn widest_call(&self) -> Nanos {
+        self.start.width().max(self.switch.map_or(Nanos::ZERO, Bracket::width))
+    }
+
+    fn armed(&mut self, armed: Armed) -> Action {
+        let charged = armed.levels.a && (armed.levels.b || self.plan.last == Node::A);
+        if !charged {
+            return self.stop(Some(Fault::NoCharge));
+        }
+        self.seqno = armed.seqno;
+        self.line_seqno = armed.line_seqno;
+        self.phase = Phase::Starting;
+        Action::Drive(self.plan.through.drives())
+    }
+
+    fn started(&mut self, bracket: Bracket) -> Action {
+        self.start = bracket;
+        if bracket.width() > self.plan.widest_bracket {
+            return self.stop(Some(Fault::WideBracket));
+        }
+        match self.plan.switch {
+            Some((after, _)) => {
+                self.phase = Phase::BeforeSwitch;
+                Action::Sleep(bracket.before + after)
+            }
+            None => self.wait(),
+        }
+    }
+
+    fn make_switch(&mut self) -> Action {
+        match self.plan.switch {
+            Some((_, to)) => {
+                self.phase = Phase::Switching;
+                Action::Drive(to.drives())
+            }
+            None => self.stop(Some(Fault::Pins)),
+        }
+    }
+
+    fn switched(&mut self, bracket: Bracket) -> Action {
+        self.switch = Some(bracket);
+        if bracket.width() > self.plan.widest_bracket {
+            return self.stop(Some(Fault::WideBracket));
+        }
+        self.wait()
+    }
+
+    fn wait(&mut self) -> Action {
+        self.phase = Phase::Crossing;
+        Action::WaitEdge(self.start.before + self.plan.timeout)
+    }
+
+    /// Sequence numbers follow on or something was lost: `edge_irq_handler` and `edge_irq_thread` of
+    /// drivers/gpio/gpiolib-cdev.c. A second edge of one node is chatter at the threshold: the first counts.
+    fn crossed(&mut self, edge: Edge) -> Action {
+        let node = edge.node.index();
+        self.seqno = self.seqno.wrapping_add(1);
+        self.line_seqno[node] = self.line_seqno[node].wrapping_add(1);
+        if edge.line_seqno != self.line_seqno[node] {
+            return self.stop(Some(Fault::LostEvent));
+        }
+        if edge.seqno != self.seqno {
+            return self.stop(Some(Fault::CoalescedEdge));
+        }
+        if edge.at >= self.start.before && self.crossings[node].is_none() {
+            self.crossings[node] = Some(edge.at);
+        }
+        let complete =
+            self.crossings[0].is_some() && (self.plan.last == Node::A || self.crossings[1].is_some());
+        if complete { self.stop(None) } else { self.wait() }
+    }
+
+    fn timed_out(&mut self, levels: Levels) -> Action {
+        self.waited = self.start.before + self.plan.timeout;
+        let missed = |node: Node| self.crossings[node.index()].is_none() && !levels.of(node);
+        let any = missed(Node::A) || (self.plan.last == Node::B && missed(Node::B));
+        self.stop(any.then_some(Fault::MissedEdge))
+    }
+
+    fn stop(&mut self, fault: Option<Fault>) -> Action {
+        self.fault = self.fault.or(fault);
+        self.phase = Phase::Stopping;
+        Action::Drive(Drives::NONE)
+    }
+
+    /// A line moves somewhere within the call that switches it, always in the same place: as long after the entry
+    /// of the call as in a call for one line only (half of that one's bracket), and the last of several lines as
+    /// long before the exit. Then the time from start to switch is the difference of two entries, whatever that
+    /// place is.
+    fn record(&self) -> Record {
+        let lines_started = self.plan.through.drives().count();
+        let (mut single, mut switch) = (self.start.width(), None);
+        if let (Some(bracket), Some((_, to))) = (self.switch, self.plan.switch) {
+            let (from, to_drives) = (self.plan.through.drives(), to.drives());
+            let lines_switched = from.without(to_drives).count() + to_drives.without(from).count();
+            if lines_switched < lines_started {
+                single = bracket.width();
+            }
+            let at_ns = (bracket.before - self.start.before).as_ns();
+            let on_ns =
+                if lines_switched > 1 { at_ns + (bracket.width() - single).as_ns().max(0.0) } else { at_ns };
+            switch = Some(Switch { at_ns, on_ns, to });
+        }
+        let lead_ns = single.as_ns() / 2.0;
+        let since_start = |at: Nanos| (at - self.start.before).as_ns() - lead_ns;
+        let [a_ns, b_ns] = self.crossings.map(|crossing| crossing.map(since_start));
+        Record {
+            through: self.plan.through,
+            start: self.start.before,
+            switch,
+            a_ns,
+            b_ns,
+            u_switch_ns: single.as_ns() / 12f64.sqrt(),
+            waited_ns: if self.waited == Nanos::ZERO { 0.0 } else { since_start(self.waited) },
+        }
+    }
+}
+
+/// Releases every line when it goes out of scope, also on an error or a panic.
+struct Release<'a, P: Pins>(&'a mut P);
+
+impl<P: Pins> Drop for Release<'_, P> {
+    fn drop(&mut self) {
+        // There is nobody left to tell: the error that brought us here is on its way already.
+        let _ = self.0.drive(Drives::NONE);
+    }
+}
+
+/// What [`run`] found, besides the record: how long the longest timed call took.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Outcome {
+    /// The record or the fault.
+    pub result: Result<Record, Fault>,
+    /// [`Discharge::widest_call`].
+    pub widest_call: Nanos,
+}
+
+/// Carries one discharge out. All lines are inputs when it returns, whatever happened.
+///
+/// # Errors
+/// Only if the pins cannot be used; what the circuit did is in the [`Outcome`].
+pub fn run<P: Pins>(pins: &mut P, plan: Plan) -> Result<Outcome, PinsError> {
+    let (mut discharge, mut action) = Discharge::new(plan);
+    let pins = Release(pins);
+    loop {
+        let event = match action {
+            Action::Drive(on) => Event::Drove(pins.0.drive(on)?),
+            Action::Sleep(at) => {
+                pins.0.sleep_until(at)?;
+                Event::Slept
+            }
+            Action::Arm => Event::Armed(pins.0.arm()?),
+            Action::WaitEdge(until) => Event::Edge(pins.0.edge(until)?),
+            Action::ReadLevels => Event::Levels(pins.0.levels()?),
+            Action::Done => {
+                // The last action has released every line already.
+                std::mem::forget(pins);
+                return Ok(Outcome { result: discharge.result(), widest_call: discharge.widest_call() });
+            }
+        };
+        action = discharge.handle(event);
+    }
+}
+
+#[cfg(test)]
+mod tests;

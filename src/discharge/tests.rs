@@ -1,0 +1,216 @@
+//! Against scripted pins: what is asked of them, in which order, and what is made of their answers.
+
+use super::*;
+use std::collections::VecDeque;
+use std::panic::{AssertUnwindSafe, catch_unwind};
+
+/// Calls take `call_ns` for a line and half of that for every further one; edges come as scripted.
+struct Script {
+    now: i64,
+    call_ns: i64,
+    on: Drives,
+    edges: VecDeque<Edge>,
+    levels: Levels,
+    log: Vec<String>,
+    fail_at: Option<&'static str>,
+    panic_at: Option<&'static str>,
+}
+
+impl Script {
+    /// Edges at these instants after the start: (node, ns, seqno, line_seqno).
+    fn new(edges: &[(Node, i64, u32, u32)]) -> Script {
+        let edges = edges
+            .iter()
+            .map(|(node, at, seqno, line_seqno)| Edge {
+                node: *node,
+                at: Nanos(START_BEFORE + 500 + at),
+                seqno: *seqno,
+                line_seqno: *line_seqno,
+            })
+            .collect();
+        let high = Levels { a: true, b: true };
+        Script {
+            now: 0,
+            call_ns: 1000,
+            on: Drives::NONE,
+            edges,
+            levels: high,
+            log: vec![],
+            fail_at: None,
+            panic_at: None,
+        }
+    }
+
+    fn call(&mut self, name: String) -> Result<(), PinsError> {
+        let is_at = |at: Option<&str>| at.is_some_and(|at| name.starts_with(at));
+        if is_at(self.panic_at.take_if(|at| name.starts_with(*at))) {
+            panic!("as scripted");
+        }
+        let fails = is_at(self.fail_at.take_if(|at| name.starts_with(*at)));
+        self.log.push(name);
+        if fails { Err(PinsError::Ended) } else { Ok(()) }
+    }
+}
+
+impl Pins for Script {
+    fn now(&mut self) -> Nanos {
+        Nanos(self.now)
+    }
+    fn drive(&mut self, on: Drives) -> Result<Bracket, PinsError> {
+        self.call(format!("drive {on}"))?;
+        let lines = self.on.without(on).count() + on.without(self.on).count();
+        self.on = on;
+        let before = Nanos(self.now);
+        self.now += self.call_ns * i64::from(lines + 1) / 2;
+        Ok(Bracket { before, after: Nanos(self.now) })
+    }
+    fn arm(&mut self) -> Result<Armed, PinsError> {
+        self.call("arm".to_owned())?;
+        assert_eq!(self.now, START_BEFORE);
+        Ok(Armed { levels: self.levels, seqno: 10, line_seqno: [4, u32::MAX] })
+    }
+    fn edge(&mut self, until: Nanos) -> Result<Option<Edge>, PinsError> {
+        self.call("edge".to_owned())?;
+        let edge = self.edges.pop_front();
+        self.now = self.now.max(edge.map_or(until.0, |edge| edge.at.0));
+        Ok(edge)
+    }
+    fn sleep_until(&mut self, at: Nanos) -> Result<(), PinsError> {
+        self.call(format!("sleep {}", at.0))?;
+        self.now = self.now.max(at.0);
+        Ok(())
+    }
+    fn levels(&mut self) -> Result<Levels, PinsError> {
+        self.call("levels".to_owned())?;
+        Ok(self.levels)
+    }
+}
+
+/// Two chargers on (1.5 us), 1 ms of charge, two off, 100 us of settling.
+const START_BEFORE: i64 = 1500 + 1_000_000 + 1500 + 100_000;
+const A: (Node, i64, u32, u32) = (Node::A, 50_000, 11, 5);
+const B: (Node, i64, u32, u32) = (Node::B, 60_000, 12, 0);
+
+fn plan(switch: Option<(Nanos, Through)>) -> Plan {
+    Plan {
+        through: Through::X(2),
+        switch,
+        chargers: Drives::CHARGE,
+        last: Node::B,
+        charge: Nanos(1_000_000),
+        settle: Nanos(100_000),
+        timeout: Nanos(5_000_000),
+        widest_bracket: Nanos(3000),
+    }
+}
+
+#[test]
+fn a_full_discharge_is_charged_settled_armed_started_and_stopped() {
+    let mut pins = Script::new(&[A, B]);
+    let record = run(&mut pins, plan(None)).unwrap().result.unwrap();
+    // The line moves in the middle of a call for one line, 500 ns after its entry.
+    assert_eq!((record.a_ns, record.b_ns), (Some(50_000.0), Some(60_000.0)));
+    assert_eq!((record.start, record.switch, record.waited_ns), (Nanos(START_BEFORE), None, 0.0));
+    let expected =
+        "drive charge-a+charge-b|sleep 1001500|drive none|sleep 1103000|arm|drive x2|edge|edge|drive none";
+    assert_eq!(pins.log.join("|"), expected);
+}
+
+#[test]
+fn a_planned_switch_is_timed_by_the_entries_of_the_calls() {
+    let mut pins = Script::new(&[A, B]);
+    let record = run(&mut pins, plan(Some((Nanos(40_000), Through::C2)))).unwrap().result.unwrap();
+    // 1 us for a line, 1.5 us for two: the second moves 500 ns after the first.
+    assert_eq!(record.switch, Some(Switch { at_ns: 40_000.0, on_ns: 40_500.0, to: Through::C2 }));
+    assert!(
+        pins.log.contains(&format!("sleep {}", START_BEFORE + 40_000))
+            && pins.log.contains(&"drive c2".to_owned())
+    );
+    assert_eq!(pins.on, Drives::NONE);
+}
+
+#[test]
+fn what_is_lost_has_a_name() {
+    let result = |edges: &[_], levels| {
+        let mut pins = Script { levels, ..Script::new(edges) };
+        // Armed with both nodes high, whatever is read after the time-out.
+        let (mut discharge, mut action) = Discharge::new(plan(None));
+        while action != Action::Done {
+            action = discharge.handle(match action {
+                Action::Arm => Event::Armed(Armed {
+                    levels: Levels { a: true, b: true },
+                    seqno: 10,
+                    line_seqno: [4, u32::MAX],
+                }),
+                Action::Drive(on) => Event::Drove(pins.drive(on).unwrap()),
+                Action::Sleep(at) => {
+                    pins.sleep_until(at).unwrap();
+                    Event::Slept
+                }
+                Action::WaitEdge(until) => Event::Edge(pins.edge(until).unwrap()),
+                Action::ReadLevels => Event::Levels(pins.levels().unwrap()),
+                Action::Done => unreachable!(),
+            });
+        }
+        assert_eq!(pins.on, Drives::NONE);
+        discharge.result()
+    };
+    let (high, low) = (Levels { a: true, b: true }, Levels { a: false, b: false });
+    let b_high = Levels { a: false, b: true };
+    assert_eq!(result(&[(Node::A, 50_000, 12, 5)], high), Err(Fault::CoalescedEdge));
+    assert_eq!(result(&[(Node::A, 50_000, 12, 6)], high), Err(Fault::LostEvent));
+    assert_eq!(result(&[A], low), Err(Fault::MissedEdge));
+    assert_eq!(result(&[], b_high), Err(Fault::MissedEdge));
+    let open = result(&[], high).unwrap();
+    assert_eq!((open.a_ns, open.b_ns, open.waited_ns), (None, None, 5_000_000.0 - 500.0));
+    let half = result(&[A], b_high).unwrap();
+    assert_eq!((half.a_ns, half.b_ns), (Some(50_000.0), None));
+    // Chatter at the threshold: the first edge counts, and the numbers follow on.
+    let chatter = result(&[A, (Node::A, 50_200, 12, 6), (Node::B, 60_000, 13, 0)], high).unwrap();
+    assert_eq!((chatter.a_ns, chatter.b_ns), (Some(50_000.0), Some(60_000.0)));
+}
+
+#[test]
+fn an_uncharged_node_and_a_slow_call_are_faults() {
+    let mut pins = Script { levels: Levels { a: true, b: false }, ..Script::new(&[A, B]) };
+    assert_eq!(run(&mut pins, plan(None)).unwrap().result, Err(Fault::NoCharge));
+    assert!(!pins.log.contains(&"drive x2".to_owned()));
+    let mut pins = Script::new(&[A, B]);
+    let narrow = Plan { widest_bracket: Nanos(999), ..plan(None) };
+    let outcome = run(&mut pins, narrow).unwrap();
+    assert_eq!((outcome.result, outcome.widest_call), (Err(Fault::WideBracket), Nanos(1000)));
+    assert_eq!(pins.on, Drives::NONE);
+}
+
+#[test]
+fn every_line_is_released_after_an_error_or_a_panic_anywhere() {
+    for step in [
+        "drive charge",
+        "sleep 1001500",
+        "drive none",
+        "sleep 1103000",
+        "arm",
+        "drive x2",
+        "drive c2",
+        "edge",
+    ] {
+        let mut pins = Script { fail_at: Some(step), ..Script::new(&[A, B]) };
+        assert!(run(&mut pins, plan(Some((Nanos(40_000), Through::C2)))).is_err(), "{step}");
+        assert_eq!(
+            (pins.on, pins.log.last().unwrap().as_str()),
+            (Drives::NONE, "drive none"),
+            "error at {step}"
+        );
+
+        let mut pins = Script { panic_at: Some(step), ..Script::new(&[A, B]) };
+        let caught = catch_unwind(AssertUnwindSafe(|| {
+            run(&mut pins, plan(Some((Nanos(40_000), Through::C2)))).is_ok()
+        }));
+        assert!(caught.is_err(), "{step}");
+        assert_eq!(
+            (pins.on, pins.log.last().unwrap().as_str()),
+            (Drives::NONE, "drive none"),
+            "panic at {step}"
+        );
+    }
+}

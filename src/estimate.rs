@@ -1,0 +1,305 @@
+//! From the timings of discharges to what is known about the sensor.
+//!
+//! For: the calibration that is in force, the choice of the equation, uncertainty by propagation, and the states of a
+//! reading. Must not know: in which order discharges are taken, by whom, or when.
+
+use crate::force::Force;
+use crate::method::{Number, Times, cerm, dual, qerm, tcdic, tpcm};
+use crate::noise::{Covariance, Judgement, Noise};
+use crate::offset::Offset;
+use crate::reading::{Branch, Fault, Measured, Method, Status};
+use crate::record::{Record, Through};
+
+/// Two crossings that disagree by more sigma than this cannot both be right.
+const GATE: f64 = 5.0;
+/// A resistance below so many sigma cannot be told from a short circuit; bounds are stated with the same factor.
+const COVERAGE: f64 = 2.0;
+
+/// An estimate of R_x, before the sensor's own zero is taken off.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Estimate {
+    /// Which equation.
+    pub branch: Branch,
+    /// Ohm, with 1 sigma.
+    pub r_ohm: Measured,
+}
+
+/// Turns records into estimates, by one method, with the most recent calibration discharges.
+#[derive(Debug, Clone)]
+pub struct Estimator {
+    method: Method,
+    r1_ohm: f64,
+    r2_ohm: f64,
+    nodes: usize,
+    offset: Offset,
+    noise: Noise,
+    c1: Option<[f64; 2]>,
+    c2: Option<[f64; 2]>,
+}
+
+impl Estimator {
+    /// For calibration resistors `r1_ohm` < `r2_ohm` (Rc1 and Rc2, or Rc1 and Rc1 + Rc2), in a circuit with one or two
+    /// `nodes`.
+    pub fn new(method: Method, r1_ohm: f64, r2_ohm: f64, nodes: usize, offset: Offset) -> Estimator {
+        Estimator { method, r1_ohm, r2_ohm, nodes, offset, noise: Noise::default(), c1: None, c2: None }
+    }
+
+    /// The method.
+    pub fn method(&self) -> Method {
+        self.method
+    }
+
+    /// The offset in force.
+    pub fn offset(&self) -> Offset {
+        self.offset
+    }
+
+    /// Puts another offset in force.
+    pub fn set_offset(&mut self, offset: Offset) {
+        self.offset = offset;
+    }
+
+    /// What is known about noise.
+    pub fn noise(&self) -> &Noise {
+        &self.noise
+    }
+
+    /// The crossings of the calibration discharges in force.
+    pub fn calibration(&self) -> Option<([f64; 2], [f64; 2])> {
+        self.c1.zip(self.c2)
+    }
+
+    /// Takes a calibration discharge.
+    ///
+    /// # Errors
+    /// [`Fault::NoCalibration`] if a crossing is missing, [`Fault::LatencyOutlier`] if it is late beyond the others.
+    /// The calibration in force stays.
+    pub fn calibrate(&mut self, record: &Record) -> Result<(), Fault> {
+        let times = self.crossings(record).ok_or(Fault::NoCalibration)?;
+        let (slot, judgement) = match record.through {
+            Through::C1 => (&mut self.c1, self.noise.add_c1(times)),
+            Through::C2 | Through::C12 => (&mut self.c2, self.noise.add_c2(times)),
+            Through::X(_) | Through::XWithC12(_) => return Err(Fault::NoCalibration),
+        };
+        if judgement == Judgement::Outlier {
+            return Err(Fault::LatencyOutlier);
+        }
+        *slot = Some(times);
+        Ok(())
+    }
+
+    /// Both crossings of a discharge that must have all of them; B is 0 where there is no B.
+    fn crossings(&self, record: &Record) -> Option<[f64; 2]> {
+        Some([record.a_ns?, if self.nodes == 2 { record.b_ns? } else { 0.0 }])
+    }
+
+    /// Estimates R_x from an x discharge.
+    ///
+    /// # Errors
+    /// The fault that keeps it from being a number.
+    pub fn estimate(&self, record: &Record) -> Result<Estimate, Fault> {
+        let (times, branch) = self.times(record)?;
+        let ratio = self.checked_ratio(&times, branch, record.u_switch_ns)?;
+        let span = self.r2_ohm - self.r1_ohm;
+        let r_ohm = self.r1_ohm + ratio.value * span;
+        let u = ratio.u.map(|u| u * span);
+        let sound = r_ohm.is_finite() && u.is_none_or(f64::is_finite);
+        if sound {
+            Ok(Estimate { branch, r_ohm: Measured { value: r_ohm, u } })
+        } else {
+            Err(Fault::Implausible)
+        }
+    }
+
+    /// The times of an estimate, and which equation is to be used.
+    fn times(&self, record: &Record) -> Result<(Times<f64>, Branch), Fault> {
+        let (c1, c2) = self.calibration().ok_or(Fault::NoCalibration)?;
+        let ordered = (0..self.nodes).all(|node| c2[node] > c1[node] && c1[node] > self.offset.d_ns);
+        let nodes_ordered = self.nodes == 1 || (c1[1] > c1[0] && c2[1] > c2[0]);
+        if !ordered || !nodes_ordered {
+            return Err(Fault::Implausible);
+        }
+        let last = self.last_crossing(record).ok_or(Fault::MissedEdge)?;
+        let switch =
+            record.switch.map_or((f64::INFINITY, f64::INFINITY), |switch| (switch.at_ns, switch.on_ns));
+        let branch = if last - self.offset.d_ns > switch.1 { Branch::Inferred } else { Branch::Direct };
+        let (at, on) = if branch == Branch::Inferred { switch } else { (0.0, 0.0) };
+        // An inferred estimate can do without the crossing of A; 0 is never looked at then.
+        let a = match (branch, record.a_ns) {
+            (Branch::Inferred, None) => 0.0,
+            (_, a) => a.ok_or(Fault::MissedEdge)?,
+        };
+        let x = [a, if self.nodes == 2 { record.b_ns.unwrap_or(0.0) } else { 0.0 }];
+        let known = match self.method {
+            Method::Tpcm | Method::Tcdic => branch == Branch::Direct,
+            Method::Qerm | Method::Cerm => at > 0.0 || branch == Branch::Direct,
+        };
+        if !known || x[0] < 0.0 || x[1] < 0.0 || last <= self.offset.d_ns {
+            return Err(Fault::Implausible);
+        }
+        Ok((Times { c1, c2, x, at, on, d: self.offset.d_ns }, branch))
+    }
+
+    /// The crossing that ends the discharge as far as the method looks at it.
+    fn last_crossing(&self, record: &Record) -> Option<f64> {
+        match self.method {
+            Method::Tpcm | Method::Qerm => record.a_ns,
+            Method::Tcdic | Method::Cerm => record.b_ns,
+        }
+    }
+
+    fn checked_ratio(&self, times: &Times<f64>, branch: Branch, u_switch_ns: f64) -> Result<Measured, Fault> {
+        let late = match branch {
+            Branch::Direct => times.x,
+            Branch::Inferred => times.c2,
+        };
+        let Some(covariance) = self.covariances(late, u_switch_ns) else {
+            return Ok(Measured { value: self.ratio(times, branch), u: None });
+        };
+        let variables = dual::variables(times);
+        self.check_consistency(&variables, branch, &covariance)?;
+        let ratio = self.ratio(&variables, branch);
+        Ok(Measured { value: ratio.value, u: Some(covariance.of(&ratio.by).sqrt()) })
+    }
+
+    fn ratio<T: Number>(&self, times: &Times<T>, branch: Branch) -> T {
+        match (self.method, branch) {
+            (Method::Tpcm, _) => tpcm::ratio(times, 0),
+            (Method::Qerm, Branch::Direct) => qerm::ratio_direct(times),
+            (Method::Qerm, Branch::Inferred) => qerm::ratio(times),
+            (Method::Tcdic, _) | (Method::Cerm, Branch::Direct) => tcdic::ratio(times),
+            (Method::Cerm, Branch::Inferred) => cerm::ratio(times),
+        }
+    }
+
+    /// Both nodes tell the same resistance, or one of the stamps is a spike.
+    fn check_consistency(
+        &self,
+        times: &Times<dual::Dual>,
+        branch: Branch,
+        covariance: &Covariances,
+    ) -> Result<(), Fault> {
+        let difference = match (self.method, branch) {
+            (Method::Tcdic, _) | (Method::Cerm, Branch::Direct) => {
+                tpcm::ratio(times, 0) - tpcm::ratio(times, 1)
+            }
+            (Method::Cerm, Branch::Inferred) if times.x[0].value > times.on.value => cerm::residual_a(times),
+            _ => return Ok(()),
+        };
+        let limit = GATE * covariance.of(&difference.by).sqrt();
+        // Not `>`: what cannot be compared is no agreement.
+        if difference.value.abs() <= limit { Ok(()) } else { Err(Fault::LatencyOutlier) }
+    }
+
+    /// The covariances of all times; `late` are the crossings that a discharge only through the resistor that ran last
+    /// would have.
+    fn covariances(&self, late: [f64; 2], u_switch_ns: f64) -> Option<Covariances> {
+        let (c1, c2) = self.calibration()?;
+        // A scatter that was measured holds all of a switch's uncertainty; brackets bound each of its two instants.
+        let (at, on) = match self.offset.switch_ns {
+            Some(scatter) => (scatter, 0.0),
+            None => (u_switch_ns, u_switch_ns),
+        };
+        Some(Covariances {
+            crossings: [self.noise.covariance(c1)?, self.noise.covariance(c2)?, self.noise.covariance(late)?],
+            single: [at * at, on * on, self.offset.u_d_ns * self.offset.u_d_ns],
+        })
+    }
+
+    /// The variances of the ratio to be expected from a direct and from an inferred estimate of a sensor at `ratio`,
+    /// switched at `fraction` of the time in which A crosses (for QERM: in which x and c12 together cross).
+    pub fn predict(&self, ratio: f64, fraction: f64, u_switch_ns: f64) -> Option<[f64; 2]> {
+        let (c1, c2) = self.calibration()?;
+        let d = self.offset.d_ns;
+        let full = [0, 1].map(|node| c1[node] + ratio * (c2[node] - c1[node]));
+        let last = self.nodes - 1;
+        let node_a = if self.method == Method::Qerm { self.parallel_ns(full[0])? } else { full[0] };
+        let at = fraction * (node_a - d);
+        let rest = match self.method {
+            Method::Qerm => (c2[0] - d) * (1.0 - at / (full[0] - d)) - at,
+            _ => (c2[last] - d) * (1.0 - at / (full[last] - d)),
+        };
+        if !(at > 0.0 && rest > 0.0) {
+            return None;
+        }
+        let direct_x = if self.method == Method::Qerm { [node_a, 0.0] } else { full };
+        let mut switched = full;
+        switched[last] = at + rest + d;
+        let variance = |x: [f64; 2], at: f64, late: [f64; 2], branch| {
+            let times = dual::variables(&Times { c1, c2, x, at, on: at, d });
+            Some(self.covariances(late, u_switch_ns)?.of(&self.ratio(&times, branch).by))
+        };
+        Some([
+            variance(direct_x, 0.0, direct_x, Branch::Direct)?,
+            variance(switched, at, c2, Branch::Inferred)?,
+        ])
+    }
+
+    /// When a discharge through the sensor and R_2 at once crosses, given the crossing `x_ns` through the sensor alone;
+    /// d included in both.
+    pub fn parallel_ns(&self, x_ns: f64) -> Option<f64> {
+        let (_, c2) = self.calibration()?;
+        let d = self.offset.d_ns;
+        Some(d + 1.0 / (1.0 / (x_ns - d) + 1.0 / (c2[0] - d)))
+    }
+
+    /// The lowest resistance that leaves the last node above its threshold for `waited_ns`, ohm.
+    fn bound_ohm(&self, waited_ns: f64) -> Option<f64> {
+        let (c1, c2) = self.calibration()?;
+        let node = if matches!(self.method, Method::Tpcm | Method::Qerm) { 0 } else { self.nodes - 1 };
+        // While R_2 sinks too (QERM), the sensor's own part of the way is what R_2 has left over.
+        let x_ns =
+            if self.method == Method::Qerm { 1.0 / (1.0 / waited_ns - 1.0 / c2[0]) } else { waited_ns };
+        let ratio = (x_ns - c1[node]) / (c2[node] - c1[node]);
+        let r_ohm = self.r1_ohm + ratio * (self.r2_ohm - self.r1_ohm);
+        (r_ohm.is_finite() && r_ohm > 0.0).then_some(r_ohm)
+    }
+
+    /// What is known about the sensor after an x discharge.
+    pub fn status(&self, record: &Record, zero_ohm: f64, force: Option<&Force>) -> Status {
+        let at_bound = |r_ohm: f64| force.and_then(|force| force.at_bound(r_ohm));
+        if self.last_crossing(record).is_none() && record.waited_ns > 0.0 {
+            return match self.bound_ohm(record.waited_ns).map(|r_ohm| r_ohm - zero_ohm) {
+                Some(r_min_ohm) if r_min_ohm > 0.0 => {
+                    Status::Open { r_min_ohm, f_max_n: at_bound(r_min_ohm) }
+                }
+                _ => Status::Fault(Fault::Implausible),
+            };
+        }
+        let estimate = match self.estimate(record) {
+            Ok(estimate) => estimate,
+            Err(fault) => return Status::Fault(fault),
+        };
+        let r_ohm = Measured { value: estimate.r_ohm.value - zero_ohm, u: estimate.r_ohm.u };
+        match r_ohm.u {
+            Some(u) if r_ohm.value < -GATE * u => Status::Fault(Fault::Implausible),
+            Some(u) if r_ohm.value <= COVERAGE * u => {
+                let r_max_ohm = r_ohm.value.max(0.0) + COVERAGE * u;
+                Status::Short { r_max_ohm, f_min_n: at_bound(r_max_ohm) }
+            }
+            None if r_ohm.value <= 0.0 => Status::Fault(Fault::Implausible),
+            _ => Status::Ok { branch: estimate.branch, r_ohm, f_n: force.and_then(|force| force.at(r_ohm)) },
+        }
+    }
+}
+
+/// The covariance matrix of all [`Times`], block by block.
+struct Covariances {
+    /// Of the crossings through R_1, R_2 and the sensor.
+    crossings: [Covariance; 3],
+    /// Variances of `at`, `on` and `d`.
+    single: [f64; 3],
+}
+
+impl Covariances {
+    /// Law of propagation: g^T C g for a gradient in the order of [`Times::to_array`].
+    fn of(&self, by: &[f64; 9]) -> f64 {
+        let crossings =
+            self.crossings.iter().enumerate().map(|(i, block)| block.of(by[2 * i], by[2 * i + 1]));
+        let single = self.single.iter().enumerate().map(|(i, variance)| by[6 + i] * by[6 + i] * variance);
+        crossings.sum::<f64>() + single.sum::<f64>()
+    }
+}
+
+#[cfg(test)]
+mod tests;

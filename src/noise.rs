@@ -1,0 +1,304 @@
+//! How noisy a crossing is, learned from the spread of the calibration discharges.
+//!
+//! For: the covariance of the two crossings of any discharge. Must not know: methods, or what time it is.
+//!
+//! A crossing is uncertain by a part that does not depend on the resistor (latency jitter, quantisation: eq. (4)) and
+//! a part proportional to it (trigger noise: eq. (7)), hence to the time T that the discharge takes:
+//!
+//! ```text
+//! sigma^2(T) = L^2 + (k T)^2
+//! ```
+//!
+//! Two resistors give the two unknowns, per node. What the crossings of one discharge share (the instant of the start)
+//! is a covariance. Variances come from successive differences, so that drift is not taken for noise.
+
+/// Covariance of the crossings of A and B in one discharge, ns².
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Covariance {
+    /// Variance of A.
+    pub aa: f64,
+    /// Variance of B.
+    pub bb: f64,
+    /// Covariance of A and B.
+    pub ab: f64,
+}
+
+impl Covariance {
+    /// The variance of p A + q B.
+    pub fn of(&self, p: f64, q: f64) -> f64 {
+        p * p * self.aa + q * q * self.bb + 2.0 * p * q * self.ab
+    }
+
+    fn node(&self, node: usize) -> f64 {
+        if node == 0 { self.aa } else { self.bb }
+    }
+
+    fn add_outer(&mut self, d: [f64; 2]) {
+        self.aa += d[0] * d[0];
+        self.bb += d[1] * d[1];
+        self.ab += d[0] * d[1];
+    }
+
+    fn scaled(&self, by: f64) -> Covariance {
+        Covariance { aa: self.aa * by, bb: self.bb * by, ab: self.ab * by }
+    }
+}
+
+/// What a new calibration discharge is, compared with the ones before it.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Judgement {
+    /// In the family.
+    Regular,
+    /// Too far from the others: a latency spike. Its times have not been used.
+    Outlier,
+}
+
+/// Discharges taken before anything is said about noise.
+const WARM_UP: usize = 16;
+/// An outlier is farther from the running mean than so many sigma.
+const GATE: f64 = 5.0;
+/// So many outliers in a row are a step: the mean starts anew.
+const STEP: u32 = 3;
+/// Differences remembered, about.
+const MEMORY: f64 = 2048.0;
+/// Stamps are whole nanoseconds: the variance of their rounding, eq. (4), ns².
+const ROUNDING_NS2: f64 = 1.0 / 12.0;
+
+/// The spread of the crossings of one calibration resistor.
+#[derive(Debug, Clone)]
+struct Spread {
+    warm_up: [[f64; 2]; WARM_UP],
+    seen: usize,
+    mean: [f64; 2],
+    last: [f64; 2],
+    sum: Covariance,
+    weight: f64,
+    outliers_in_row: u32,
+}
+
+impl Spread {
+    const NEW: Spread = Spread {
+        warm_up: [[0.0; 2]; WARM_UP],
+        seen: 0,
+        mean: [0.0; 2],
+        last: [0.0; 2],
+        sum: Covariance { aa: 0.0, bb: 0.0, ab: 0.0 },
+        weight: 0.0,
+        outliers_in_row: 0,
+    };
+
+    fn add(&mut self, times: [f64; 2]) -> Judgement {
+        if self.seen < WARM_UP {
+            self.warm_up[self.seen] = times;
+            self.seen += 1;
+            if self.seen == WARM_UP {
+                self.begin();
+            }
+            return Judgement::Regular;
+        }
+        if self.is_outlier(times) {
+            self.outliers_in_row += 1;
+            if self.outliers_in_row < STEP {
+                return Judgement::Outlier;
+            }
+            self.mean = times;
+            self.last = times;
+        }
+        self.outliers_in_row = 0;
+        self.sum.add_outer([times[0] - self.last[0], times[1] - self.last[1]]);
+        self.weight += 1.0;
+        if self.weight > MEMORY {
+            let keep = 1.0 - 1.0 / MEMORY;
+            self.sum = self.sum.scaled(keep);
+            self.weight *= keep;
+        }
+        for (node, time) in times.into_iter().enumerate() {
+            self.mean[node] += (time - self.mean[node]) / WARM_UP as f64;
+        }
+        self.last = times;
+        Judgement::Regular
+    }
+
+    /// After the warm-up: differences that are outliers by the median of their absolute values are left out.
+    fn begin(&mut self) {
+        let mut limit = [0.0; 2];
+        for (node, limit) in limit.iter_mut().enumerate() {
+            let mut steps = [0.0; WARM_UP - 1];
+            for (step, pair) in steps.iter_mut().zip(self.warm_up.windows(2)) {
+                *step = (pair[1][node] - pair[0][node]).abs();
+            }
+            steps.sort_by(f64::total_cmp);
+            // The median absolute deviation of a normal distribution is 0.6745 sigma.
+            *limit = GATE * (steps[WARM_UP / 2 - 1] / 0.6745).max(1.0);
+        }
+        for pair in self.warm_up.windows(2) {
+            let step = [pair[1][0] - pair[0][0], pair[1][1] - pair[0][1]];
+            if step[0].abs() <= limit[0] && step[1].abs() <= limit[1] {
+                self.sum.add_outer(step);
+                self.weight += 1.0;
+            }
+        }
+        for node in 0..2 {
+            let mut times = self.warm_up.map(|pair| pair[node]);
+            times.sort_by(f64::total_cmp);
+            self.mean[node] = (times[WARM_UP / 2 - 1] + times[WARM_UP / 2]) / 2.0;
+            self.last[node] = self.mean[node];
+        }
+    }
+
+    fn is_outlier(&self, times: [f64; 2]) -> bool {
+        let variance = self.covariance();
+        // The running mean has a variance of its own: 1/(2 x 16 - 1) of a single time's.
+        (0..2).any(|node| (times[node] - self.mean[node]).abs() > GATE * (1.04 * variance.node(node)).sqrt())
+    }
+
+    /// Half the mean square of successive differences.
+    fn covariance(&self) -> Covariance {
+        let mut covariance = self.sum.scaled(0.5 / self.weight.max(1.0));
+        covariance.aa += ROUNDING_NS2;
+        covariance.bb += ROUNDING_NS2;
+        covariance
+    }
+
+    fn is_known(&self) -> bool {
+        self.seen == WARM_UP
+    }
+}
+
+/// Learns the noise of crossings from the two calibration discharges.
+#[derive(Debug, Clone)]
+pub struct Noise {
+    c1: Spread,
+    c2: Spread,
+}
+
+impl Default for Noise {
+    fn default() -> Noise {
+        Noise { c1: Spread::NEW, c2: Spread::NEW }
+    }
+}
+
+impl Noise {
+    /// Takes the crossings of a discharge through the lower calibration resistor, ns.
+    pub fn add_c1(&mut self, times: [f64; 2]) -> Judgement {
+        self.c1.add(times)
+    }
+
+    /// The same for the higher one.
+    pub fn add_c2(&mut self, times: [f64; 2]) -> Judgement {
+        self.c2.add(times)
+    }
+
+    /// Whether enough discharges have been seen.
+    pub fn is_known(&self) -> bool {
+        self.c1.is_known() && self.c2.is_known()
+    }
+
+    /// The covariance of the crossings of a discharge whose nodes cross at `times` ns; `None` until known.
+    pub fn covariance(&self, times: [f64; 2]) -> Option<Covariance> {
+        if !self.is_known() {
+            return None;
+        }
+        let (v1, v2) = (self.c1.covariance(), self.c2.covariance());
+        let node = |node: usize| variance_at(times[node], self.point(node, v1, v2));
+        let (aa, bb) = (node(0), node(1));
+        // What is shared does not depend on the resistor; each tells it the better the less noise it has of its own.
+        let (w1, w2) = (1.0 / (v1.aa * v1.bb), 1.0 / (v2.aa * v2.bb));
+        let shared = (w1 * v1.ab + w2 * v2.ab) / (w1 + w2);
+        // A shared start cannot be more uncertain than either crossing.
+        let ab = shared.clamp(0.0, aa.min(bb));
+        Some(Covariance { aa, bb, ab })
+    }
+
+    fn point(&self, node: usize, v1: Covariance, v2: Covariance) -> [(f64, f64); 2] {
+        [(self.c1.mean[node], v1.node(node)), (self.c2.mean[node], v2.node(node))]
+    }
+}
+
+/// sigma²(T) = L² + k² T² through two points (T, sigma²), both coefficients at least zero, weighted alike.
+fn variance_at(time: f64, [(t1, v1), (t2, v2)]: [(f64, f64); 2]) -> f64 {
+    let k2 = ((v2 - v1) / (t2 * t2 - t1 * t1)).max(0.0);
+    let constant = if k2 > 0.0 { v1 - k2 * t1 * t1 } else { (v1 + v2) / 2.0 };
+    if constant >= 0.0 {
+        return constant + k2 * time * time;
+    }
+    // No constant part: through the origin, by the higher resistor, which shows the proportional part best.
+    v2 * (time / t2).powi(2)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use rand::SeedableRng;
+    use rand_chacha::ChaCha8Rng;
+    use rand_distr::{Distribution, StandardNormal};
+
+    const LATENCY: f64 = 1500.0;
+    const TRIGGER: f64 = 4e-4;
+
+    /// Times with shared start jitter, latency jitter and trigger noise, a slow drift and some spikes.
+    fn learned(seed: u64, count: usize, spikes: bool) -> Noise {
+        let mut rng = ChaCha8Rng::seed_from_u64(seed);
+        let mut normal = move || -> f64 { StandardNormal.sample(&mut rng) };
+        let mut noise = Noise::default();
+        for round in 0..count {
+            let drift = 1.0 + 1e-6 * round as f64;
+            let mut crossings = |times: [f64; 2]| {
+                let start = 500.0 * normal();
+                let spike = if spikes && round % 37 == 5 { 40_000.0 } else { 0.0 };
+                times.map(|t| t * drift + start + LATENCY * normal() + TRIGGER * t * normal() + spike)
+            };
+            let (c1, c2) = (crossings([1.1e6, 1.3e6]), crossings([6.2e6, 7.4e6]));
+            noise.add_c1(c1);
+            noise.add_c2(c2);
+        }
+        noise
+    }
+
+    #[test]
+    fn both_parts_of_the_noise_are_found() {
+        for spikes in [false, true] {
+            let noise = learned(1, 4000, spikes);
+            for t in [1e5, 1.2e6, 7e6] {
+                let found = noise.covariance([t, t]).unwrap();
+                let truth = 500f64.powi(2) + LATENCY.powi(2) + (TRIGGER * t).powi(2);
+                for variance in [found.aa, found.bb] {
+                    assert!(
+                        (0.85..1.15).contains(&(variance / truth)),
+                        "T {t}: {variance} for {truth}, {spikes}"
+                    );
+                }
+                assert!((0.5..1.5).contains(&(found.ab / 500f64.powi(2))), "{}", found.ab);
+            }
+        }
+    }
+
+    #[test]
+    fn nothing_is_said_before_the_warm_up() {
+        assert_eq!(learned(2, WARM_UP - 1, false).covariance([1e6, 1e6]), None);
+        assert!(learned(2, WARM_UP, false).covariance([1e6, 1e6]).is_some());
+    }
+
+    #[test]
+    fn a_spike_is_an_outlier_and_a_step_is_followed() {
+        let mut noise = learned(3, 100, false);
+        let away = [1.1e6 + 60_000.0, 1.3e6 + 60_000.0];
+        assert_eq!(noise.add_c1(away), Judgement::Outlier);
+        assert_eq!(noise.add_c1([1.1e6 * 1.0001, 1.3e6 * 1.0001]), Judgement::Regular);
+        assert_eq!(noise.add_c1(away), Judgement::Outlier);
+        assert_eq!(noise.add_c1(away), Judgement::Outlier);
+        assert_eq!(noise.add_c1(away), Judgement::Regular);
+        assert_eq!(noise.add_c1(away), Judgement::Regular);
+    }
+
+    #[test]
+    fn a_silent_circuit_still_has_the_rounding_of_stamps() {
+        let mut noise = Noise::default();
+        for _ in 0..50 {
+            noise.add_c1([1e6, 1.2e6]);
+            noise.add_c2([6e6, 7e6]);
+        }
+        let found = noise.covariance([1e5, 2e5]).unwrap();
+        assert!((found.aa - 1.0 / 12.0).abs() < 1e-12 && found.ab == 0.0, "{found:?}");
+    }
+}

@@ -1,0 +1,232 @@
+//! The circuit in virtual time: what its nodes do between the calls that switch lines.
+//!
+//! For: carrying the solution of the network from one change to the next and telling when a sense input falls.
+//! Must not know: kernels, stamps, sequence numbers.
+
+use super::network::{Circuit, Flow, line_index};
+use super::noise::Noise;
+use super::sensor::Source;
+use crate::pins::{Drives, Levels, Node};
+use rand_chacha::ChaCha8Rng;
+
+/// A sense input that fell. Seconds count from the last change of the network, at `since_ns`.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Fall {
+    pub node: Node,
+    /// The last change before it, ns.
+    pub since_ns: i64,
+    /// The voltage passed the threshold, s after `since_ns`.
+    pub crossed: f64,
+    /// The input changed, s after `since_ns`: with noise.
+    pub seen: f64,
+    /// The first whole ns by which it has happened.
+    pub due_ns: i64,
+}
+
+/// The network between two changes.
+#[derive(Debug, Clone)]
+struct Stretch {
+    since_ns: i64,
+    /// A sensor changes here.
+    until_ns: i64,
+    flow: Flow,
+    high: [bool; 2],
+    falls: Option<[Option<Fall>; 2]>,
+    told: [bool; 2],
+}
+
+/// The circuit, its sensors and its present state.
+#[derive(Debug, Clone)]
+pub(super) struct Analog {
+    pub circuit: Circuit,
+    sources: Vec<Source>,
+    /// Lines of the sensors that change with time.
+    varying: Drives,
+    sample_ns: i64,
+    noise: Option<Noise>,
+    rng: ChaCha8Rng,
+    on: Drives,
+    stretch: Stretch,
+}
+
+fn seconds(ns: i64) -> f64 {
+    ns as f64 * 1e-9
+}
+
+impl Analog {
+    /// Everything empty and released at time 0.
+    pub fn new(
+        circuit: Circuit,
+        sources: Vec<Source>,
+        sample_ns: i64,
+        noise: Option<Noise>,
+        rng: ChaCha8Rng,
+    ) -> Analog {
+        let flow = circuit.flow([0.0; 2], Drives::NONE);
+        let stretch = Stretch {
+            since_ns: 0,
+            until_ns: i64::MAX,
+            flow,
+            high: [false; 2],
+            falls: None,
+            told: [false; 2],
+        };
+        let mut analog = Analog {
+            circuit,
+            sources,
+            varying: Drives::NONE,
+            sample_ns,
+            noise,
+            rng,
+            on: Drives::NONE,
+            stretch,
+        };
+        analog.sensors_changed();
+        analog
+    }
+
+    /// Connects another sensor; to be followed by [`Analog::switch`].
+    pub fn connect(&mut self, channel: usize, source: Source) {
+        if let Some(place) = self.sources.get_mut(channel) {
+            *place = source;
+            self.sensors_changed();
+        }
+    }
+
+    fn sensors_changed(&mut self) {
+        self.varying = Drives::NONE;
+        for (channel, source) in self.sources.iter_mut().enumerate() {
+            if source.is_constant() {
+                self.circuit.r_x[channel] = source.r_x(0.0);
+            } else {
+                self.varying = self.varying.and(Drives::x(channel));
+            }
+        }
+    }
+
+    /// The lines that drive.
+    pub fn on(&self) -> Drives {
+        self.on
+    }
+
+    /// R_x of a channel at an instant, ohm: the sensor itself, not the value held over an interval.
+    pub fn r_x(&self, channel: usize, at_ns: i64) -> Option<f64> {
+        self.sources.get(channel).map(|source| source.clone().r_x(seconds(at_ns)))
+    }
+
+    /// The node voltages at an instant of the present stretch.
+    pub fn voltages(&self, at_ns: i64) -> [f64; 2] {
+        self.stretch.flow.after(seconds(at_ns - self.stretch.since_ns))
+    }
+
+    /// The input levels at an instant that has been reached by [`Analog::next_fall`].
+    pub fn levels(&self, at_ns: i64) -> Levels {
+        let [a, b] = self.stretch.high_at(at_ns, &self.circuit);
+        Levels { a, b: b || !self.circuit.has_b() }
+    }
+
+    /// Makes exactly `on` drive from `at_ns` on. Falls before that have to be taken first.
+    pub fn switch(&mut self, on: Drives, at_ns: i64) {
+        self.on = on;
+        self.begin_stretch(at_ns);
+    }
+
+    /// Takes the next fall that has happened by `by_ns`, in order of time, going on through changes of the sensors.
+    pub fn next_fall(&mut self, by_ns: i64) -> Option<Fall> {
+        loop {
+            let limit_ns = by_ns.min(self.stretch.until_ns);
+            if let Some(fall) = self.fall_in_stretch(limit_ns) {
+                self.stretch.told[fall.node.index()] = true;
+                return Some(fall);
+            }
+            if by_ns < self.stretch.until_ns {
+                return None;
+            }
+            if self.stretch.until_ns == i64::MAX {
+                return None;
+            }
+            self.begin_stretch(self.stretch.until_ns);
+        }
+    }
+
+    fn fall_in_stretch(&mut self, by_ns: i64) -> Option<Fall> {
+        let falls = match self.stretch.falls {
+            Some(falls) => falls,
+            None => {
+                let falls = Node::BOTH.map(|node| self.find_fall(node));
+                self.stretch.falls = Some(falls);
+                falls
+            }
+        };
+        let waiting = |node: Node| {
+            falls[node.index()].filter(|fall| fall.due_ns <= by_ns && !self.stretch.told[node.index()])
+        };
+        match (waiting(Node::A), waiting(Node::B)) {
+            (Some(a), Some(b)) => Some(if b.seen < a.seen { b } else { a }),
+            (a, b) => a.or(b),
+        }
+    }
+
+    fn find_fall(&mut self, node: Node) -> Option<Fall> {
+        if node == Node::B && !self.circuit.has_b() {
+            return None;
+        }
+        let stretch = &self.stretch;
+        let sense = &self.circuit.sense[node.index()];
+        let course = stretch.flow.course(node);
+        let until = match stretch.until_ns {
+            i64::MAX => f64::INFINITY,
+            until_ns => seconds(until_ns - stretch.since_ns),
+        };
+        let crossed = if stretch.high[node.index()] {
+            course.falls_through(sense.falling, until)?
+        } else {
+            // Only what has risen can fall: over a maximum.
+            let top = course.turn().filter(|turn| course.at(*turn) >= sense.rising)?;
+            course.falls_after(top, sense.falling, until)?
+        };
+        let shift = match &self.noise {
+            Some(noise) => noise.shift(course.slope(crossed).abs(), &mut self.rng),
+            None => 0.0,
+        };
+        let seen = (crossed + shift).max(0.0);
+        let due_ns = stretch.since_ns.saturating_add((crossed.min(seen) * 1e9).ceil() as i64);
+        Some(Fall { node, since_ns: stretch.since_ns, crossed, seen, due_ns })
+    }
+
+    fn begin_stretch(&mut self, at_ns: i64) {
+        let high = self.stretch.high_at(at_ns, &self.circuit);
+        let start = self.voltages(at_ns);
+        let changing = Drives(self.on.0 & self.varying.0);
+        let mut until_ns = i64::MAX;
+        if !changing.is_none() {
+            let cell = at_ns.div_euclid(self.sample_ns);
+            until_ns = (cell + 1) * self.sample_ns;
+            for line in changing.lines() {
+                let channel = line_index(line) - 4;
+                self.circuit.r_x[channel] =
+                    self.sources[channel].r_x(seconds(cell * self.sample_ns + self.sample_ns / 2));
+            }
+        }
+        let flow = self.circuit.flow(start, self.on);
+        self.stretch = Stretch { since_ns: at_ns, until_ns, flow, high, falls: None, told: [false; 2] };
+    }
+}
+
+impl Stretch {
+    /// Levels with hysteresis. A fall counts from when it has been told of, so that none is ever passed over.
+    fn high_at(&self, at_ns: i64, circuit: &Circuit) -> [bool; 2] {
+        let t = seconds(at_ns - self.since_ns);
+        Node::BOTH.map(|node| {
+            let i = node.index();
+            let course = self.flow.course(node);
+            let turn = course.turn().filter(|turn| *turn < t);
+            if self.told[i] {
+                let fall = self.falls.and_then(|falls| falls[i]).map_or(0.0, |fall| fall.crossed);
+                return turn.is_some_and(|turn| turn > fall) && course.at(t) >= circuit.sense[i].rising;
+            }
+            let top = turn.map_or(f64::NEG_INFINITY, |turn| course.at(turn)).max(course.at(t));
+            self.high[i] || top >= circuit.sense[i].rising
+        })
+    }
+}

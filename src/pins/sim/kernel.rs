@@ -1,0 +1,118 @@
+//! How edges travel from the pin to the program in Linux.
+//!
+//! For: stamps, sequence numbers and the event buffer, as in drivers/gpio/gpiolib-cdev.c. Must not know: circuits.
+
+use super::latency::Delay;
+use crate::pins::{Edge, Node};
+use crate::units::Nanos;
+use rand::RngExt;
+use rand_chacha::ChaCha8Rng;
+use rand_distr::Exp1;
+use std::collections::VecDeque;
+
+/// A second interrupt before the first one's thread has run: the stamp is of the second.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Coalescing {
+    pub probability: f64,
+    /// How much later the second one comes on average, ns.
+    pub bounce_ns: f64,
+}
+
+/// The way of the edges. Nothing allocates after construction.
+#[derive(Debug, Clone)]
+pub(super) struct Events {
+    queue: VecDeque<Edge>,
+    capacity: usize,
+    sense_lines: usize,
+    late: Option<Delay>,
+    lost: Option<f64>,
+    coalescing: Option<Coalescing>,
+    /// Crossings are seen at the edges of this clock, ns.
+    clock_ns: Option<i64>,
+    seqno: u32,
+    line_seqno: [u32; 2],
+    last_stamp_ns: i64,
+    rng: ChaCha8Rng,
+}
+
+impl Events {
+    pub fn new(
+        capacity: Option<u32>,
+        sense_lines: usize,
+        late: Option<Delay>,
+        lost: Option<f64>,
+        coalescing: Option<Coalescing>,
+        clock_ns: Option<i64>,
+        rng: ChaCha8Rng,
+    ) -> Events {
+        let capacity = capacity.map_or(16 * sense_lines, |events| events as usize);
+        Events {
+            queue: VecDeque::with_capacity(capacity),
+            capacity,
+            sense_lines,
+            late,
+            lost,
+            coalescing,
+            clock_ns,
+            seqno: 0,
+            line_seqno: [0; 2],
+            last_stamp_ns: 0,
+            rng,
+        }
+    }
+
+    /// An input fell, `seen` seconds after `since_ns`.
+    pub fn fell(&mut self, node: Node, since_ns: i64, seen: f64) {
+        if self.lost.is_some_and(|probability| self.rng.random::<f64>() < probability) {
+            return;
+        }
+        let mut late_ns = self.late.map_or(0.0, |late| late.draw_ns(&mut self.rng));
+        let mut interrupts = 1;
+        if let Some(Coalescing { probability, bounce_ns }) = self.coalescing {
+            if self.rng.random::<f64>() < probability {
+                late_ns += bounce_ns * self.rng.sample::<f64, _>(Exp1);
+                interrupts = 2;
+            }
+        }
+        let stamp_ns = match self.clock_ns {
+            Some(period) => next_edge(since_ns.saturating_add((seen * 1e9).ceil() as i64), period),
+            None => since_ns.saturating_add((seen * 1e9 + late_ns).round() as i64),
+        };
+        // One handler serves the lines of a chip in turn: a later edge is never stamped earlier.
+        self.last_stamp_ns = stamp_ns.max(self.last_stamp_ns);
+        self.push(node, interrupts);
+    }
+
+    fn push(&mut self, node: Node, interrupts: u32) {
+        let line_seqno = &mut self.line_seqno[node.index()];
+        *line_seqno = line_seqno.wrapping_add(1);
+        // Each interrupt counts where the request has several lines; a single line's number counts events.
+        self.seqno = self.seqno.wrapping_add(if self.sense_lines > 1 { interrupts } else { 1 });
+        if self.queue.len() == self.capacity {
+            self.queue.pop_front();
+        }
+        let at = Nanos(self.last_stamp_ns);
+        self.queue.push_back(Edge { node, at, seqno: self.seqno, line_seqno: *line_seqno });
+    }
+
+    /// When the oldest edge was or will be stamped, ns.
+    pub fn next_stamp_ns(&self) -> Option<i64> {
+        self.queue.front().map(|edge| edge.at.0)
+    }
+
+    pub fn take(&mut self) -> Option<Edge> {
+        self.queue.pop_front()
+    }
+
+    /// Forgets every edge; answers with the last sequence numbers.
+    pub fn drain(&mut self) -> (u32, [u32; 2]) {
+        self.queue.clear();
+        (self.seqno, self.line_seqno)
+    }
+}
+
+/// The first edge of a clock at or after an instant; ns.
+pub(super) fn next_edge(at_ns: i64, period_ns: i64) -> i64 {
+    let phase = at_ns.rem_euclid(period_ns);
+    if phase == 0 { at_ns } else { at_ns.saturating_add(period_ns - phase) }
+}

@@ -1,0 +1,284 @@
+//! The voltages of the circuit's nodes while nothing switches.
+//!
+//! For: Kirchhoff's laws on nodes A and B, solved in closed form, and the instants at which a node falls through
+//! its threshold. Seconds, volt, ohm and farad, all `f64`. Must not know: clocks, latencies, noise, estimators.
+//!
+//! With u the voltage across C_A (from B to A), w the voltage of node B, and i_A, i_B the currents that resistors
+//! push into the nodes,
+//!
+//! ```text
+//! C_A du/dt = i_A            i_A = s_A - G_A (u + w)
+//! C_B dw/dt = i_A + i_B      i_B = s_B - G_B w
+//! ```
+//!
+//! The conductance matrix is symmetric, so in the coordinates sqrt(C_A) u, sqrt(C_B) w the two modes are
+//! orthogonal and decay with real rates: a node's voltage is V(0) + k1 phi(r1, t) + k2 phi(r2, t) with
+//! phi(r, t) = (1 - exp(-r t)) / r, or t where the rate is 0 (charge that cannot leave, or a constant current).
+
+use super::course::Course;
+use crate::pins::{Drives, MAX_CHANNELS, Node};
+
+/// How many lines can drive: two chargers, two sinks of calibration resistors, the sensors' sinks.
+pub const LINES: usize = 4 + MAX_CHANNELS;
+
+/// The index of a single line in tables by line; the order is that of the bits of [`Drives`].
+pub fn line_index(line: Drives) -> usize {
+    (line.0.trailing_zeros() as usize).min(LINES - 1)
+}
+
+/// The capacitors and what they connect, in farad.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Wiring {
+    /// Fig. 1(a): one capacitor from node A to ground, every resistor at node A.
+    OneCapacitor {
+        /// Node A to ground.
+        c: f64,
+    },
+    /// Fig. 1(b): as above, but Rc2 goes on from the far end of Rc1.
+    SeriesCalibration {
+        /// Node A to ground.
+        c: f64,
+    },
+    /// Fig. 1(c): C_A between the nodes, C_B from B to ground, every resistor at node A.
+    TwoCapacitor {
+        /// Node A to node B.
+        c_a: f64,
+        /// Node B to ground.
+        c_b: f64,
+    },
+}
+
+/// What hangs on a sense node besides the circuit proper.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Sense {
+    /// A high node becomes low here, volt.
+    pub falling: f64,
+    /// A low node becomes high here, volt; not below `falling`.
+    pub rising: f64,
+    /// Constant current from the node to ground, ampere.
+    pub leakage: f64,
+    /// Conductance to ground (leakage resistance, pull-down), siemens.
+    pub to_ground: f64,
+    /// Conductance to V_DD (pull-up), siemens.
+    pub to_v_dd: f64,
+}
+
+impl Sense {
+    /// A node with one threshold and nothing else.
+    pub fn ideal(threshold: f64) -> Sense {
+        Sense { falling: threshold, rising: threshold, leakage: 0.0, to_ground: 0.0, to_v_dd: 0.0 }
+    }
+}
+
+/// A circuit as it is built, unknown to the estimators.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Circuit {
+    /// The capacitors.
+    pub wiring: Wiring,
+    /// Supply, volt.
+    pub v_dd: f64,
+    /// Rc1, ohm.
+    pub r_c1: f64,
+    /// Rc2, ohm.
+    pub r_c2: f64,
+    /// In series with each charger, ohm.
+    pub r_p: f64,
+    /// Output resistance of each line, ohm, by [`line_index`].
+    pub r_o: [f64; LINES],
+    /// The sensors, ohm.
+    pub r_x: [f64; MAX_CHANNELS],
+    /// The sense nodes A and B.
+    pub sense: [Sense; 2],
+}
+
+/// One node's connection to everything but the capacitors: current into it = `source` - `conductance` * voltage.
+#[derive(Debug, Clone, Copy)]
+struct Load {
+    source: f64,
+    conductance: f64,
+}
+
+impl Load {
+    fn current(self, voltage: f64) -> f64 {
+        self.source - self.conductance * voltage
+    }
+}
+
+impl Circuit {
+    /// Whether there is a node B.
+    pub fn has_b(&self) -> bool {
+        matches!(self.wiring, Wiring::TwoCapacitor { .. })
+    }
+
+    /// The node voltages when charged for ever: both V_DD, so that C_A is empty.
+    pub fn charged(&self) -> [f64; 2] {
+        [self.v_dd, self.v_dd]
+    }
+
+    /// How the nodes go on from voltages `start` while exactly the lines of `on` drive.
+    pub fn flow(&self, start: [f64; 2], on: Drives) -> Flow {
+        let load_a = self.load_a(on);
+        match self.wiring {
+            Wiring::OneCapacitor { c } | Wiring::SeriesCalibration { c } => {
+                let slope = load_a.current(start[0]) / c;
+                Flow { start, rates: [load_a.conductance / c, 0.0], slopes: [[slope, 0.0], [0.0, 0.0]] }
+            }
+            Wiring::TwoCapacitor { c_a, c_b } => two_modes(start, load_a, self.load_b(on), c_a, c_b),
+        }
+    }
+
+    fn load_a(&self, on: Drives) -> Load {
+        let mut load = self.load_of(Node::A);
+        for line in on.lines() {
+            let r_o = self.r_o[line_index(line)];
+            match line {
+                Drives::CHARGE_A => load.add(self.r_p + r_o, self.v_dd),
+                Drives::CHARGE_B => {}
+                Drives::C1 | Drives::C2 => {}
+                x => load.add(self.r_x[line_index(x) - 4] + r_o, 0.0),
+            }
+        }
+        load.conductance += self.calibration_conductance(on);
+        load
+    }
+
+    fn load_b(&self, on: Drives) -> Load {
+        let mut load = self.load_of(Node::B);
+        if on.contains(Drives::CHARGE_B) {
+            load.add(self.r_p + self.r_o[line_index(Drives::CHARGE_B)], self.v_dd);
+        }
+        load
+    }
+
+    fn load_of(&self, node: Node) -> Load {
+        let sense = &self.sense[node.index()];
+        Load {
+            source: sense.to_v_dd * self.v_dd - sense.leakage,
+            conductance: sense.to_v_dd + sense.to_ground,
+        }
+    }
+
+    /// From node A to ground through Rc1 and Rc2, siemens. The node between them in Fig. 1(b) has no capacitor.
+    fn calibration_conductance(&self, on: Drives) -> f64 {
+        let sunk = |line: Drives, resistor: f64| {
+            if on.contains(line) { 1.0 / (resistor + self.r_o[line_index(line)]) } else { 0.0 }
+        };
+        match self.wiring {
+            Wiring::SeriesCalibration { .. } => {
+                let beyond_r_c1 = sunk(Drives::C1, 0.0) + sunk(Drives::C2, self.r_c2);
+                if beyond_r_c1 > 0.0 { 1.0 / (self.r_c1 + 1.0 / beyond_r_c1) } else { 0.0 }
+            }
+            _ => sunk(Drives::C1, self.r_c1) + sunk(Drives::C2, self.r_c2),
+        }
+    }
+}
+
+impl Load {
+    fn add(&mut self, resistance: f64, to_voltage: f64) {
+        self.conductance += 1.0 / resistance;
+        self.source += to_voltage / resistance;
+    }
+}
+
+/// The two-capacitor network by its modes.
+fn two_modes(start: [f64; 2], load_a: Load, load_b: Load, c_a: f64, c_b: f64) -> Flow {
+    let (g_a, g_b) = (load_a.conductance, load_b.conductance);
+    let (i_a, i_b) = (load_a.current(start[0]), load_b.current(start[1]));
+    if g_b == 0.0 && load_b.source == 0.0 {
+        // Nothing but the capacitors at node B: its charge moves with node A's, in a single mode.
+        let slopes = [[i_a / c_a + i_a / c_b, 0.0], [i_a / c_b, 0.0]];
+        return Flow { start, rates: [g_a / c_a + g_a / c_b, 0.0], slopes };
+    }
+    let (root_a, root_b) = (c_a.sqrt(), c_b.sqrt());
+    let (first, coupling, second) = (g_a / c_a, g_a / (root_a * root_b), (g_a + g_b) / c_b);
+    let half_difference = (first - second) / 2.0;
+    let radius = half_difference.hypot(coupling);
+    let fast = (first + second) / 2.0 + radius;
+    // The product of the rates is exact where their difference would cancel.
+    let slow = if fast > 0.0 { g_a * g_b / (c_a * c_b) / fast } else { 0.0 };
+    let (x, y) = if radius == 0.0 {
+        (1.0, 0.0)
+    } else if half_difference >= 0.0 {
+        (half_difference + radius, coupling)
+    } else {
+        (coupling, radius - half_difference)
+    };
+    let length = x.hypot(y);
+    let (cos, sin) = (x / length, y / length);
+    let (p, q) = (i_a / root_a, (i_a + i_b) / root_b);
+    let (m_fast, m_slow) = (cos * p + sin * q, cos * q - sin * p);
+    let at_b = [m_fast * sin / root_b, m_slow * cos / root_b];
+    let at_a = [m_fast * cos / root_a + at_b[0], at_b[1] - m_slow * sin / root_a];
+    Flow { start, rates: [fast, slow], slopes: [at_a, at_b] }
+}
+
+/// The node voltages as functions of the time since a change.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Flow {
+    start: [f64; 2],
+    rates: [f64; 2],
+    slopes: [[f64; 2]; 2],
+}
+
+impl Flow {
+    /// The voltages of A and B after `seconds`; B of a circuit without it keeps its start.
+    pub fn after(&self, seconds: f64) -> [f64; 2] {
+        [self.course(Node::A).at(seconds), self.course(Node::B).at(seconds)]
+    }
+
+    /// One node's voltage.
+    pub fn course(&self, node: Node) -> Course {
+        Course { start: self.start[node.index()], rates: self.rates, slopes: self.slopes[node.index()] }
+    }
+}
+
+/// How the capacitors were filled before a discharge.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Charge {
+    /// Until nothing moved any more, with nothing else at the nodes: both nodes at V_DD.
+    Full,
+    /// From empty, through both chargers, for so many seconds.
+    For(f64),
+}
+
+/// When the nodes fell through their thresholds, in seconds since the start of the discharge; `None`: never.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Crossings {
+    /// Node A.
+    pub a: Option<f64>,
+    /// Node B.
+    pub b: Option<f64>,
+}
+
+/// One discharge without clock, latency or rounding: `through` sinks, and from `switch.0` seconds on `switch.1`
+/// instead. Node B of a circuit without it never crosses.
+pub fn exact_discharge(
+    circuit: &Circuit,
+    charge: Charge,
+    through: Drives,
+    switch: Option<(f64, Drives)>,
+) -> Crossings {
+    let start = match charge {
+        Charge::Full => circuit.charged(),
+        Charge::For(seconds) => circuit.flow([0.0, 0.0], Drives::CHARGE).after(seconds),
+    };
+    let first = circuit.flow(start, through);
+    let (until, second) = match switch {
+        Some((at, on)) => (at, Some(circuit.flow(first.after(at), on))),
+        None => (f64::INFINITY, None),
+    };
+    let crossing = |node: Node| {
+        let threshold = circuit.sense[node.index()].falling;
+        if node == Node::B && !circuit.has_b() {
+            return None;
+        }
+        first.course(node).falls_through(threshold, until).or_else(|| {
+            let rest = second?.course(node).falls_through(threshold, f64::INFINITY)?;
+            Some(until + rest)
+        })
+    };
+    Crossings { a: crossing(Node::A), b: crossing(Node::B) }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,377 @@
+//! Scenes: simulated boards as TOML files.
+//!
+//! For: reading a scene, and saying what is wrong with one. Must not know: how it is simulated. An effect that a
+//! scene does not name is off.
+
+use super::network::{self, LINES, Sense, Wiring};
+use super::quantity::{Ampere, Farad, Hertz, Ohm, Seconds, Volt};
+use super::sensor::Sensor;
+use crate::pins::{Drives, MAX_CHANNELS};
+use serde::Deserialize;
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+
+mod check;
+
+/// The scenes that are part of the program: (name, text).
+const BUILTIN: [(&str, &str); 5] = [
+    ("ideal", include_str!("../../../hw/scenes/ideal.toml")),
+    ("fpga-paper", include_str!("../../../hw/scenes/fpga-paper.toml")),
+    ("pi-zero", include_str!("../../../hw/scenes/pi-zero.toml")),
+    ("pi4", include_str!("../../../hw/scenes/pi4.toml")),
+    ("pi5", include_str!("../../../hw/scenes/pi5.toml")),
+];
+
+/// Why a scene cannot be used.
+#[derive(Debug, thiserror::Error)]
+pub enum SceneError {
+    /// The file, or a file that it names, cannot be read.
+    #[error("cannot read {}: {source}", path.display())]
+    Read {
+        /// Which file.
+        path: PathBuf,
+        /// Why.
+        source: std::io::Error,
+    },
+    /// It is not TOML, or has a key or a value that is not known; line and caret are in the message.
+    #[error("{}: {message}", origin.display())]
+    Syntax {
+        /// Which file.
+        origin: PathBuf,
+        /// Where and what.
+        message: String,
+    },
+    /// A value makes no sense.
+    #[error("{}: {key}: {problem}", origin.display())]
+    Value {
+        /// Which file.
+        origin: PathBuf,
+        /// The key, dotted.
+        key: String,
+        /// What is wrong and what to do.
+        problem: String,
+    },
+    /// There is no built-in scene of that name.
+    #[error("there is no built-in scene \"{name}\"; there are {}", Scene::builtin_names().collect::<Vec<_>>().join(", "))]
+    Unknown {
+        /// What was asked for.
+        name: String,
+    },
+}
+
+/// Which figure of the paper a circuit is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Kind {
+    /// Fig. 1(a).
+    OneCapacitor,
+    /// Fig. 1(b).
+    SeriesCalibration,
+    /// Fig. 1(c).
+    TwoCapacitor,
+}
+
+/// A simulated board with its circuit and sensors.
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[serde(rename_all = "kebab-case", deny_unknown_fields)]
+pub struct Scene {
+    /// Of every random number.
+    #[serde(default = "default_seed")]
+    pub seed: u64,
+    /// The network.
+    pub circuit: CircuitScene,
+    /// What is connected to the channels, from channel 0 on; the others are open.
+    #[serde(default, rename = "sensor")]
+    pub sensors: Vec<Sensor>,
+    /// How long a sensor that changes with time is held constant.
+    #[serde(default = "default_sample_interval")]
+    pub sample_interval: Seconds,
+    /// A clock that everything is quantised by: crossings are seen and lines switched at its edges.
+    pub clock_period: Option<Seconds>,
+    /// Calls that switch lines.
+    pub calls: Option<CallsScene>,
+    /// Lateness of the kernel's stamps.
+    pub stamps: Option<DelayScene>,
+    /// From an edge's stamp to the program.
+    pub wake: Option<DelayScene>,
+    /// From the end of a sleep to the program.
+    pub sleep: Option<DelayScene>,
+    /// Cost of other calls.
+    pub reads: Option<ReadsScene>,
+    /// What happens to edges on their way.
+    pub events: Option<EventsScene>,
+    /// Voltage noise at the sense inputs.
+    pub noise: Option<NoiseScene>,
+}
+
+fn default_seed() -> u64 {
+    1
+}
+
+fn default_sample_interval() -> Seconds {
+    Seconds(50e-6)
+}
+
+/// The network: `c-a` and `c-b` serve the two-capacitor circuit, `c` the others.
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[serde(rename_all = "kebab-case", deny_unknown_fields)]
+pub struct CircuitScene {
+    /// Which circuit; a scene with all capacitors serves every kind ([`Scene::with_kind`]).
+    pub kind: Kind,
+    /// Between nodes A and B.
+    pub c_a: Option<Farad>,
+    /// From node B to ground.
+    pub c_b: Option<Farad>,
+    /// From node A to ground.
+    pub c: Option<Farad>,
+    /// The lower calibration resistor.
+    pub r_c1: Ohm,
+    /// The other one.
+    pub r_c2: Ohm,
+    /// In series with each charger; absent: 0.
+    pub r_p: Option<Ohm>,
+    /// Output resistance of every pin.
+    pub r_o: Ohm,
+    /// Output resistance of single pins: `charge-a`, `charge-b`, `c1`, `c2`, `x0`...
+    #[serde(default)]
+    pub r_o_of: BTreeMap<String, Ohm>,
+    /// Supply.
+    pub v_dd: Volt,
+    /// Thresholds of both sense inputs.
+    pub threshold: Threshold,
+    /// What else there is at node A.
+    #[serde(default)]
+    pub node_a: NodeScene,
+    /// What else there is at node B.
+    #[serde(default)]
+    pub node_b: NodeScene,
+}
+
+/// Thresholds of a sense input.
+#[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
+#[serde(rename_all = "kebab-case", deny_unknown_fields)]
+pub struct Threshold {
+    /// V_Th: a high input becomes low.
+    pub falling: Volt,
+    /// A low input becomes high; absent: no hysteresis.
+    pub rising: Option<Volt>,
+}
+
+/// What hangs on a sense node unintended.
+#[derive(Debug, Clone, Copy, PartialEq, Default, Deserialize)]
+#[serde(rename_all = "kebab-case", deny_unknown_fields)]
+pub struct NodeScene {
+    /// Instead of the thresholds of the circuit.
+    pub threshold: Option<Threshold>,
+    /// Constant current out of the node.
+    pub leakage: Option<Ampere>,
+    /// Leakage to ground.
+    pub leakage_resistance: Option<Ohm>,
+    /// To V_DD.
+    pub pull_up: Option<Ohm>,
+    /// To ground.
+    pub pull_down: Option<Ohm>,
+}
+
+/// A delay; absent values are 0.
+#[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
+#[serde(rename_all = "kebab-case", deny_unknown_fields)]
+pub struct DelayScene {
+    /// Mean without the tail.
+    pub mean: Seconds,
+    /// Standard deviation without the tail.
+    pub jitter: Option<Seconds>,
+    /// How often it is much longer.
+    pub tail_probability: Option<f64>,
+    /// By how much on average.
+    pub tail_mean: Option<Seconds>,
+}
+
+/// Calls that switch lines: overhead + lines x slot.
+#[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
+#[serde(rename_all = "kebab-case", deny_unknown_fields)]
+pub struct CallsScene {
+    /// Overhead, half before and half after the lines move.
+    pub fixed: Seconds,
+    /// For each line that is switched.
+    pub per_line: Seconds,
+    /// Relative standard deviation of the whole duration.
+    pub jitter: Option<f64>,
+    /// Where in its slot a line moves, from .. to, 0..=1; absent: in the middle.
+    pub moves_at: Option<[f64; 2]>,
+    /// How often a call is preempted.
+    pub tail_probability: Option<f64>,
+    /// For how long on average.
+    pub tail_mean: Option<Seconds>,
+}
+
+/// Cost of calls that do not switch.
+#[derive(Debug, Clone, Copy, PartialEq, Default, Deserialize)]
+#[serde(rename_all = "kebab-case", deny_unknown_fields)]
+pub struct ReadsScene {
+    /// Reading the clock.
+    pub clock: Option<Seconds>,
+    /// Reading the levels.
+    pub levels: Option<Seconds>,
+    /// Arming.
+    pub arm: Option<Seconds>,
+}
+
+/// What happens to edges between the pin and the program.
+#[derive(Debug, Clone, Copy, PartialEq, Default, Deserialize)]
+#[serde(rename_all = "kebab-case", deny_unknown_fields)]
+pub struct EventsScene {
+    /// Events that the kernel keeps; absent: 16 for each sense line, as in drivers/gpio/gpiolib-cdev.c.
+    pub buffer: Option<u32>,
+    /// Probability that the hardware loses an edge: no event, no gap.
+    pub lost: Option<f64>,
+    /// Probability that a second interrupt overwrites the stamp of the first.
+    pub coalesced: Option<f64>,
+    /// How much later that second interrupt comes, on average.
+    pub bounce: Option<Seconds>,
+}
+
+/// Voltage noise.
+#[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
+#[serde(rename_all = "kebab-case", deny_unknown_fields)]
+pub struct NoiseScene {
+    /// Root mean square.
+    pub voltage: Volt,
+    /// If named, the noise is wide-band and its first crossing counts.
+    pub bandwidth: Option<Hertz>,
+}
+
+impl Scene {
+    /// The names of the scenes that are part of the program.
+    pub fn builtin_names() -> impl Iterator<Item = &'static str> {
+        BUILTIN.iter().map(|(name, _)| *name)
+    }
+
+    /// A scene that is part of the program.
+    pub fn builtin(name: &str) -> Result<Scene, SceneError> {
+        let (name, text) = BUILTIN
+            .iter()
+            .find(|(known, _)| *known == name)
+            .ok_or_else(|| SceneError::Unknown { name: name.to_owned() })?;
+        Scene::parse(text, Path::new(name))
+    }
+
+    /// A scene from a file.
+    pub fn load(path: &Path) -> Result<Scene, SceneError> {
+        let text = std::fs::read_to_string(path)
+            .map_err(|source| SceneError::Read { path: path.to_owned(), source })?;
+        Scene::parse(&text, path)
+    }
+
+    /// A scene from its text; `origin` stands in messages, and files that the scene names are beside it.
+    pub fn parse(text: &str, origin: &Path) -> Result<Scene, SceneError> {
+        let mut scene: Scene = toml::from_str(text)
+            .map_err(|error| SceneError::Syntax { origin: origin.to_owned(), message: error.to_string() })?;
+        for sensor in &mut scene.sensors {
+            sensor.read_file(origin.parent().unwrap_or(Path::new("")))?;
+        }
+        scene.checked(origin)
+    }
+
+    /// The same board with the circuit of another figure.
+    pub fn with_kind(mut self, kind: Kind) -> Result<Scene, SceneError> {
+        self.circuit.kind = kind;
+        self.checked(Path::new("scene"))
+    }
+
+    /// The same board with these sensors, from channel 0 on.
+    pub fn with_sensors(mut self, sensors: Vec<Sensor>) -> Result<Scene, SceneError> {
+        self.sensors = sensors;
+        self.checked(Path::new("scene"))
+    }
+
+    /// The network with every sensor open.
+    pub fn network(&self) -> network::Circuit {
+        let circuit = &self.circuit;
+        let mut r_o = [circuit.r_o.0; LINES];
+        for (name, value) in &circuit.r_o_of {
+            if let Some(line) = line_named(name) {
+                r_o[network::line_index(line)] = value.0;
+            }
+        }
+        network::Circuit {
+            wiring: self.wiring(),
+            v_dd: circuit.v_dd.0,
+            r_c1: circuit.r_c1.0,
+            r_c2: circuit.r_c2.0,
+            r_p: circuit.r_p.map_or(0.0, |r| r.0),
+            r_o,
+            r_x: [f64::INFINITY; MAX_CHANNELS],
+            sense: [&circuit.node_a, &circuit.node_b].map(|node| node.sense(circuit.threshold)),
+        }
+    }
+
+    fn wiring(&self) -> Wiring {
+        // A missing capacitor has been refused by the check.
+        let farad = |c: Option<Farad>| c.map_or(f64::NAN, |c| c.0);
+        let circuit = &self.circuit;
+        match circuit.kind {
+            Kind::OneCapacitor => Wiring::OneCapacitor { c: farad(circuit.c) },
+            Kind::SeriesCalibration => Wiring::SeriesCalibration { c: farad(circuit.c) },
+            Kind::TwoCapacitor => Wiring::TwoCapacitor { c_a: farad(circuit.c_a), c_b: farad(circuit.c_b) },
+        }
+    }
+}
+
+impl NodeScene {
+    fn sense(&self, threshold: Threshold) -> Sense {
+        let threshold = self.threshold.unwrap_or(threshold);
+        let siemens = |r: Option<Ohm>| r.map_or(0.0, |r| 1.0 / r.0);
+        Sense {
+            falling: threshold.falling.0,
+            rising: threshold.rising.unwrap_or(threshold.falling).0,
+            leakage: self.leakage.map_or(0.0, |i| i.0),
+            to_ground: siemens(self.leakage_resistance) + siemens(self.pull_down),
+            to_v_dd: siemens(self.pull_up),
+        }
+    }
+}
+
+/// The line that is written like this in [`Drives`]' display.
+fn line_named(name: &str) -> Option<Drives> {
+    match name {
+        "charge-a" => Some(Drives::CHARGE_A),
+        "charge-b" => Some(Drives::CHARGE_B),
+        "c1" => Some(Drives::C1),
+        "c2" => Some(Drives::C2),
+        _ => {
+            let channel: usize = name.strip_prefix('x')?.parse().ok()?;
+            (channel < MAX_CHANNELS).then(|| Drives::x(channel))
+        }
+    }
+}
+
+impl Sensor {
+    fn read_file(&mut self, folder: &Path) -> Result<(), SceneError> {
+        let Sensor::File { path, points } = self else { return Ok(()) };
+        let full = folder.join(path);
+        let text = std::fs::read_to_string(&full)
+            .map_err(|source| SceneError::Read { path: full.clone(), source })?;
+        for (index, line) in text.lines().enumerate() {
+            let line = line.trim();
+            if line.is_empty() || line.starts_with('#') || (index == 0 && line == "time_s,ohm") {
+                continue;
+            }
+            let row = line.split_once(',').and_then(|(time, ohm)| {
+                Some((time.trim().parse::<f64>().ok()?, ohm.trim().parse::<f64>().ok()?))
+            });
+            let later = |row: &(f64, f64)| points.last().is_none_or(|last| row.0 > last.0);
+            match row.filter(|row| row.0.is_finite() && row.1.is_finite() && row.1 >= 0.0 && later(row)) {
+                Some(row) => points.push(row),
+                None => {
+                    return Err(SceneError::Value {
+                        origin: full,
+                        key: format!("line {}", index + 1),
+                        problem: format!("\"{line}\" is not time_s,ohm with a later time and a resistance"),
+                    });
+                }
+            }
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,178 @@
+//! What is connected in a sensor's place.
+//!
+//! For: R_x as a function of time. Must not know: how it is measured.
+
+use super::quantity::{Hertz, Newton, NewtonOhm, Ohm, Seconds};
+use rand::{RngExt, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+use serde::Deserialize;
+use std::f64::consts::TAU;
+use std::path::PathBuf;
+
+/// An untouched force sensor, ohm: the FSR 402 data sheet says above 10 Mohm.
+const UNTOUCHED_OHM: f64 = 20e6;
+/// A hand trembles at about this frequency, Hz, by this share of its force.
+const TREMOR_HZ: f64 = 9.0;
+const TREMOR_SHARE: f64 = 0.02;
+
+/// R_x of one channel.
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[serde(rename_all = "kebab-case", rename_all_fields = "kebab-case", deny_unknown_fields)]
+pub enum Sensor {
+    /// Always the same.
+    Constant(Ohm),
+    /// One value before an instant, another after it.
+    Step {
+        /// Before.
+        before: Ohm,
+        /// From `at` on.
+        after: Ohm,
+        /// Since the start of the simulation.
+        at: Seconds,
+    },
+    /// Linear between two values, constant before and after.
+    Ramp {
+        /// Until `start`.
+        from: Ohm,
+        /// From `start` + `duration` on.
+        to: Ohm,
+        /// Since the start of the simulation.
+        start: Seconds,
+        /// Of the change.
+        duration: Seconds,
+    },
+    /// mean + amplitude sin(2 pi frequency t).
+    Sine {
+        /// In the middle.
+        mean: Ohm,
+        /// Peak, below the mean.
+        amplitude: Ohm,
+        /// Of the oscillation.
+        frequency: Hertz,
+    },
+    /// Interpolated linearly between the rows `time_s,ohm` of a CSV file; constant before and after.
+    File {
+        /// Relative to the folder of the scene file.
+        path: PathBuf,
+        /// The rows.
+        #[serde(skip)]
+        points: Vec<(f64, f64)>,
+    },
+    /// A hand that presses an FSR 402 again and again, R_x = alpha / F, a little differently each time.
+    Hand {
+        /// Of the sensor.
+        #[serde(default = "fsr_402")]
+        alpha: NewtonOhm,
+        /// The strongest press.
+        #[serde(default = "firm")]
+        peak: Newton,
+        /// From one press to the next.
+        #[serde(default = "unhurried")]
+        period: Seconds,
+    },
+}
+
+/// Fitted to an FSR 402 between 1.2 N and 30 N by the authors of the paper (section V).
+fn fsr_402() -> NewtonOhm {
+    NewtonOhm(13_346.46)
+}
+
+fn firm() -> Newton {
+    Newton(10.0)
+}
+
+fn unhurried() -> Seconds {
+    Seconds(2.0)
+}
+
+/// A sensor in use: with the press that a hand is just making.
+#[derive(Debug, Clone)]
+pub(super) struct Source {
+    sensor: Sensor,
+    rng: ChaCha8Rng,
+    press: Press,
+}
+
+/// One press of a hand; times in seconds.
+#[derive(Debug, Clone, Copy)]
+struct Press {
+    index: u64,
+    begin: f64,
+    rise: f64,
+    hold: f64,
+    force: f64,
+}
+
+impl Source {
+    /// `stream` keeps the hands of several channels apart.
+    pub fn new(sensor: Sensor, seed: u64, stream: u64) -> Source {
+        let mut rng = ChaCha8Rng::seed_from_u64(seed);
+        rng.set_stream(stream);
+        let press = Press { index: u64::MAX, begin: 0.0, rise: 1.0, hold: 0.0, force: 0.0 };
+        Source { sensor, rng, press }
+    }
+
+    pub fn is_constant(&self) -> bool {
+        matches!(self.sensor, Sensor::Constant(_))
+    }
+
+    /// Ohm, `t` seconds after the start of the simulation.
+    pub fn r_x(&mut self, t: f64) -> f64 {
+        match &self.sensor {
+            Sensor::Constant(r) => r.0,
+            Sensor::Step { before, after, at } => {
+                if t < at.0 {
+                    before.0
+                } else {
+                    after.0
+                }
+            }
+            Sensor::Ramp { from, to, start, duration } => {
+                from.0 + (to.0 - from.0) * ((t - start.0) / duration.0).clamp(0.0, 1.0)
+            }
+            Sensor::Sine { mean, amplitude, frequency } => {
+                mean.0 + amplitude.0 * (TAU * frequency.0 * t).sin()
+            }
+            Sensor::File { points, .. } => interpolate(points, t),
+            Sensor::Hand { alpha, peak, period } => {
+                let (alpha, peak, period) = (alpha.0, peak.0, period.0);
+                (alpha / self.force(t, peak, period)).min(UNTOUCHED_OHM)
+            }
+        }
+    }
+
+    /// Newton. Each period holds one press that begins and ends inside it.
+    fn force(&mut self, t: f64, peak: f64, period: f64) -> f64 {
+        let index = (t / period).max(0.0) as u64;
+        if index != self.press.index {
+            // Each press has a block of the generator of its own, so that any instant can be asked for.
+            self.rng.set_word_pos(u128::from(index) * 16);
+            let mut between = |low: f64, high: f64| low + (high - low) * self.rng.random::<f64>();
+            self.press = Press {
+                index,
+                begin: between(0.05, 0.25) * period,
+                rise: between(0.06, 0.2) * period,
+                hold: between(0.1, 0.3) * period,
+                force: between(0.1, 1.0) * peak,
+            };
+        }
+        let press = &self.press;
+        let since = t - index as f64 * period - press.begin;
+        let smooth = |share: f64| {
+            let s = share.clamp(0.0, 1.0);
+            s * s * (3.0 - 2.0 * s)
+        };
+        let envelope =
+            smooth(since / press.rise) * smooth((2.0 * press.rise + press.hold - since) / press.rise);
+        press.force * envelope * (1.0 + TREMOR_SHARE * (TAU * TREMOR_HZ * t).sin())
+    }
+}
+
+fn interpolate(points: &[(f64, f64)], t: f64) -> f64 {
+    let next = points.partition_point(|(time, _)| *time <= t);
+    match (next.checked_sub(1).and_then(|last| points.get(last)), points.get(next)) {
+        (Some((t0, r0)), Some((t1, r1))) => r0 + (r1 - r0) * (t - t0) / (t1 - t0),
+        (Some((_, r)), None) | (None, Some((_, r))) => *r,
+        (None, None) => UNTOUCHED_OHM,
+    }
+}

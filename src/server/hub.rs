@@ -1,0 +1,113 @@
+//! What all clients share: the channels, the ring of lines, the last reading of each channel, the counts.
+//!
+//! For: formatting each reading once. Must not know: sockets, or who the clients are.
+
+use super::ring::{ChannelKey, Kind, Ring};
+use crate::reading::Reading;
+use crate::wire::{self, ChannelInfo, ErrorCode, Refusal, UnixTime};
+
+/// The shared state.
+#[derive(Debug)]
+pub(super) struct Hub {
+    pub ring: Ring,
+    pub version: Vec<u8>,
+    /// The line that begins a tape; empty while there is none.
+    pub tape_header: Vec<u8>,
+    pub clients: usize,
+    pub published: u64,
+    /// Summed over the clients.
+    pub lost: u64,
+    channels: Vec<Channel>,
+    /// Every id that there ever was; its index is its key.
+    ids: Vec<String>,
+}
+
+#[derive(Debug)]
+struct Channel {
+    key: ChannelKey,
+    id: String,
+    /// The last reading, a whole line with nothing lost; empty while there is none.
+    last: Vec<u8>,
+}
+
+impl Hub {
+    pub fn new(channels: &[ChannelInfo], ring_lines: usize) -> Hub {
+        let mut hub = Hub {
+            ring: Ring::new(ring_lines),
+            version: Vec::new(),
+            tape_header: Vec::new(),
+            clients: 0,
+            published: 0,
+            lost: 0,
+            channels: Vec::new(),
+            ids: Vec::new(),
+        };
+        hub.set_channels(channels);
+        hub
+    }
+
+    pub fn set_channels(&mut self, channels: &[ChannelInfo]) {
+        self.channels.clear();
+        for channel in channels {
+            let key = self.intern(&channel.id);
+            self.channels.push(Channel { key, id: channel.id.clone(), last: Vec::new() });
+        }
+        self.version.clear();
+        wire::write_version(&mut self.version, channels);
+    }
+
+    fn intern(&mut self, id: &str) -> ChannelKey {
+        let index = self.ids.iter().position(|known| known == id).unwrap_or_else(|| {
+            self.ids.push(id.to_owned());
+            self.ids.len() - 1
+        });
+        ChannelKey(index as u32)
+    }
+
+    /// The channel of that index in the configuration.
+    pub fn key(&self, index: usize) -> Option<ChannelKey> {
+        self.channels.get(index).map(|channel| channel.key)
+    }
+
+    /// The keys of ids, each once.
+    pub fn resolve(&self, ids: &[String]) -> Result<Box<[ChannelKey]>, Refusal> {
+        let mut keys = ids.iter().map(|id| self.key_of(id)).collect::<Result<Vec<_>, _>>()?;
+        keys.sort_unstable();
+        keys.dedup();
+        Ok(keys.into())
+    }
+
+    fn key_of(&self, id: &str) -> Result<ChannelKey, Refusal> {
+        self.channels.iter().find(|channel| channel.id == id).map(|channel| channel.key).ok_or_else(|| {
+            let message = format!("no channel \"{}\": VERSION lists those that there are", wire::excerpt(id));
+            Refusal::new(ErrorCode::UnknownChannel, message)
+        })
+    }
+
+    /// A reading of a channel that is no longer there is dropped: it was measured before a reload.
+    pub fn push_reading(&mut self, reading: &Reading, time: UnixTime) {
+        let Some(channel) = self.channels.get_mut(reading.channel) else { return };
+        let last = &mut channel.last;
+        self.ring.push(Kind::Reading(channel.key), reading.at, |line| {
+            wire::begin_reading(line, reading, &channel.id, time);
+            last.clone_from(line);
+            wire::end_reading(last, 0);
+        });
+        self.published += 1;
+    }
+
+    /// Appends the last reading of each channel, and one refusal for those that have none yet.
+    pub fn write_last_readings(&self, out: &mut Vec<u8>) {
+        let mut missing = Vec::new();
+        for channel in &self.channels {
+            out.extend_from_slice(&channel.last);
+            if channel.last.is_empty() {
+                missing.push(channel.id.as_str());
+            }
+        }
+        if !missing.is_empty() {
+            let message = format!("no reading yet of {}: wait for the stream", missing.join(", "));
+            Refusal::new(ErrorCode::NoReading, message).write(out);
+        }
+    }
+}

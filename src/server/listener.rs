@@ -1,0 +1,330 @@
+//! The socket that clients connect to: handed over by systemd, or bound by ourselves.
+//!
+//! For: never two daemons on one path, never somebody else's file deleted. Must not know: what is said over it.
+
+use nix::errno::Errno;
+use nix::fcntl::{Flock, FlockArg};
+use nix::sys::socket::{self, AddressFamily, Backlog, SockFlag, SockType, UnixAddr, sockopt};
+use std::fs::{self, File, Metadata, Permissions};
+use std::io;
+use std::os::fd::{AsFd, AsRawFd, BorrowedFd, OwnedFd};
+use std::os::unix::fs::{FileTypeExt, MetadataExt, PermissionsExt};
+use std::os::unix::net::{UnixListener, UnixStream};
+use std::path::{Path, PathBuf};
+
+/// Why there is no socket.
+#[derive(Debug, thiserror::Error)]
+pub enum ListenError {
+    /// A live daemon has it.
+    #[error(
+        "{path} is already served by {owner}: stop that one first, or choose another path in [server] socket"
+    )]
+    Served {
+        /// The path.
+        path: PathBuf,
+        /// Its process, as "pid N (name)".
+        owner: String,
+    },
+    /// There is a file that is no socket. It is left alone.
+    #[error("{0} exists and is not a socket: remove it, or choose another path in [server] socket")]
+    NotASocket(PathBuf),
+    /// Somebody else is binding a socket in the same directory.
+    #[error("another process is just now taking {0}: try again")]
+    Contended(PathBuf),
+    /// The directory of the socket is missing.
+    #[error("the directory of {0} does not exist: create it (RuntimeDirectory= in a systemd unit does)")]
+    NoDirectory(PathBuf),
+    /// Any other failure of a call.
+    #[error("{call} {path}: {source}{hint}")]
+    Call {
+        /// The call.
+        call: &'static str,
+        /// The path.
+        path: PathBuf,
+        /// What the kernel said.
+        source: io::Error,
+        /// What to do about it; begins with ": " unless empty.
+        hint: &'static str,
+    },
+    /// What systemd passed is not one listening unix stream socket.
+    #[error("systemd passed {0}: cermd takes one ListenStream= with a path")]
+    Activation(String),
+}
+
+/// A listening unix stream socket. Dropping it removes the file that it has made, if it is still that file.
+#[derive(Debug)]
+pub struct Listener {
+    socket: UnixListener,
+    own_file: Option<OwnFile>,
+}
+
+#[derive(Debug)]
+struct OwnFile {
+    path: PathBuf,
+    inode: Inode,
+}
+
+#[derive(Debug, PartialEq, Eq)]
+struct Inode {
+    device: u64,
+    number: u64,
+}
+
+impl Inode {
+    fn of(metadata: &Metadata) -> Inode {
+        Inode { device: metadata.dev(), number: metadata.ino() }
+    }
+}
+
+impl Listener {
+    /// The socket that systemd passes to a socket-activated service, if there is one.
+    ///
+    /// To be called once, at the start of the process: it takes the descriptors into its possession.
+    ///
+    /// # Errors
+    /// [`ListenError::Activation`]: several descriptors, or one that is not a listening unix stream socket.
+    pub fn from_systemd() -> Result<Option<Listener>, ListenError> {
+        let mut passed = sd_listen_fds::get()
+            .map_err(|error| ListenError::Activation(format!("something else ({error})")))?;
+        if passed.len() > 1 {
+            return Err(ListenError::Activation(format!("{} sockets", passed.len())));
+        }
+        let Some((_, fd)) = passed.pop() else { return Ok(None) };
+        let fd = OwnedFd::from(UnixListener::from(fd));
+        Self::adopt(fd).map(Some)
+    }
+
+    fn adopt(fd: OwnedFd) -> Result<Listener, ListenError> {
+        let is_stream = socket::getsockopt(&fd, sockopt::SockType) == Ok(SockType::Stream);
+        let is_listening = socket::getsockopt(&fd, sockopt::AcceptConn) == Ok(true);
+        let is_unix = socket::getsockname::<UnixAddr>(fd.as_raw_fd()).is_ok();
+        if !(is_stream && is_listening && is_unix) {
+            return Err(ListenError::Activation(
+                "a descriptor that is not a listening unix stream socket".to_owned(),
+            ));
+        }
+        let call =
+            |source: Errno| ListenError::Activation(format!("a descriptor that cannot be used ({source})"));
+        nix::fcntl::fcntl(&fd, nix::fcntl::F_SETFD(nix::fcntl::FdFlag::FD_CLOEXEC)).map_err(call)?;
+        let socket = UnixListener::from(fd);
+        socket.set_nonblocking(true).map_err(|error| {
+            ListenError::Activation(format!("a descriptor that cannot be used ({error})"))
+        })?;
+        Ok(Listener { socket, own_file: None })
+    }
+
+    /// Binds a socket at `path` with the permission bits `mode`.
+    ///
+    /// A socket file that nobody serves any more (its daemon was killed) is replaced.
+    ///
+    /// # Errors
+    /// See [`ListenError`]. No file is removed then that was there before.
+    pub fn bind(path: &Path, mode: u32) -> Result<Listener, ListenError> {
+        let directory = match path.parent() {
+            Some(parent) if !parent.as_os_str().is_empty() => parent,
+            _ => Path::new("."),
+        };
+        // From here to listen() only one daemon at a time: else two could find the same stale file, and the
+        // second would remove the fresh socket of the first.
+        let directory = File::open(directory).map_err(|source| match source.kind() {
+            io::ErrorKind::NotFound => ListenError::NoDirectory(path.to_owned()),
+            _ => failed("open the directory of", path, source),
+        })?;
+        let _lock =
+            Flock::lock(directory, FlockArg::LockExclusiveNonblock).map_err(|(_, errno)| match errno {
+                Errno::EWOULDBLOCK => ListenError::Contended(path.to_owned()),
+                _ => failed("lock the directory of", path, errno.into()),
+            })?;
+        remove_stale(path)?;
+        bind_and_listen(path, mode)
+    }
+
+    pub(super) fn accept(&self) -> io::Result<UnixStream> {
+        self.socket.accept().map(|(stream, _)| stream)
+    }
+}
+
+impl AsFd for Listener {
+    fn as_fd(&self) -> BorrowedFd<'_> {
+        self.socket.as_fd()
+    }
+}
+
+impl Drop for Listener {
+    fn drop(&mut self) {
+        let Some(own) = &self.own_file else { return };
+        if fs::symlink_metadata(&own.path).is_ok_and(|now| Inode::of(&now) == own.inode) {
+            if let Err(error) = fs::remove_file(&own.path) {
+                log::warn!("remove {}: {error}", own.path.display());
+            }
+        }
+    }
+}
+
+fn failed(call: &'static str, path: &Path, source: io::Error) -> ListenError {
+    let hint = match source.raw_os_error().map(Errno::from_raw) {
+        Some(Errno::EACCES | Errno::EPERM) => ": run cermd as a user that may write there",
+        Some(Errno::EROFS) => ": the unit needs ReadWritePaths= or RuntimeDirectory= for it",
+        Some(Errno::ENAMETOOLONG) => ": a socket path has at most 107 bytes",
+        _ => "",
+    };
+    ListenError::Call { call, path: path.to_owned(), source, hint }
+}
+
+/// Binds before the mode is set, and listens after: until then a connect is refused whatever the mode is, so
+/// there is no instant at which the umask decides who may connect.
+fn bind_and_listen(path: &Path, mode: u32) -> Result<Listener, ListenError> {
+    let socket = socket::socket(
+        AddressFamily::Unix,
+        SockType::Stream,
+        SockFlag::SOCK_CLOEXEC | SockFlag::SOCK_NONBLOCK,
+        None,
+    )
+    .map_err(|errno| failed("make a socket for", path, errno.into()))?;
+    let address = UnixAddr::new(path).map_err(|errno| failed("bind", path, errno.into()))?;
+    socket::bind(socket.as_raw_fd(), &address).map_err(|errno| failed("bind", path, errno.into()))?;
+    let metadata = fs::symlink_metadata(path).map_err(|source| failed("stat", path, source))?;
+    let own_file = OwnFile { path: path.to_owned(), inode: Inode::of(&metadata) };
+    let listener = Listener { socket: UnixListener::from(socket), own_file: Some(own_file) };
+    fs::set_permissions(path, Permissions::from_mode(mode))
+        .map_err(|source| failed("chmod", path, source))?;
+    socket::listen(&listener.socket, Backlog::MAXCONN)
+        .map_err(|errno| failed("listen on", path, errno.into()))?;
+    Ok(listener)
+}
+
+/// Removes a socket file that nobody listens on.
+fn remove_stale(path: &Path) -> Result<(), ListenError> {
+    match fs::symlink_metadata(path) {
+        Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(()),
+        Err(error) => return Err(failed("stat", path, error)),
+        Ok(metadata) if !metadata.file_type().is_socket() => {
+            return Err(ListenError::NotASocket(path.to_owned()));
+        }
+        Ok(_) => {}
+    }
+    // Without blocking: the queue of a daemon that hangs may be full.
+    let probe = socket::socket(
+        AddressFamily::Unix,
+        SockType::Stream,
+        SockFlag::SOCK_CLOEXEC | SockFlag::SOCK_NONBLOCK,
+        None,
+    )
+    .map_err(|errno| failed("make a socket to probe", path, errno.into()))?;
+    let address = UnixAddr::new(path).map_err(|errno| failed("connect to", path, errno.into()))?;
+    match socket::connect(probe.as_raw_fd(), &address) {
+        Ok(()) => Err(ListenError::Served { path: path.to_owned(), owner: owner_of(&probe) }),
+        Err(Errno::EAGAIN) => {
+            let owner = "a process that does not answer (its queue is full)".to_owned();
+            Err(ListenError::Served { path: path.to_owned(), owner })
+        }
+        Err(Errno::ECONNREFUSED) => {
+            log::info!("replacing {}, which nobody serves any more", path.display());
+            fs::remove_file(path).map_err(|source| failed("remove the stale", path, source))
+        }
+        Err(Errno::ENOENT) => Ok(()),
+        Err(errno) => Err(failed("connect to", path, errno.into())),
+    }
+}
+
+/// Who called listen() at the other end, as "pid N (name)".
+fn owner_of(connected: &OwnedFd) -> String {
+    let Ok(credentials) = socket::getsockopt(connected, sockopt::PeerCredentials) else {
+        return "an unknown process".to_owned();
+    };
+    let pid = credentials.pid();
+    match fs::read_to_string(format!("/proc/{pid}/comm")) {
+        Ok(name) => format!("pid {pid} ({})", name.trim_end()),
+        Err(_) => format!("pid {pid}"),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn socket_path() -> (tempfile::TempDir, PathBuf) {
+        let directory = tempfile::tempdir().unwrap();
+        let path = directory.path().join("s");
+        (directory, path)
+    }
+
+    #[test]
+    fn the_mode_is_as_asked_and_the_file_goes_with_the_listener() {
+        let (_directory, path) = socket_path();
+        for mode in [0o660, 0o600, 0o666] {
+            let listener = Listener::bind(&path, mode).unwrap();
+            assert_eq!(fs::metadata(&path).unwrap().mode() & 0o7777, mode);
+            UnixStream::connect(&path).unwrap();
+            drop(listener);
+            assert!(!path.exists());
+        }
+    }
+
+    #[test]
+    fn a_live_socket_is_refused_with_its_owner() {
+        let (_directory, path) = socket_path();
+        let first = Listener::bind(&path, 0o600).unwrap();
+        let refusal = Listener::bind(&path, 0o600).unwrap_err().to_string();
+        assert!(refusal.contains(&format!("pid {} (", std::process::id())), "{refusal}");
+        assert!(UnixStream::connect(&path).is_ok(), "the first goes on");
+        drop(first);
+        Listener::bind(&path, 0o600).unwrap();
+    }
+
+    #[test]
+    fn a_stale_socket_is_replaced() {
+        let (_directory, path) = socket_path();
+        drop(UnixListener::bind(&path).unwrap()); // std leaves the file behind
+        assert!(path.exists());
+        let _listener = Listener::bind(&path, 0o600).unwrap();
+        UnixStream::connect(&path).unwrap();
+    }
+
+    #[test]
+    fn what_is_no_socket_is_left_alone() {
+        let (directory, path) = socket_path();
+        fs::write(&path, "precious").unwrap();
+        assert!(matches!(Listener::bind(&path, 0o600), Err(ListenError::NotASocket(_))));
+        assert_eq!(fs::read_to_string(&path).unwrap(), "precious");
+        let link = directory.path().join("link");
+        std::os::unix::fs::symlink(&path, &link).unwrap();
+        assert!(matches!(Listener::bind(&link, 0o600), Err(ListenError::NotASocket(_))));
+    }
+
+    #[test]
+    fn a_file_that_is_no_longer_ours_stays() {
+        let (_directory, path) = socket_path();
+        let listener = Listener::bind(&path, 0o600).unwrap();
+        fs::rename(&path, path.with_extension("old")).unwrap();
+        fs::write(&path, "of somebody else").unwrap();
+        drop(listener);
+        assert!(path.exists());
+    }
+
+    #[test]
+    fn errors_say_what_to_do() {
+        let (directory, path) = socket_path();
+        let missing = Listener::bind(&directory.path().join("no/s"), 0o600).unwrap_err().to_string();
+        assert!(missing.contains("does not exist: create it"), "{missing}");
+        let long = Listener::bind(&directory.path().join("x".repeat(200)), 0o600).unwrap_err().to_string();
+        assert!(long.contains("107 bytes"), "{long}");
+        let lock = Flock::lock(File::open(directory.path()).unwrap(), FlockArg::LockExclusive).unwrap();
+        assert!(matches!(Listener::bind(&path, 0o600), Err(ListenError::Contended(_))));
+        drop(lock);
+    }
+
+    #[test]
+    fn only_a_listening_unix_stream_is_adopted() {
+        let (_directory, path) = socket_path();
+        let adopted = Listener::adopt(OwnedFd::from(UnixListener::bind(&path).unwrap())).unwrap();
+        assert_eq!(adopted.accept().unwrap_err().kind(), io::ErrorKind::WouldBlock);
+        drop(adopted);
+        assert!(path.exists(), "systemd's file is systemd's");
+        let (stream, _other) = UnixStream::pair().unwrap();
+        assert!(Listener::adopt(OwnedFd::from(stream)).is_err());
+        let tcp = std::net::TcpListener::bind("127.0.0.1:0").unwrap();
+        assert!(Listener::adopt(OwnedFd::from(tcp)).is_err());
+        assert!(Listener::adopt(OwnedFd::from(File::open("/dev/null").unwrap())).is_err());
+    }
+}

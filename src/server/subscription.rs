@@ -1,0 +1,157 @@
+//! What one client wants of the stream.
+//!
+//! For: the filters of WATCH. Must not know: whether, or how, a line gets to the client.
+
+use super::ring::{ChannelKey, Entry, Kind};
+use crate::units::Nanos;
+
+/// What one client wants. A new client wants every reading.
+#[derive(Debug)]
+pub(super) struct Subscription {
+    pub enable: bool,
+    /// `None`: every channel.
+    pub channels: Option<Box<[ChannelKey]>>,
+    /// Lines of a tape in the place of readings.
+    pub raw: bool,
+    pub limit: Option<RateLimit>,
+}
+
+impl Default for Subscription {
+    fn default() -> Subscription {
+        Subscription { enable: true, channels: None, raw: false, limit: None }
+    }
+}
+
+impl Subscription {
+    /// Whether this line is wanted. To be asked once for each line, in their order: a wanted one counts
+    /// against the rate.
+    pub fn wants(&mut self, entry: &Entry) -> bool {
+        if !self.enable {
+            return false;
+        }
+        match (entry.kind, self.raw) {
+            (Kind::Reading(channel), false) => {
+                self.wants_channel(channel)
+                    && self.limit.as_mut().is_none_or(|limit| limit.passes(channel, entry.at))
+            }
+            (Kind::Raw(channel), true) => channel.is_none_or(|channel| self.wants_channel(channel)),
+            _ => false,
+        }
+    }
+
+    fn wants_channel(&self, channel: ChannelKey) -> bool {
+        self.channels.as_ref().is_none_or(|wanted| wanted.contains(&channel))
+    }
+}
+
+/// Thins the readings of each channel to a rate, by the instants at which they were measured.
+#[derive(Debug)]
+pub(super) struct RateLimit {
+    period: Nanos,
+    /// From when on the next reading of a channel passes.
+    due: Vec<(ChannelKey, Nanos)>,
+}
+
+impl RateLimit {
+    pub fn new(max_hz: f64) -> RateLimit {
+        RateLimit { period: Nanos::from_seconds(1.0 / max_hz), due: Vec::new() }
+    }
+
+    /// Each passing reading moves the due instant on by at least one period, so the mean rate stays below
+    /// `max_hz`; by the grid and not by the last reading, so that jitter of the readings does not turn "at most
+    /// 10 Hz" into "every third of 20 Hz".
+    fn passes(&mut self, channel: ChannelKey, at: Nanos) -> bool {
+        let Some((_, due)) = self.due.iter_mut().find(|(key, _)| *key == channel) else {
+            self.due.push((channel, at + self.period));
+            return true;
+        };
+        // `due` is never more than a period ahead, unless the clock was set back by a restarted simulation.
+        let waiting = *due - at;
+        if waiting > self.period {
+            *due = at;
+        } else if waiting > Nanos::ZERO {
+            return false;
+        }
+        let half_a_period_on = at + Nanos(self.period.0 / 2);
+        *due = (*due + self.period).max(half_a_period_on);
+        true
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    const THUMB: ChannelKey = ChannelKey(0);
+    const INDEX: ChannelKey = ChannelKey(1);
+
+    fn entry(kind: Kind, at: i64) -> Entry {
+        Entry { kind, at: Nanos(at), line: Vec::new() }
+    }
+
+    fn passed(max_hz: f64, instants: impl IntoIterator<Item = i64>) -> Vec<i64> {
+        let mut limit = RateLimit::new(max_hz);
+        instants.into_iter().filter(|&at| limit.passes(THUMB, Nanos(at))).collect()
+    }
+
+    #[test]
+    fn filters() {
+        let mut all = Subscription::default();
+        let mut thumb = Subscription { channels: Some([THUMB].into()), ..Subscription::default() };
+        let mut raw_thumb =
+            Subscription { channels: Some([THUMB].into()), raw: true, ..Subscription::default() };
+        let mut none = Subscription { enable: false, ..Subscription::default() };
+        let mut wanted_by = |kind| {
+            let entry = entry(kind, 0);
+            [all.wants(&entry), thumb.wants(&entry), raw_thumb.wants(&entry), none.wants(&entry)]
+        };
+        assert_eq!(wanted_by(Kind::Reading(THUMB)), [true, true, false, false]);
+        assert_eq!(wanted_by(Kind::Reading(INDEX)), [true, false, false, false]);
+        assert_eq!(wanted_by(Kind::Raw(Some(THUMB))), [false, false, true, false]);
+        assert_eq!(wanted_by(Kind::Raw(Some(INDEX))), [false, false, false, false]);
+        assert_eq!(wanted_by(Kind::Raw(None)), [false, false, true, false]);
+    }
+
+    #[test]
+    fn jitter_does_not_lower_the_rate() {
+        let jitter = [0, -700_000, 900_000, -100_000, 300_000];
+        let instants = (0..200).map(|n| n * 50_000_000 + jitter[n as usize % 5]);
+        let count = passed(10.0, instants).len();
+        assert!((99..=101).contains(&count), "{count} of 200 readings at 20 Hz passed 10 Hz");
+    }
+
+    #[test]
+    fn channels_have_their_own_rates() {
+        let mut limit = RateLimit::new(1.0);
+        assert!(limit.passes(THUMB, Nanos(0)) && limit.passes(INDEX, Nanos(1)));
+        assert!(!limit.passes(THUMB, Nanos(2)) && !limit.passes(INDEX, Nanos(3)));
+    }
+
+    #[test]
+    fn a_clock_that_starts_again_does_not_silence_the_stream() {
+        assert_eq!(passed(1.0, [5_000_000_000, 0, 1_000_000_000]), [5_000_000_000, 0, 1_000_000_000]);
+    }
+
+    #[test]
+    fn extreme_rates() {
+        assert_eq!(passed(1e300, 0..5), [0, 1, 2, 3, 4]);
+        assert_eq!(passed(1e-300, 0..5), [0]);
+    }
+
+    proptest! {
+        #[test]
+        fn never_above_the_rate(gaps in prop::collection::vec(0i64..300, 1..300), period in 1i64..200) {
+            let mut at = 0;
+            let instants: Vec<i64> = gaps.iter().map(|gap| { at += gap; at }).collect();
+            let passed = passed(1e9 / period as f64, instants);
+            for (first, &from) in passed.iter().enumerate() {
+                for (last, &to) in passed.iter().enumerate().skip(first) {
+                    // One reading in hand at the start, and half a period of grace against jitter.
+                    let most = (to - from) as f64 / period as f64 + 2.0;
+                    prop_assert!(((last - first + 1) as f64) <= most + 1e-9, "{from}..{to}: {}", last - first + 1);
+                }
+            }
+        }
+    }
+}

@@ -1,0 +1,42 @@
+//! What the instrument has counted and learned.
+//!
+//! For: the numbers behind STATS, kept by the measuring thread without allocating. Must not know: how they are sent.
+
+use crate::offset::Offset;
+use crate::reading::{Fault, Status};
+
+/// Counts since the start.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Stats {
+    /// Cycles finished.
+    pub cycles: u64,
+    /// Readings of all channels, whatever their status.
+    pub readings: u64,
+    /// Readings that are numbers.
+    pub ok: u64,
+    /// Readings above what the deadline resolves.
+    pub open: u64,
+    /// Readings that cannot be told from a short circuit.
+    pub short: u64,
+    /// Readings without a number, by fault, in the order of [`Fault::ALL`].
+    pub faults: [u64; Fault::ALL.len()],
+    /// Calibration discharges taken again.
+    pub retried: u64,
+    /// The latency offset in force.
+    pub offset: Offset,
+    /// Whether it is given or found, not still being found.
+    pub offset_is_known: bool,
+}
+
+impl Stats {
+    /// Counts one reading.
+    pub fn count(&mut self, status: &Status) {
+        self.readings += 1;
+        match status {
+            Status::Ok { .. } => self.ok += 1,
+            Status::Open { .. } => self.open += 1,
+            Status::Short { .. } => self.short += 1,
+            Status::Fault(fault) => self.faults[*fault as usize] += 1,
+        }
+    }
+}

@@ -1,0 +1,403 @@
+//! Tapes: the timings of discharges as lines of JSON, for recording and for estimating again later.
+//!
+//! For: reading and writing [`Record`]s with everything that is needed to estimate from them. Must not know: how they
+//! were taken, or the equations.
+//!
+//! The first line is a `TAPE`, every other one a `DISCHARGE`; times are in ns since the start of that discharge:
+//!
+//! ```json
+//! {"class":"TAPE","proto_major":1,"circuit":{"kind":"two-capacitor","r_c1_ohm":2320,"r_c2_ohm":12700},"offset_ns":8000,"channels":[{"id":"thumb"}]}
+//! {"class":"DISCHARGE","seq":3,"channel":"thumb","through":"x","switch":{"at_ns":74700,"on_ns":74950,"to":"c2"},"a_ns":911000,"b_ns":1742000}
+//! ```
+
+use crate::circuit::Network;
+use crate::config::Config;
+use crate::record::{Record, Switch, Through};
+use crate::settings::{OffsetSource, Settings};
+use crate::units::Nanos;
+use serde::{Deserialize, Serialize};
+
+/// The protocol that this release writes; a tape of another major version is refused.
+pub const PROTO_MAJOR: u32 = 1;
+/// The longest line that is read, bytes.
+const LONGEST_LINE: usize = 65_536;
+/// No discharge takes longer, ns (one hour): a greater number is a mistake of units.
+const LONGEST_NS: f64 = 3.6e12;
+
+/// The first line of a tape.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Header {
+    class: HeaderClass,
+    /// Major version of the format.
+    pub proto_major: u32,
+    /// The resistors and how they are wired.
+    pub circuit: TapeCircuit,
+    /// The latency offset d of the crossings, ns; absent: not known.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub offset_ns: Option<f64>,
+    /// The sensors.
+    pub channels: Vec<TapeChannel>,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+enum HeaderClass {
+    #[serde(rename = "TAPE")]
+    Tape,
+}
+
+/// The circuit of a tape.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct TapeCircuit {
+    /// Which circuit.
+    pub kind: Kind,
+    /// Rc1, ohm.
+    pub r_c1_ohm: f64,
+    /// Rc2, ohm.
+    pub r_c2_ohm: f64,
+}
+
+/// How the calibration resistors are wired.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Kind {
+    /// Two capacitors, Fig. 1(c).
+    TwoCapacitor,
+    /// One capacitor, Fig. 1(a).
+    OneCapacitor,
+    /// One capacitor, Rc1 and Rc2 in series, Fig. 1(b).
+    SeriesCalibration,
+}
+
+/// A sensor of a tape.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct TapeChannel {
+    /// Its name.
+    pub id: String,
+    /// What a short circuit in its place reads, ohm.
+    #[serde(default, skip_serializing_if = "is_zero")]
+    pub zero_ohm: f64,
+    /// Its characteristic.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub force: Option<TapeForce>,
+}
+
+fn is_zero(value: &f64) -> bool {
+    *value == 0.0
+}
+
+/// The characteristic of a sensor on a tape.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(untagged, deny_unknown_fields)]
+pub enum TapeForce {
+    /// The forces that belong to Rc1 and Rc2, newton.
+    Pair {
+        /// F_c1.
+        fc1_n: f64,
+        /// F_c2.
+        fc2_n: f64,
+    },
+    /// Eq. (1).
+    Alpha {
+        /// N ohm.
+        alpha_n_ohm: f64,
+    },
+}
+
+#[derive(Serialize, Deserialize)]
+#[serde(tag = "class", rename = "DISCHARGE")]
+struct Line {
+    seq: u64,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    channel: Option<String>,
+    through: Resistor,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    switch: Option<SwitchLine>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    a_ns: Option<f64>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    b_ns: Option<f64>,
+}
+
+#[derive(Serialize, Deserialize)]
+struct SwitchLine {
+    at_ns: f64,
+    on_ns: f64,
+    to: Resistor,
+}
+
+#[derive(Clone, Copy, PartialEq, Serialize, Deserialize)]
+enum Resistor {
+    #[serde(rename = "c1")]
+    C1,
+    #[serde(rename = "c2")]
+    C2,
+    #[serde(rename = "c12")]
+    C12,
+    #[serde(rename = "x")]
+    X,
+    #[serde(rename = "x+c12")]
+    XWithC12,
+}
+
+/// What is wrong with a tape.
+#[derive(Debug, thiserror::Error)]
+#[error("line {line}: {reason}")]
+pub struct TapeError {
+    /// Counted from 1.
+    pub line: usize,
+    /// What, and what to do.
+    pub reason: String,
+}
+
+/// One discharge of a tape.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Entry {
+    /// The number that it has on the tape.
+    pub seq: u64,
+    /// Its timings.
+    pub record: Record,
+}
+
+impl Header {
+    /// The header of what an instrument with this configuration records. An offset that is still to be found is absent.
+    pub fn new(config: &Config, settings: &Settings) -> Header {
+        let kind = match config.circuit.network {
+            Network::TwoCapacitor { .. } => Kind::TwoCapacitor,
+            Network::OneCapacitor { .. } => Kind::OneCapacitor,
+            Network::SeriesCalibration { .. } => Kind::SeriesCalibration,
+        };
+        let channel = |channel: &crate::config::Channel| TapeChannel {
+            id: channel.id.clone(),
+            zero_ohm: channel.zero_ohm,
+            force: match channel.force {
+                Some(crate::config::Force::Calibrated { fc1, fc2 }) => {
+                    Some(TapeForce::Pair { fc1_n: fc1.0, fc2_n: fc2.0 })
+                }
+                Some(crate::config::Force::Alpha(alpha)) => Some(TapeForce::Alpha { alpha_n_ohm: alpha.0 }),
+                // A tape gives the ohms; forces by a table or power law are for the configuration to tell.
+                Some(_) | None => None,
+            },
+        };
+        Header {
+            class: HeaderClass::Tape,
+            proto_major: PROTO_MAJOR,
+            circuit: TapeCircuit { kind, r_c1_ohm: config.circuit.r_c1.0, r_c2_ohm: config.circuit.r_c2.0 },
+            offset_ns: match settings.offset {
+                OffsetSource::Given(d_ns) => Some(d_ns),
+                OffsetSource::Auto => None,
+            },
+            channels: config.channels.iter().map(channel).collect(),
+        }
+    }
+
+    /// As a line, without its end.
+    pub fn to_line(&self) -> String {
+        // Strings and finite numbers always serialise.
+        serde_json::to_string(self).unwrap_or_default()
+    }
+
+    /// R_1 and R_2 of the [ratio](crate::method), ohm.
+    pub fn r_ohm(&self) -> [f64; 2] {
+        let TapeCircuit { kind, r_c1_ohm, r_c2_ohm } = self.circuit;
+        [r_c1_ohm, if kind == Kind::SeriesCalibration { r_c1_ohm + r_c2_ohm } else { r_c2_ohm }]
+    }
+
+    /// Reads the first line of a tape.
+    ///
+    /// # Errors
+    /// [`TapeError`] of line 1.
+    pub fn parse(text: &str) -> Result<Header, TapeError> {
+        let at = |reason: String| TapeError { line: 1, reason };
+        let header: Header = serde_json::from_str(text)
+            .map_err(|error| at(format!("not the header of a tape: {}", explain(&error))))?;
+        if header.proto_major != PROTO_MAJOR {
+            let found = header.proto_major;
+            return Err(at(format!(
+                "this is a tape of version {found}; this release reads version {PROTO_MAJOR}"
+            )));
+        }
+        let [r1, r2] = header.r_ohm();
+        if !(r1 > 0.0 && r1.is_finite() && r2.is_finite() && header.circuit.r_c2_ohm > 0.0) {
+            return Err(at(format!("r_c1_ohm and r_c2_ohm must be above 0, and are {r1} and {r2}")));
+        }
+        if r1 >= r2 {
+            return Err(at(format!("r_c1_ohm = {r1} is not below r_c2_ohm = {r2}; are they swapped?")));
+        }
+        if header.channels.is_empty() || header.channels.len() > crate::pins::MAX_CHANNELS {
+            return Err(at(format!("a tape has 1 to {} channels", crate::pins::MAX_CHANNELS)));
+        }
+        if header.offset_ns.is_some_and(|d_ns| d_ns.abs() >= 1e6) {
+            return Err(at("offset_ns is a latency: it must be below 1 ms".to_owned()));
+        }
+        Ok(header)
+    }
+
+    /// A record as a line, without its end; NaN and infinity cannot be written and leave the field out.
+    pub fn discharge_line(&self, seq: u64, record: &Record) -> String {
+        let finite = |time: Option<f64>| time.filter(|time| time.is_finite());
+        let line = Line {
+            seq,
+            channel: record
+                .through
+                .channel()
+                .and_then(|index| self.channels.get(index))
+                .map(|c| c.id.clone()),
+            through: record.through.into(),
+            switch: record.switch.map(|s| SwitchLine { at_ns: s.at_ns, on_ns: s.on_ns, to: s.to.into() }),
+            a_ns: finite(record.a_ns),
+            b_ns: finite(record.b_ns),
+        };
+        serde_json::to_string(&line).unwrap_or_default()
+    }
+
+    /// Reads a `DISCHARGE`; `number` counts the lines of the tape from 1.
+    ///
+    /// # Errors
+    /// [`TapeError`] of that line.
+    pub fn parse_discharge(&self, number: usize, text: &str) -> Result<Entry, TapeError> {
+        let at = |reason: String| TapeError { line: number, reason };
+        if text.len() > LONGEST_LINE {
+            return Err(at(format!("{} bytes long; a line has {LONGEST_LINE} at most", text.len())));
+        }
+        let line: Line = serde_json::from_str(text).map_err(|error| at(explain(&error)))?;
+        let channel = match &line.channel {
+            None => None,
+            Some(id) => match self.channels.iter().position(|channel| channel.id == *id) {
+                None => return Err(at(format!("channel {id:?} is not in the header"))),
+                found => found,
+            },
+        };
+        let through = |resistor| self.through(resistor, channel).map_err(at);
+        let switch = match &line.switch {
+            None => None,
+            Some(s) => Some(Switch { at_ns: s.at_ns, on_ns: s.on_ns, to: through(s.to)? }),
+        };
+        let record = Record {
+            through: through(line.through)?,
+            start: Nanos::ZERO,
+            switch,
+            a_ns: line.a_ns,
+            b_ns: line.b_ns,
+            u_switch_ns: 0.0,
+            waited_ns: 0.0,
+        };
+        check_times(&record).map_err(at)?;
+        Ok(Entry { seq: line.seq, record })
+    }
+
+    fn through(&self, resistor: Resistor, channel: Option<usize>) -> Result<Through, String> {
+        let series = self.circuit.kind == Kind::SeriesCalibration;
+        let through = match (resistor, channel) {
+            (Resistor::C1, _) => Through::C1,
+            (Resistor::C2, _) if !series => Through::C2,
+            (Resistor::C12, _) if series => Through::C12,
+            (Resistor::X, Some(channel)) => Through::X(channel),
+            (Resistor::XWithC12, Some(channel)) if series => Through::XWithC12(channel),
+            (Resistor::X | Resistor::XWithC12, None) => {
+                return Err("a discharge of the sensor names its channel".to_owned());
+            }
+            (Resistor::C2, _) => return Err("this circuit has \"c12\" in the place of \"c2\"".to_owned()),
+            _ => return Err("\"c12\" exists only in a circuit with series calibration".to_owned()),
+        };
+        Ok(through)
+    }
+}
+
+impl From<Through> for Resistor {
+    fn from(through: Through) -> Resistor {
+        match through {
+            Through::C1 => Resistor::C1,
+            Through::C2 => Resistor::C2,
+            Through::C12 => Resistor::C12,
+            Through::X(_) => Resistor::X,
+            Through::XWithC12(_) => Resistor::XWithC12,
+        }
+    }
+}
+
+/// Times are positive, not absurd, and in order.
+fn check_times(record: &Record) -> Result<(), String> {
+    let times = [
+        ("a_ns", record.a_ns),
+        ("b_ns", record.b_ns),
+        ("switch.at_ns", record.switch.map(|switch| switch.at_ns)),
+        ("switch.on_ns", record.switch.map(|switch| switch.on_ns)),
+    ];
+    for (name, time) in times {
+        match time {
+            Some(time) if time <= 0.0 => {
+                return Err(format!("{name} is {time}; a time since the start is above 0"));
+            }
+            Some(time) if time > LONGEST_NS => {
+                return Err(format!("{name} is {time}; times are in nanoseconds"));
+            }
+            _ => {}
+        }
+    }
+    if record.switch.is_some_and(|switch| switch.on_ns < switch.at_ns) {
+        return Err(
+            "switch.on_ns is before switch.at_ns: the first resistor is released before the next is sunk"
+                .to_owned(),
+        );
+    }
+    Ok(())
+}
+
+/// Without serde_json's own "at line 1 column ..", which counts from the start of one line.
+fn explain(error: &serde_json::Error) -> String {
+    let text = error.to_string();
+    let what = text.split(" at line ").next().unwrap_or_default();
+    format!("{what}, in column {}", error.column())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const HEADER: &str = r#"{"class":"TAPE","proto_major":1,"circuit":{"kind":"two-capacitor","r_c1_ohm":2320,"r_c2_ohm":12700},"offset_ns":8000,"channels":[{"id":"thumb","force":{"fc1_n":5.75,"fc2_n":1.05}}]}"#;
+    const SWITCHED: &str = r#"{"class":"DISCHARGE","seq":3,"channel":"thumb","through":"x","switch":{"at_ns":74700.0,"on_ns":74950.0,"to":"c2"},"a_ns":911000.0,"b_ns":1742000.0}"#;
+
+    #[test]
+    fn lines_come_out_as_they_went_in() {
+        let header = Header::parse(HEADER).unwrap();
+        assert_eq!(Header::parse(&header.to_line()).unwrap(), header);
+        let entry = header.parse_discharge(2, SWITCHED).unwrap();
+        assert_eq!(header.discharge_line(entry.seq, &entry.record), SWITCHED);
+    }
+
+    #[test]
+    fn a_bad_header_is_refused_with_its_reason() {
+        let message =
+            |from: &str, to: &str| Header::parse(&HEADER.replace(from, to)).unwrap_err().to_string();
+        for (from, to, reason) in [
+            ("\"proto_major\":1", "\"proto_major\":2", "line 1: this is a tape of version 2"),
+            ("2320", "12700", "are they swapped?"),
+            ("2320", "-1", "must be above 0"),
+            ("TAPE", "TOPE", "line 1: not the header of a tape"),
+            ("\"offset_ns\":8000", "\"offset_ns\":8e6", "below 1 ms"),
+            ("two-capacitor", "three-capacitor", "unknown variant"),
+        ] {
+            let message = message(from, to);
+            assert!(message.contains(reason), "{message}");
+        }
+    }
+
+    #[test]
+    fn a_bad_discharge_is_refused_with_its_line() {
+        let header = Header::parse(HEADER).unwrap();
+        for (from, to, reason) in [
+            ("911000.0", "-911000.0", "a_ns is -911000"),
+            ("911000.0", "0", "a_ns is 0"),
+            ("1742000.0", "1e15", "nanoseconds"),
+            ("\"on_ns\":74950.0", "\"on_ns\":74000.0", "released before"),
+            ("thumb", "toe", "\"toe\" is not in the header"),
+            ("\"to\":\"c2\"", "\"to\":\"c12\"", "series calibration"),
+            ("\"channel\":\"thumb\",", "", "names its channel"),
+            ("\"seq\":3", "\"seq\":-3", "expected u64"),
+            ("\"b_ns\":1742000.0}", "\"b_ns\":17", "EOF"),
+        ] {
+            let message = header.parse_discharge(7, &SWITCHED.replace(from, to)).unwrap_err().to_string();
+            assert!(message.starts_with("line 7: ") && message.contains(reason), "{message}");
+        }
+    }
+}

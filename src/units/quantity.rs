@@ -1,0 +1,274 @@
+//! Physical quantities as text: a number, an optional prefix, a unit.
+//!
+//! For: one grammar and one spelling for every quantity of the crate. Must not know: sensible ranges.
+
+use serde::de::{self, Visitor};
+use serde::{Deserialize, Deserializer, Serialize, Serializer};
+use std::fmt;
+use std::marker::PhantomData;
+use std::str::FromStr;
+
+/// Significant digits of a quantity in text when no precision is asked for: round-trips to 5e-13.
+const DIGITS: usize = 13;
+
+/// The prefixes that are written, and their powers of ten, largest first. `M` and `m` differ.
+const PREFIXES: [(&str, i32); 7] = [("M", 6), ("k", 3), ("", 0), ("m", -3), ("u", -6), ("n", -9), ("p", -12)];
+
+/// A physical quantity, held in its SI unit.
+pub trait Quantity: Copy {
+    /// What it is, with its article: "a capacitance".
+    const NAME: &'static str;
+    /// How it may be written: "2.2 uF".
+    const EXAMPLE: &'static str;
+    /// The spellings of its unit that are accepted; the first is the one that is written.
+    const UNITS: &'static [&'static str];
+    /// From the value in the SI unit.
+    fn from_si(value: f64) -> Self;
+    /// The value in the SI unit.
+    fn si(self) -> f64;
+}
+
+/// A text that is not the quantity that was asked for.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[error("expected {name} such as \"{example}\", got \"{got}\"")]
+pub struct ParseQuantityError {
+    name: &'static str,
+    example: &'static str,
+    got: String,
+}
+
+/// Reads `2.2 uF`: number, blanks if any, prefix if any, unit. Micro is `u`, U+00B5 or U+03BC.
+fn parse<Q: Quantity>(text: &str) -> Result<Q, ParseQuantityError> {
+    value_in(text.trim(), Q::UNITS)
+        .filter(|value| value.is_finite())
+        .map(Q::from_si)
+        .ok_or_else(|| ParseQuantityError { name: Q::NAME, example: Q::EXAMPLE, got: text.to_owned() })
+}
+
+fn value_in(text: &str, units: &[&str]) -> Option<f64> {
+    let is_number = |c: char| c.is_ascii_digit() || matches!(c, '+' | '-' | '.' | 'e' | 'E');
+    let (number, rest) = text.split_at(text.find(|c| !is_number(c))?);
+    let (mantissa, exponent) = match number.split_once(['e', 'E']) {
+        Some((mantissa, exponent)) => (mantissa, exponent.parse().ok()?),
+        None => (number, 0i32),
+    };
+    units.iter().find_map(|unit| {
+        let prefix = match rest.trim_start().strip_suffix(unit)? {
+            "\u{b5}" | "\u{3bc}" => "u",
+            prefix => prefix,
+        };
+        let (_, power) = PREFIXES.iter().find(|(name, _)| *name == prefix)?;
+        // As text, so that "2.2 uF" is the very number that 2.2e-6 is.
+        format!("{mantissa}e{}", exponent.saturating_add(*power)).parse().ok()
+    })
+}
+
+/// Writes with the prefix that puts the number between 1 and 1000, as far as there is one. The formatter's
+/// precision counts significant digits.
+fn write<Q: Quantity>(quantity: Q, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+    let digits = f.precision().unwrap_or(DIGITS).max(1);
+    let value = rounded(quantity.si(), digits);
+    let size = value.abs();
+    let (prefix, power) = match PREFIXES.iter().find(|(_, power)| size >= 10f64.powi(*power)) {
+        Some(found) => *found,
+        None if size == 0.0 => ("", 0),
+        None => PREFIXES[PREFIXES.len() - 1],
+    };
+    write!(f, "{} {prefix}{}", rounded(value / 10f64.powi(power), digits), Q::UNITS[0])
+}
+
+/// The nearest number with so many significant digits; itself if it is not finite.
+fn rounded(value: f64, digits: usize) -> f64 {
+    format!("{value:.*e}", digits - 1).parse().unwrap_or(value)
+}
+
+/// Reads a quantity out of a string; a bare number is refused, because its unit would be a guess.
+struct QuantityVisitor<Q>(PhantomData<Q>);
+
+impl<Q: Quantity> Visitor<'_> for QuantityVisitor<Q> {
+    type Value = Q;
+
+    fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{} such as \"{}\"", Q::NAME, Q::EXAMPLE)
+    }
+
+    fn visit_str<E: de::Error>(self, text: &str) -> Result<Q, E> {
+        parse(text).map_err(E::custom)
+    }
+}
+
+/// Declares a quantity; everything else about it follows.
+macro_rules! quantity {
+    ($(#[$doc:meta])* $type:ident, $name:literal, $example:literal, $units:expr) => {
+        $(#[$doc])*
+        #[derive(Debug, Clone, Copy, PartialEq, PartialOrd, Default)]
+        pub struct $type(pub f64);
+
+        impl Quantity for $type {
+            const NAME: &'static str = $name;
+            const EXAMPLE: &'static str = $example;
+            const UNITS: &'static [&'static str] = &$units;
+            fn from_si(value: f64) -> Self {
+                $type(value)
+            }
+            fn si(self) -> f64 {
+                self.0
+            }
+        }
+
+        impl FromStr for $type {
+            type Err = ParseQuantityError;
+            fn from_str(text: &str) -> Result<Self, ParseQuantityError> {
+                parse(text)
+            }
+        }
+
+        impl fmt::Display for $type {
+            /// With an engineering prefix; the precision, if given, counts significant digits.
+            fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+                write(*self, f)
+            }
+        }
+
+        impl Serialize for $type {
+            fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+                serializer.collect_str(self)
+            }
+        }
+
+        impl<'de> Deserialize<'de> for $type {
+            fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+                deserializer.deserialize_str(QuantityVisitor(PhantomData))
+            }
+        }
+    };
+}
+
+quantity!(
+    /// A resistance in ohm.
+    Ohm, "a resistance", "2.32 kohm", ["ohm", "\u{3a9}", "\u{2126}"]
+);
+quantity!(
+    /// A capacitance in farad; also the progress of a discharge, seconds per ohm.
+    Farad, "a capacitance", "2.2 uF", ["F"]
+);
+quantity!(
+    /// A voltage in volt.
+    Volt, "a voltage", "1.3 V", ["V"]
+);
+quantity!(
+    /// A force in newton.
+    Newton, "a force", "5.75 N", ["N"]
+);
+quantity!(
+    /// A frequency in hertz.
+    Hertz, "a frequency", "50 MHz", ["Hz"]
+);
+quantity!(
+    /// A duration in seconds, for predictions; instants and time-outs are [`Nanos`](super::Nanos).
+    Seconds, "a duration", "3 ms", ["s"]
+);
+quantity!(
+    /// The sensor parameter alpha = F R of eq. (1), in newton ohm.
+    NewtonOhm, "a sensor parameter alpha", "13346 N ohm",
+    ["N ohm", "Nohm", "N \u{3a9}", "N\u{3a9}", "N \u{2126}", "N\u{2126}"]
+);
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::units::Nanos;
+    use proptest::prelude::*;
+
+    #[test]
+    fn accepts_what_people_write() {
+        for (text, farad) in [
+            ("2.2 uF", 2.2e-6),
+            ("680 nF", 680e-9),
+            ("680nF", 680e-9),
+            (" 10 \u{b5}F ", 10e-6),
+            ("10\u{3bc}F", 10e-6),
+            ("1e-6 F", 1e-6),
+            ("22 pF", 22e-12),
+        ] {
+            assert_eq!(text.parse(), Ok(Farad(farad)), "{text}");
+        }
+        assert_eq!("12.7 kohm".parse(), Ok(Ohm(12_700.0)));
+        assert_eq!("12.7k\u{3a9}".parse(), Ok(Ohm(12_700.0)));
+        assert_eq!("12.7 k\u{2126}".parse(), Ok(Ohm(12_700.0)));
+        assert_eq!("5.75 N".parse(), Ok(Newton(5.75)));
+        assert_eq!("50 MHz".parse(), Ok(Hertz(50e6)));
+        assert_eq!("1.3 V".parse(), Ok(Volt(1.3)));
+        assert_eq!("8 us".parse(), Ok(Nanos(8_000)));
+        assert_eq!("3 ms".parse(), Ok(Nanos(3_000_000)));
+        for alpha in ["13346 N ohm", "13346Nohm", "13.346 kN \u{3a9}"] {
+            assert_eq!(alpha.parse(), Ok(NewtonOhm(13_346.0)), "{alpha}");
+        }
+    }
+
+    #[test]
+    fn milli_is_not_mega() {
+        assert_eq!("5 mohm".parse(), Ok(Ohm(0.005)));
+        assert_eq!("5 Mohm".parse(), Ok(Ohm(5e6)));
+    }
+
+    #[test]
+    fn says_what_was_expected() {
+        let error = "2.2 uH".parse::<Farad>().unwrap_err();
+        assert_eq!(error.to_string(), "expected a capacitance such as \"2.2 uF\", got \"2.2 uH\"");
+        for wrong in [
+            "", "uF", "2.2", "2.2 u", "2.2 UF", "2.2 k uF", "nan F", "inf F", "1e999 F", "1e308 MF", "2,2 uF",
+        ] {
+            assert!(wrong.parse::<Farad>().is_err(), "{wrong}");
+        }
+        assert!("13346 N ohm".parse::<Ohm>().is_err());
+        assert!("5.75 ohm".parse::<Newton>().is_err());
+    }
+
+    #[test]
+    fn writes_an_engineering_prefix() {
+        assert_eq!(Farad(2.2e-6).to_string(), "2.2 uF");
+        assert_eq!(Farad(680e-9).to_string(), "680 nF");
+        assert_eq!(Ohm(12_700.0).to_string(), "12.7 kohm");
+        assert_eq!(Ohm(999.9999).to_string(), "999.9999 ohm");
+        assert_eq!(format!("{:.3}", Ohm(999.9999)), "1 kohm");
+        assert_eq!(format!("{:.3}", Seconds(0.010_421)), "10.4 ms");
+        assert_eq!(NewtonOhm(13_346.0).to_string(), "13.346 kN ohm");
+        assert_eq!(Volt(0.0).to_string(), "0 V");
+        assert_eq!(Volt(-0.5).to_string(), "-500 mV");
+        assert_eq!(Farad(1e-15).to_string(), "0.001 pF");
+    }
+
+    #[test]
+    fn a_bare_number_has_no_unit() {
+        let error = serde_json::from_str::<Farad>("2.2e-6").unwrap_err();
+        assert!(error.to_string().contains("expected a capacitance such as \"2.2 uF\""), "{error}");
+        assert_eq!(serde_json::to_string(&Farad(2.2e-6)).unwrap(), "\"2.2 uF\"");
+        assert_eq!(serde_json::from_str::<Nanos>("\"3 ms\"").unwrap(), Nanos(3_000_000));
+        assert_eq!(serde_json::to_string(&Nanos(3_000_000)).unwrap(), "\"3 ms\"");
+    }
+
+    proptest! {
+        #[test]
+        fn round_trips(mantissa in -10.0..10.0f64, exponent in -18..15i32) {
+            let value = mantissa * 10f64.powi(exponent);
+            let ohm: Ohm = Ohm(value).to_string().parse().unwrap();
+            prop_assert!((ohm.0 - value).abs() <= 1e-12 * value.abs(), "{} became {}", value, ohm.0);
+            let alpha: NewtonOhm = NewtonOhm(value).to_string().parse().unwrap();
+            prop_assert!((alpha.0 - value).abs() <= 1e-12 * value.abs());
+        }
+
+        #[test]
+        fn whole_nanoseconds_round_trip(ns in -1_000_000_000_000i64..1_000_000_000_000) {
+            let text = Seconds::from(Nanos(ns)).to_string();
+            prop_assert_eq!(text.parse(), Ok(Nanos(ns)));
+        }
+
+        #[test]
+        fn any_text_is_read_or_refused(text in "\\PC{0,12}") {
+            if let Ok(ohm) = text.parse::<Ohm>() {
+                prop_assert!(ohm.0.is_finite());
+            }
+        }
+    }
+}
