@@ -225,7 +225,10 @@ fn find_in(dev: &Path, wanted: &str) -> Result<Chip, OpenError> {
     if link.exists() {
         return Chip::open(&link);
     }
-    match refused.into_iter().find_map(Result::err) {
+    // The one that is wanted may be among those that are closed to us: best named by one that a group may open.
+    let mut refused: Vec<OpenError> = refused.into_iter().filter_map(Result::err).collect();
+    refused.sort_by_key(|error| !error.asks_for_a_group());
+    match refused.into_iter().next() {
         Some(closed) => Err(closed),
         None => Err(OpenError::NoChip { wanted: wanted.to_string(), present }),
     }
