@@ -10,7 +10,7 @@
 //! ```
 //!
 //! With `offset = "auto"`, readings flow from the first cycle on, by full discharges (in whose equations d cancels);
-//! switched ones begin when the offset is known.
+//! switched ones begin when the offset is known. From then on, a split discharge now and then keeps following it.
 
 use crate::discharge::{Outcome, Plan};
 use crate::estimate::Estimator;
@@ -23,6 +23,12 @@ use crate::units::Nanos;
 
 /// A calibration discharge that came to nothing is taken again so many times.
 const RETRIES: u32 = 2;
+/// Rounds of split calibration after which the offset is put in force, and again after each so many further ones.
+const ROUNDS: usize = 64;
+/// Rounds that the offset is the mean of, when there have been that many.
+const WINDOW: usize = 8 * ROUNDS;
+/// Once the offset is known, one cycle in so many has a split discharge.
+const FOLLOW_EVERY: u64 = 8;
 /// A switched discharge must promise so much less variance than the branch in use, or the branch stays: no chatter.
 const HYSTERESIS: f64 = 0.8;
 
@@ -75,8 +81,8 @@ impl Cycle {
         let [r1, r2] = settings.r_ohm;
         let (offset, split) = match settings.offset {
             OffsetSource::Given(d_ns) => (Offset::given(d_ns), None),
-            OffsetSource::Rounds(rounds) => {
-                (Offset::default(), Some(SplitCalibration::new(r1, r2, settings.nodes(), rounds)))
+            OffsetSource::Auto => {
+                (Offset::default(), Some(SplitCalibration::new(r1, r2, settings.nodes(), WINDOW)))
             }
         };
         Cycle {
@@ -97,13 +103,17 @@ impl Cycle {
     pub fn stats(&self) -> Stats {
         let mut stats = self.stats;
         stats.offset = self.estimator.offset();
-        stats.offset_is_known = self.split.is_none();
+        stats.offset_is_known = self.offset_is_known();
         stats
     }
 
     /// The estimator, with the calibration in force.
     pub fn estimator(&self) -> &Estimator {
         &self.estimator
+    }
+
+    fn offset_is_known(&self) -> bool {
+        self.split.as_ref().is_none_or(|split| split.taken() >= ROUNDS)
     }
 
     /// Whether a cycle is about to begin.
@@ -149,6 +159,7 @@ impl Cycle {
             settle: settings.settle,
             timeout: settings.deadline,
             widest_bracket: self.calls.widest(),
+            single_call: self.calls.single(),
         }
     }
 
@@ -160,7 +171,7 @@ impl Cycle {
     /// When to switch from the sensor to R_2, if the next x discharge of a channel is to be switched at all.
     fn switch_time(&self, channel: usize) -> Option<Nanos> {
         let settings = &self.settings;
-        if !matches!(settings.method, Method::Cerm | Method::Qerm) || self.split.is_some() {
+        if !matches!(settings.method, Method::Cerm | Method::Qerm) || !self.offset_is_known() {
             return None;
         }
         let memory = &self.memory[channel];
@@ -189,11 +200,14 @@ impl Cycle {
     /// Takes the outcome of the discharge that [`Cycle::next`] asked for, `now` being the time; answers a reading when
     /// it was a sensor's.
     pub fn done(&mut self, outcome: &Outcome, now: Nanos) -> Option<Reading> {
-        self.calls.add(outcome.widest_call);
+        if let (Step::First, Some(call)) = (self.step, outcome.start_call) {
+            self.calls.add(call);
+        }
         match self.step {
             Step::First => self.calibrated(outcome, Step::Second),
             Step::Second => {
-                let after = if self.split.is_some() { Step::Split } else { Step::Sensor(0) };
+                let due = !self.offset_is_known() || self.stats.cycles % FOLLOW_EVERY == 0;
+                let after = if self.split.is_some() && due { Step::Split } else { Step::Sensor(0) };
                 self.calibrated(outcome, after);
             }
             Step::Split => self.split_done(outcome),
@@ -220,13 +234,12 @@ impl Cycle {
     fn split_done(&mut self, outcome: &Outcome) {
         self.step = Step::Sensor(0);
         let (Some(split), Some((c1, c2))) = (&mut self.split, self.estimator.calibration()) else { return };
-        if let Ok(record) = &outcome.result {
-            split.add(c1, c2, record);
-        }
-        if split.is_complete() {
-            if let Some(offset) = split.result(self.estimator.noise(), c2) {
+        let Ok(record) = &outcome.result else { return };
+        let before = split.taken();
+        split.add(c1, c2, record, self.estimator.noise());
+        if split.taken() != before && split.taken() % ROUNDS == 0 {
+            if let Some(offset) = split.result() {
                 self.estimator.set_offset(offset);
-                self.split = None;
             }
         }
     }
@@ -286,26 +299,34 @@ fn middle_of(record: &Record) -> Nanos {
     record.start + Nanos((end / 2.0) as i64)
 }
 
-/// Follows how long the calls take that switch lines, to tell an interrupted one from a usual one.
+/// Follows how long a call takes that switches one line, to tell an interrupted one from a usual one, and to place the
+/// moment at which the line moves.
 #[derive(Debug, Clone, Copy, Default)]
 struct CallGate {
-    /// The median of the widest call of each discharge, ns.
-    typical_ns: Option<f64>,
+    /// The median, ns.
+    single_ns: Option<f64>,
 }
 
 impl CallGate {
-    /// A call longer than this was interrupted: the line may have moved anywhere in it.
-    fn widest(&self) -> Nanos {
-        self.typical_ns.map_or(Nanos::MAX, |typical| Nanos((4.0 * typical + 2000.0) as i64))
+    fn single(&self) -> Option<Nanos> {
+        self.single_ns.map(|single| Nanos(single as i64))
     }
 
-    /// Steps towards each value, not by it: a long call moves the median no more than a short one.
-    fn add(&mut self, widest: Nanos) {
-        let width = widest.as_ns();
-        self.typical_ns = Some(match self.typical_ns {
-            None => width,
-            Some(typical) if width > typical => (typical * 1.05).max(1.0),
-            Some(typical) => typical / 1.05,
+    /// A call longer than this was interrupted: the line may have moved anywhere in it. A call for two lines takes less
+    /// than two calls.
+    fn widest(&self) -> Nanos {
+        self.single_ns.map_or(Nanos::MAX, |single| Nanos((4.0 * single + 2000.0) as i64))
+    }
+
+    /// Steps towards each value, not by it: a long call moves the median no more than a short one. The steps are small
+    /// beside the calls, and so are they beside the jitter of crossings.
+    fn add(&mut self, call: Nanos) {
+        let call = call.as_ns();
+        self.single_ns = Some(match self.single_ns {
+            None => call,
+            Some(single) if (call - single).abs() <= 0.01 * single => single,
+            Some(single) if call > single => (single * 1.01).max(1.0),
+            Some(single) => single / 1.01,
         });
     }
 }

@@ -28,6 +28,8 @@ pub struct Plan {
     pub timeout: Nanos,
     /// The longest call that still tells when a line was switched.
     pub widest_bracket: Nanos,
+    /// How long a call for one line usually takes; `None`: not known yet.
+    pub single_call: Option<Nanos>,
 }
 
 impl Through {
@@ -168,9 +170,9 @@ impl Discharge {
         }
     }
 
-    /// The longest call that had to be timed; zero if the discharge never started.
-    pub fn widest_call(&self) -> Nanos {
-        self.start.width().max(self.switch.map_or(Nanos::ZERO, Bracket::width))
+    /// How long the call took that started it; `None` if it never started.
+    pub fn start_call(&self) -> Option<Nanos> {
+        (self.start != Bracket::default()).then(|| self.start.width())
     }
 
     fn armed(&mut self, armed: Armed) -> Action {
@@ -255,33 +257,28 @@ impl Discharge {
     }
 
     /// A line moves somewhere within the call that switches it, always in the same place: as long after the entry
-    /// of the call as in a call for one line only (half of that one's bracket), and the last of several lines as
-    /// long before the exit. Then the time from start to switch is the difference of two entries, whatever that
-    /// place is.
+    /// of the call as in a call for one line only (half of its length), and the last of several lines as long before
+    /// the exit. Then the time from start to switch is the difference of two entries, whatever that place is.
     fn record(&self) -> Record {
-        let lines_started = self.plan.through.drives().count();
-        let (mut single, mut switch) = (self.start.width(), None);
-        if let (Some(bracket), Some((_, to))) = (self.switch, self.plan.switch) {
-            let (from, to_drives) = (self.plan.through.drives(), to.drives());
-            let lines_switched = from.without(to_drives).count() + to_drives.without(from).count();
-            if lines_switched < lines_started {
-                single = bracket.width();
-            }
-            let at_ns = (bracket.before - self.start.before).as_ns();
-            let on_ns =
-                if lines_switched > 1 { at_ns + (bracket.width() - single).as_ns().max(0.0) } else { at_ns };
-            switch = Some(Switch { at_ns, on_ns, to });
-        }
-        let lead_ns = single.as_ns() / 2.0;
-        let since_start = |at: Nanos| (at - self.start.before).as_ns() - lead_ns;
+        let single_ns = self.plan.single_call.unwrap_or(self.start.width()).as_ns();
+        let since_start = |at: Nanos| (at - self.start.before).as_ns() - single_ns / 2.0;
         let [a_ns, b_ns] = self.crossings.map(|crossing| crossing.map(since_start));
+        let between_ns = |call: Bracket, lines: u32| {
+            if lines > 1 { (call.width().as_ns() - single_ns).max(0.0) } else { 0.0 }
+        };
         Record {
             through: self.plan.through,
             start: self.start.before,
-            switch,
+            second_ns: between_ns(self.start, self.plan.through.drives().count()),
+            switch: self.switch.zip(self.plan.switch).map(|(call, (_, to))| {
+                let (from, on) = (self.plan.through.drives(), to.drives());
+                let lines = from.without(on).count() + on.without(from).count();
+                let at_ns = (call.before - self.start.before).as_ns();
+                Switch { at_ns, on_ns: at_ns + between_ns(call, lines), to }
+            }),
             a_ns,
             b_ns,
-            u_switch_ns: single.as_ns() / 12f64.sqrt(),
+            u_switch_ns: single_ns / 12f64.sqrt(),
             waited_ns: if self.waited == Nanos::ZERO { 0.0 } else { since_start(self.waited) },
         }
     }
@@ -297,13 +294,13 @@ impl<P: Pins> Drop for Release<'_, P> {
     }
 }
 
-/// What [`run`] found, besides the record: how long the longest timed call took.
+/// What [`run`] found.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Outcome {
     /// The record or the fault.
     pub result: Result<Record, Fault>,
-    /// [`Discharge::widest_call`].
-    pub widest_call: Nanos,
+    /// [`Discharge::start_call`].
+    pub start_call: Option<Nanos>,
 }
 
 /// Carries one discharge out. All lines are inputs when it returns, whatever happened.
@@ -326,7 +323,7 @@ pub fn run<P: Pins>(pins: &mut P, plan: Plan) -> Result<Outcome, PinsError> {
             Action::Done => {
                 // The last action has released every line already.
                 std::mem::forget(pins);
-                return Ok(Outcome { result: discharge.result(), widest_call: discharge.widest_call() });
+                return Ok(Outcome { result: discharge.result(), start_call: discharge.start_call() });
             }
         };
         action = discharge.handle(event);

@@ -49,6 +49,11 @@ impl Estimator {
         self.method
     }
 
+    /// R_2, ohm.
+    pub fn r2(&self) -> f64 {
+        self.r2_ohm
+    }
+
     /// The offset in force.
     pub fn offset(&self) -> Offset {
         self.offset
@@ -124,6 +129,7 @@ impl Estimator {
             record.switch.map_or((f64::INFINITY, f64::INFINITY), |switch| (switch.at_ns, switch.on_ns));
         let branch = if last - self.offset.d_ns > switch.1 { Branch::Inferred } else { Branch::Direct };
         let (at, on) = if branch == Branch::Inferred { switch } else { (0.0, 0.0) };
+        let on = if self.method == Method::Qerm { record.second_ns } else { on };
         // An inferred estimate can do without the crossing of A; 0 is never looked at then.
         let a = match (branch, record.a_ns) {
             (Branch::Inferred, None) => 0.0,
@@ -226,7 +232,8 @@ impl Estimator {
         let mut switched = full;
         switched[last] = at + rest + d;
         let variance = |x: [f64; 2], at: f64, late: [f64; 2], branch| {
-            let times = dual::variables(&Times { c1, c2, x, at, on: at, d });
+            let on = if self.method == Method::Qerm { 0.0 } else { at };
+            let times = dual::variables(&Times { c1, c2, x, at, on, d });
             Some(self.covariances(late, u_switch_ns)?.of(&self.ratio(&times, branch).by))
         };
         Some([

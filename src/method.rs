@@ -45,7 +45,7 @@ pub struct Times<T> {
     pub x: [T; 2],
     /// When the sensor was released.
     pub at: T,
-    /// When R_2 was sunk instead.
+    /// When R_2 was sunk instead (for QERM: beside the sensor).
     pub on: T,
     /// The latency offset d of crossings.
     pub d: T,

@@ -3,19 +3,20 @@
 //! For: finding d from discharges of the two calibration resistors alone. Must not know: the sensor, the method.
 //!
 //! One round is three discharges: R_1 in full, R_2 in full, and a split one that runs through R_1 for the time s and
-//! then through R_2 for the time c until the last node crosses. The progress g is the same in all of them, and d
+//! then through R_2 for the time c until a node crosses. The progress g of a node is the same in all of them, and d
 //! cancels in D = T_c2 - c (both are crossings), so
 //!
 //! ```text
 //! s/(R_1+Ro) = D/(R_2+Ro)          =>  Ro = (s R_2 - D R_1)/(D - s)
-//! g_n = (T_c2n - T_c1n)/(R_2-R_1)      for each node n
-//! d   = T_c1n - g_n (R_1+Ro)           the mean over the nodes
+//! g = (T_c2 - T_c1)/(R_2-R_1)
+//! d = T_c1 - g (R_1+Ro)
 //! ```
 //!
-//! The rounds are averaged; their scatter gives the uncertainties (GUM type A). Rounds that a latency spike has spoilt
-//! are left out.
+//! The switch comes before either node has crossed, so both nodes tell D and d; they are weighted by the noise of their
+//! crossings. The rounds are averaged; their scatter gives the uncertainties (GUM type A). Rounds that a latency spike has
+//! spoilt are left out.
 
-use crate::noise::Noise;
+use crate::noise::{Covariance, Noise};
 use crate::record::Record;
 
 /// What the split calibration found; each uncertainty is 1 sigma.
@@ -44,99 +45,113 @@ struct Round {
     r_o_ohm: f64,
     s_ns: f64,
     big_d_ns: f64,
+    /// Of D, as far as it is due to its crossings, ns²; `None` while the noise is not known.
+    variance: Option<f64>,
 }
 
-/// Collects rounds of a split calibration.
+/// Collects rounds of a split calibration, the last ones up to a number.
 #[derive(Debug, Clone)]
 pub struct SplitCalibration {
     r1_ohm: f64,
     r2_ohm: f64,
     nodes: usize,
-    wanted: usize,
     rounds: Vec<Round>,
+    /// How many rounds have been taken.
+    taken: usize,
+    /// For sorting: allocated once.
+    scratch: Vec<f64>,
 }
 
 impl SplitCalibration {
-    /// Rounds by which the offset's uncertainty is small beside that of one reading: 1/8 of a round's.
-    pub const ROUNDS: usize = 64;
-    /// The split comes after this part of node A's time through R_1: late, since the resistors' difference acts only
-    /// after it on D, early enough to come before the last node crosses.
+    /// The split comes after this part of node A's time through R_1: late, since D grows with it, and before any node
+    /// crosses.
     pub const FRACTION: f64 = 0.9;
 
-    /// For calibration resistors `r1_ohm` < `r2_ohm` and a circuit with one or two nodes.
-    pub fn new(r1_ohm: f64, r2_ohm: f64, nodes: usize, wanted: usize) -> SplitCalibration {
-        SplitCalibration { r1_ohm, r2_ohm, nodes, wanted, rounds: Vec::with_capacity(wanted) }
+    /// For calibration resistors `r1_ohm` < `r2_ohm` and a circuit with one or two nodes; remembers `window` rounds.
+    pub fn new(r1_ohm: f64, r2_ohm: f64, nodes: usize, window: usize) -> SplitCalibration {
+        let (rounds, scratch) = (Vec::with_capacity(window), Vec::with_capacity(window));
+        SplitCalibration { r1_ohm, r2_ohm, nodes, rounds, taken: 0, scratch }
+    }
+
+    /// How many rounds have been taken.
+    pub fn taken(&self) -> usize {
+        self.taken
     }
 
     /// Takes one round: crossings of the plain discharges and the record of the split one. A round whose split
     /// discharge was not switched in time, or that does not fit the law, tells nothing and is passed over.
-    pub fn add(&mut self, c1: [f64; 2], c2: [f64; 2], split: &Record) {
-        if let Some(round) = self.round(c1, c2, split) {
-            if self.rounds.len() < self.wanted {
-                self.rounds.push(round);
-            }
+    pub fn add(&mut self, c1: [f64; 2], c2: [f64; 2], split: &Record, noise: &Noise) {
+        let Some(round) = self.round(c1, c2, split, noise) else { return };
+        if self.rounds.len() < self.rounds.capacity() {
+            self.rounds.push(round);
+        } else {
+            let oldest = self.taken % self.rounds.len();
+            self.rounds[oldest] = round;
         }
+        self.taken += 1;
     }
 
-    fn round(&self, c1: [f64; 2], c2: [f64; 2], split: &Record) -> Option<Round> {
-        let last = self.nodes - 1;
+    fn round(&self, c1: [f64; 2], c2: [f64; 2], split: &Record, noise: &Noise) -> Option<Round> {
         let switch = split.switch?;
-        let crossing = if last == 0 { split.a_ns? } else { split.b_ns? };
-        let (s, c) = (switch.at_ns, crossing - switch.on_ns);
-        let big_d = c2[last] - c;
-        if c <= 0.0 || s <= 0.0 || big_d <= s {
+        let crossings = [split.a_ns?, if self.nodes == 2 { split.b_ns? } else { 0.0 }];
+        let covariance = noise.covariance(c2);
+        let weights = self.weights(covariance);
+        let weighted =
+            |of: &dyn Fn(usize) -> f64| (0..self.nodes).map(|node| weights[node] * of(node)).sum::<f64>();
+        let (s, (r1, r2)) = (switch.at_ns, (self.r1_ohm, self.r2_ohm));
+        let big_d = weighted(&|node| c2[node] - (crossings[node] - switch.on_ns));
+        if s <= 0.0 || big_d <= s || (0..self.nodes).any(|node| crossings[node] <= switch.on_ns) {
             return None;
         }
-        let (r1, r2) = (self.r1_ohm, self.r2_ohm);
         let r_o_ohm = (s * r2 - big_d * r1) / (big_d - s);
-        let mut d_ns = 0.0;
-        for node in 0..self.nodes {
-            let g = (c2[node] - c1[node]) / (r2 - r1);
-            d_ns += (c1[node] - g * (r1 + r_o_ohm)) / self.nodes as f64;
-        }
-        (d_ns.is_finite() && r_o_ohm.is_finite()).then_some(Round { d_ns, r_o_ohm, s_ns: s, big_d_ns: big_d })
+        let d_ns = weighted(&|node| c1[node] - (c2[node] - c1[node]) / (r2 - r1) * (r1 + r_o_ohm));
+        // Two crossings through R_2 are in D: the plain discharge's and the split one's.
+        let variance = covariance.map(|covariance| 2.0 * covariance.of(weights[0], weights[1]));
+        let sound = d_ns.is_finite() && r_o_ohm.is_finite();
+        sound.then_some(Round { d_ns, r_o_ohm, s_ns: s, big_d_ns: big_d, variance })
     }
 
-    /// Whether all rounds have been taken.
-    pub fn is_complete(&self) -> bool {
-        self.rounds.len() >= self.wanted
+    /// By inverse variance; alike while the noise is not known.
+    fn weights(&self, covariance: Option<Covariance>) -> [f64; 2] {
+        let [a, b] = covariance.map_or([1.0, 1.0], |covariance| [1.0 / covariance.aa, 1.0 / covariance.bb]);
+        if self.nodes == 1 { [1.0, 0.0] } else { [a / (a + b), b / (a + b)] }
     }
 
     /// The result so far; `None` for fewer than four rounds.
     ///
-    /// The scatter of switch instants is what remains of the scatter of D, given s, when the noise of its two crossings
-    /// (both through R_2, at `c2` ns) is taken away.
-    pub fn result(&self, noise: &Noise, c2: [f64; 2]) -> Option<Offset> {
+    /// The scatter of switch instants is what remains of the scatter of D, given s, when the noise of its crossings is
+    /// taken away.
+    pub fn result(&mut self) -> Option<Offset> {
         if self.rounds.len() < 4 {
             return None;
         }
-        let all: Vec<f64> = self.rounds.iter().map(|round| round.d_ns).collect();
-        let (middle, limit) = median_and_limit(&all);
-        let kept: Vec<&Round> =
-            self.rounds.iter().filter(|round| (round.d_ns - middle).abs() <= limit).collect();
-        let (d_ns, u_d_ns) = mean_and_uncertainty(kept.iter().map(|round| round.d_ns))?;
-        let r_o = mean_and_uncertainty(kept.iter().map(|round| round.r_o_ohm))?;
+        self.scratch.clear();
+        self.scratch.extend(self.rounds.iter().map(|round| round.d_ns));
+        let (middle, limit) = median_and_limit(&mut self.scratch);
+        let kept = self.rounds.iter().filter(|round| (round.d_ns - middle).abs() <= limit);
+        let (d_ns, u_d_ns) = mean_and_uncertainty(kept.clone().map(|round| round.d_ns))?;
+        let r_o = mean_and_uncertainty(kept.clone().map(|round| round.r_o_ohm))?;
         let slope = (self.r2_ohm + r_o.0) / (self.r1_ohm + r_o.0);
-        let misfits = kept.iter().map(|round| round.big_d_ns - slope * round.s_ns);
-        let (_, u_misfit) = mean_and_uncertainty(misfits)?;
-        let switch_ns = noise.covariance(c2).map(|covariance| {
-            let crossing = if self.nodes == 1 { covariance.aa } else { covariance.bb };
-            let scatter = u_misfit * u_misfit * kept.len() as f64;
-            ((scatter - 2.0 * crossing).max(0.0)).sqrt() / slope
+        let known = kept.filter_map(|round| Some((round.big_d_ns - slope * round.s_ns, round.variance?)));
+        let switch_ns = mean_and_uncertainty(known.clone().map(|(misfit, _)| misfit)).map(|(_, u_misfit)| {
+            let count = known.clone().count() as f64;
+            let crossings = known.map(|(_, variance)| variance).sum::<f64>() / count;
+            (u_misfit * u_misfit * count - crossings).max(0.0).sqrt() / slope
         });
         Some(Offset { d_ns, u_d_ns, r_o_ohm: Some(r_o), switch_ns })
     }
 }
 
-/// The median, and five sigma as told by the median absolute deviation.
-fn median_and_limit(values: &[f64]) -> (f64, f64) {
-    let median = |values: &mut Vec<f64>| {
-        values.sort_by(f64::total_cmp);
-        (values[(values.len() - 1) / 2] + values[values.len() / 2]) / 2.0
-    };
-    let middle = median(&mut values.to_vec());
-    let mut away: Vec<f64> = values.iter().map(|value| (value - middle).abs()).collect();
-    (middle, 5.0 * median(&mut away) / 0.6745)
+/// The median, and five sigma as told by the median absolute deviation. Leaves the deviations in `values`.
+fn median_and_limit(values: &mut [f64]) -> (f64, f64) {
+    let middle = median(values);
+    values.iter_mut().for_each(|value| *value = (*value - middle).abs());
+    (middle, 5.0 * median(values) / 0.6745)
+}
+
+fn median(values: &mut [f64]) -> f64 {
+    values.sort_unstable_by(f64::total_cmp);
+    (values[(values.len() - 1) / 2] + values[values.len() / 2]) / 2.0
 }
 
 fn mean_and_uncertainty(values: impl Iterator<Item = f64> + Clone) -> Option<(f64, f64)> {

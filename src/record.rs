@@ -48,6 +48,8 @@ pub struct Record {
     pub through: Through,
     /// When it started.
     pub start: Nanos,
+    /// When the second of two resistors that sink at once was sunk, ns; 0 for a single one.
+    pub second_ns: f64,
     /// The switch, if one was made before node B (or the only node) crossed.
     pub switch: Option<Switch>,
     /// The crossing of node A.

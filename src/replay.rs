@@ -148,14 +148,13 @@ fn split_offset(
                 if record.through == Through::C1 && matches!(switch.to, Through::C2 | Through::C12) =>
             {
                 if let Some((c1, c2)) = estimator.calibration() {
-                    split.add(c1, c2, record);
+                    split.add(c1, c2, record, estimator.noise());
                 }
             }
             Some(_) => {}
         }
     }
-    let (_, c2) = estimator.calibration()?;
-    split.result(estimator.noise(), c2)
+    split.result()
 }
 
 fn line(estimator: &Estimator, header: &Header, channel: usize, entry: &Entry) -> Estimate {

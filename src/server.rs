@@ -2,8 +2,8 @@
 //!
 //! For: who is connected, who is ready, who is gone. Must not know: how readings come to be, or threads.
 //!
-//! Each line is formatted once into a ring ([`ring`]). A client is a position in that ring, a subscription and at
-//! most one answer that it has not read yet ([`session`]). The kernel's buffer of each socket is kept small. So a
+//! Each line is formatted once into a ring. A client is a position in that ring, a subscription and at
+//! most one answer that it has not read yet. The kernel's buffer of each socket is kept small. So a
 //! client that never reads costs a bounded amount of memory and no time; when the ring overtakes it, it loses its
 //! oldest lines and the next one it gets says how many.
 //!

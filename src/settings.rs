@@ -5,7 +5,6 @@
 use crate::circuit::Network;
 use crate::config::{self, Config};
 use crate::force::{Force, Table, TableError};
-use crate::offset::SplitCalibration;
 use crate::pins::{Drives, Node};
 use crate::reading::Method;
 use crate::record::Through;
@@ -25,8 +24,8 @@ pub struct Channel {
 /// Where the latency offset comes from.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum OffsetSource {
-    /// So many rounds of split calibration.
-    Rounds(usize),
+    /// Split calibration.
+    Auto,
     /// Given, ns.
     Given(f64),
 }
@@ -105,7 +104,7 @@ impl Settings {
             deadline: config.deadline(),
             period: config.measure.rate_hz.map(|hertz| Nanos::from_seconds(1.0 / hertz)),
             offset: match config.offset() {
-                config::Offset::Auto => OffsetSource::Rounds(SplitCalibration::ROUNDS),
+                config::Offset::Auto => OffsetSource::Auto,
                 config::Offset::Fixed(d) => OffsetSource::Given(d.as_ns()),
             },
             t_l: config.measure.t_l,

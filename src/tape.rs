@@ -110,6 +110,9 @@ struct Line {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     channel: Option<String>,
     through: Resistor,
+    /// The second of two resistors was sunk by then; absent: at the start.
+    #[serde(default, skip_serializing_if = "is_zero")]
+    second_ns: f64,
     #[serde(default, skip_serializing_if = "Option::is_none")]
     switch: Option<SwitchLine>,
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -191,7 +194,7 @@ impl Header {
             circuit: TapeCircuit { kind, r_c1_ohm: config.circuit.r_c1.0, r_c2_ohm: config.circuit.r_c2.0 },
             offset_ns: match settings.offset {
                 OffsetSource::Given(d_ns) => Some(d_ns),
-                OffsetSource::Rounds(_) => None,
+                OffsetSource::Auto => None,
             },
             channels: config.channels.iter().map(channel).collect(),
         }
@@ -251,6 +254,7 @@ impl Header {
                 .and_then(|index| self.channels.get(index))
                 .map(|c| c.id.clone()),
             through: record.through.into(),
+            second_ns: record.second_ns,
             switch: record.switch.map(|s| SwitchLine { at_ns: s.at_ns, on_ns: s.on_ns, to: s.to.into() }),
             a_ns: finite(record.a_ns),
             b_ns: finite(record.b_ns),
@@ -283,6 +287,7 @@ impl Header {
         let record = Record {
             through: through(line.through)?,
             start: Nanos::ZERO,
+            second_ns: line.second_ns,
             switch,
             a_ns: line.a_ns,
             b_ns: line.b_ns,
@@ -341,6 +346,9 @@ fn check_times(record: &Record) -> Result<(), String> {
             }
             _ => {}
         }
+    }
+    if !(0.0..=LONGEST_NS).contains(&record.second_ns) {
+        return Err(format!("second_ns is {}; it is 0 or a short time", record.second_ns));
     }
     if record.switch.is_some_and(|switch| switch.on_ns < switch.at_ns) {
         return Err(

@@ -4,7 +4,9 @@
 
 mod quantity;
 
-pub use quantity::{Farad, Hertz, Newton, NewtonOhm, Ohm, ParseQuantityError, Quantity, Seconds, Volt};
+pub use quantity::{
+    Ampere, Farad, Hertz, Newton, NewtonOhm, Ohm, ParseQuantityError, Quantity, Seconds, Volt,
+};
 
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 use std::fmt;

@@ -101,6 +101,7 @@ fn plan(switch: Option<(Nanos, Through)>) -> Plan {
         settle: Nanos(100_000),
         timeout: Nanos(5_000_000),
         widest_bracket: Nanos(3000),
+        single_call: None,
     }
 }
 
@@ -178,7 +179,7 @@ fn an_uncharged_node_and_a_slow_call_are_faults() {
     let mut pins = Script::new(&[A, B]);
     let narrow = Plan { widest_bracket: Nanos(999), ..plan(None) };
     let outcome = run(&mut pins, narrow).unwrap();
-    assert_eq!((outcome.result, outcome.widest_call), (Err(Fault::WideBracket), Nanos(1000)));
+    assert_eq!((outcome.result, outcome.start_call), (Err(Fault::WideBracket), Some(Nanos(1000))));
     assert_eq!(pins.on, Drives::NONE);
 }
 

@@ -20,6 +20,7 @@ impl Bench {
         Record {
             through,
             start: Nanos::ZERO,
+            second_ns: 0.0,
             switch: None,
             a_ns: parts[0].map(|t| t + self.d),
             b_ns: parts[1].map(|t| t + self.d),
@@ -117,7 +118,7 @@ proptest! {
         method in prop::sample::select(Method::ALL.to_vec()),
     ) {
         let record = |through, [a, b]: [f64; 2]| Record {
-            through, start: Nanos::ZERO, switch: None, a_ns: Some(a), b_ns: Some(b), u_switch_ns: 0.0, waited_ns: 0.0,
+            through, start: Nanos::ZERO, second_ns: 0.0, switch: None, a_ns: Some(a), b_ns: Some(b), u_switch_ns: 0.0, waited_ns: 0.0,
         };
         let nodes = if matches!(method, Method::Tcdic | Method::Cerm) { 2 } else { 1 };
         let mut estimator = Estimator::new(method, 2320.0, 12700.0, nodes, Offset::given(8000.0));

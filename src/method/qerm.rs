@@ -1,11 +1,12 @@
 //! Quantization error reduction method: one capacitor, Rc1 and Rc2 in series (Fig. 1(b)).
 //!
 //! The third discharge runs through the sensor and Rs = Rc1 + Rc2 at once; after the time s the sensor is released.
-//! With g the progress (time over resistance) at the threshold, and everything counted from the start:
+//! With g the progress (time over resistance) at the threshold, and everything counted from when the sensor was sunk,
+//! Rs a little later, at `on`, by the same call:
 //!
 //! ```text
-//! s (1/(Rx+Ro) + 1/(Rs+Ro)) + (T3 - s)/(Rs+Ro) = g,   T_c2 = (Rs+Ro) g
-//! =>  T_x* = (Rx+Ro) g = s T_c2 / (T_c2 - T3)
+//! s/(Rx+Ro) + (T3 - on)/(Rs+Ro) = g,   T_c2 = (Rs+Ro) g
+//! =>  T_x* = (Rx+Ro) g = s T_c2 / (T_c2 - (T3 - on))
 //! ```
 //!
 //! the time that R_x alone would have taken; two-point calibration follows. If the threshold was reached before the
@@ -24,8 +25,8 @@ pub fn ratio_direct<T: Number>(times: &Times<T>) -> T {
 }
 
 fn from_time_through_x<T: Number>(times: &Times<T>, s: T) -> T {
-    let Times { c1, c2, x, d, .. } = *times;
+    let Times { c1, c2, x, on, d, .. } = *times;
     let (t_c1, t_c2, t3) = (c1[0] - d, c2[0] - d, x[0] - d);
-    let t_x = s * t_c2 / (t_c2 - t3);
+    let t_x = s * t_c2 / (t_c2 - (t3 - on));
     (t_x - t_c1) / (t_c2 - t_c1)
 }

@@ -27,6 +27,7 @@ use std::os::fd::AsFd;
 pub(super) mod chips;
 mod edges;
 pub(super) mod error;
+mod names;
 pub(super) mod release;
 mod request;
 pub(super) mod wait;

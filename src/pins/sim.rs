@@ -25,7 +25,6 @@ mod kernel;
 pub mod latency;
 pub mod network;
 pub mod noise;
-pub mod quantity;
 pub mod scene;
 pub mod sensor;
 mod truth;
@@ -106,6 +105,11 @@ impl SimPins {
         self.analog.voltages(self.now_ns)
     }
 
+    /// Output resistance of a line, ohm.
+    pub fn r_o(&self, line: Drives) -> f64 {
+        self.circuit().r_o[network::line_index(line)]
+    }
+
     /// R_x of a channel at an instant, ohm; `None` without such a channel in the scene.
     pub fn r_x(&self, channel: usize, at: Nanos) -> Option<f64> {
         self.analog.r_x(channel, (at - self.epoch).0)
@@ -170,7 +174,7 @@ impl SimPins {
 impl Pins for SimPins {
     fn now(&mut self) -> Nanos {
         let now = self.stamp(self.now_ns);
-        self.go_on_to(self.now_ns + self.reads.clock_ns);
+        self.go_on_to(self.now_ns.saturating_add(self.reads.clock_ns));
         now
     }
 
@@ -191,7 +195,7 @@ impl Pins for SimPins {
     }
 
     fn arm(&mut self) -> Result<Armed, PinsError> {
-        self.go_on_to(self.now_ns + self.reads.arm_ns);
+        self.go_on_to(self.now_ns.saturating_add(self.reads.arm_ns));
         self.catch_up(self.now_ns);
         self.armed = true;
         self.truth.clear();
@@ -232,7 +236,7 @@ impl Pins for SimPins {
     }
 
     fn levels(&mut self) -> Result<Levels, PinsError> {
-        self.go_on_to(self.now_ns + self.reads.levels_ns);
+        self.go_on_to(self.now_ns.saturating_add(self.reads.levels_ns));
         self.catch_up(self.now_ns);
         Ok(self.analog.levels(self.now_ns))
     }

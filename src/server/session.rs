@@ -208,3 +208,110 @@ impl Session {
 fn is_blank(line: &wire::Line) -> bool {
     matches!(line, wire::Line::Whole(bytes) if bytes.is_empty())
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::reading::{Fault, Method, Reading, Status};
+    use crate::units::Nanos;
+    use crate::wire::{ChannelInfo, Unit, UnixTime};
+    use proptest::prelude::*;
+
+    fn hub(ring_lines: usize) -> Hub {
+        Hub::new(&[ChannelInfo { id: "thumb".into(), unit: Unit::Newton }], ring_lines)
+    }
+
+    fn publish(hub: &mut Hub, session: &mut Session, seq: u64) {
+        if let Some((position, entry)) = hub.ring.oldest_to_go() {
+            session.overtaken(position, entry);
+        }
+        let status = Status::Fault(Fault::MissedEdge);
+        let at = Nanos(seq as i64);
+        let reading = Reading { channel: 0, seq, at, status, method: Method::Cerm, duration: Nanos::ZERO };
+        hub.push_reading(&reading, UnixTime(0));
+    }
+
+    /// Sends at most so many bytes, as a kernel with little room would.
+    fn send(hub: &Hub, session: &mut Session, mut room: usize, stream: &mut Vec<u8>) {
+        while room > 0 {
+            let line = session.next_output(hub, &mut |_| ());
+            let length = line.len().min(room);
+            if length == 0 {
+                return;
+            }
+            stream.extend_from_slice(&line[..length]);
+            session.sent(length);
+            room -= length;
+        }
+    }
+
+    fn answers(session: &mut Session, hub: &Hub, request: &str) -> String {
+        let mut stream = Vec::new();
+        session.receive(request.as_bytes());
+        send(hub, session, usize::MAX, &mut stream);
+        String::from_utf8(stream).unwrap()
+    }
+
+    #[test]
+    fn the_instrument_is_for_the_privileged() {
+        let hub = hub(4);
+        for request in ["{\"class\":\"CALIBRATE\"}\n", "{\"class\":\"ZERO\",\"channel\":\"thumb\"}\n"] {
+            let [mut other, mut owner] = [false, true].map(|privileged| Session::new(&hub, privileged));
+            assert!(answers(&mut other, &hub, request).contains("\"code\":\"forbidden\""));
+            assert!(answers(&mut owner, &hub, request).contains("\"code\":\"unsupported\""));
+        }
+    }
+
+    #[test]
+    fn a_tape_begins_with_its_header_and_has_no_past() {
+        let mut hub = hub(4);
+        hub.tape_header = b"{\"class\":\"TAPE\"}\n".to_vec();
+        let mut session = Session::new(&hub, false);
+        let discharge =
+            |hub: &mut Hub, line: &[u8]| hub.ring.push(Kind::Raw(None), Nanos(0), |out| out.extend(line));
+        discharge(&mut hub, b"before\n");
+        let watch = answers(&mut session, &hub, "{\"class\":\"WATCH\",\"raw\":true}\n");
+        assert!(watch.ends_with("]}\n{\"class\":\"TAPE\"}\n"), "{watch}");
+        discharge(&mut hub, b"after\n");
+        assert_eq!(answers(&mut session, &hub, ""), "after\n");
+        assert_eq!(answers(&mut session, &hub, "{\"class\":\"WATCH\",\"raw\":true}\n"), "");
+    }
+
+    #[test]
+    fn an_idle_client_holds_next_to_nothing() {
+        let hub = hub(4);
+        let mut session = Session::new(&hub, false);
+        answers(&mut session, &hub, &"{\"class\":\"POLL\"}\n".repeat(1000));
+        answers(&mut session, &hub, &format!("{{\"x\":\"{}\"}}\n", "y".repeat(60_000)));
+        assert!(session.output.capacity() <= KEPT_OUTPUT_BYTES && session.is_listening());
+    }
+
+    proptest! {
+        /// However little the kernel takes at a time: whole lines in order, and received + lost = published.
+        #[test]
+        fn every_reading_is_received_or_counted(
+            steps in prop::collection::vec((0u64..12, 0usize..900), 1..60),
+            ring_lines in 1usize..9,
+        ) {
+            let mut hub = hub(ring_lines);
+            let mut session = Session::new(&hub, false);
+            let (mut stream, mut published) = (Vec::new(), 0);
+            for (readings, room) in steps {
+                for _ in 0..readings {
+                    published += 1;
+                    publish(&mut hub, &mut session, published);
+                }
+                send(&hub, &mut session, room, &mut stream);
+            }
+            send(&hub, &mut session, usize::MAX, &mut stream);
+            let mut previous = 0;
+            for line in stream.split_inclusive(|&byte| byte == b'\n').skip(1) {
+                let line: serde_json::Value = serde_json::from_slice(line).unwrap();
+                let (seq, lost) = (line["seq"].as_u64().unwrap(), line["lost"].as_u64().unwrap());
+                prop_assert_eq!(seq, previous + lost + 1);
+                previous = seq;
+            }
+            prop_assert_eq!(previous, published, "the newest is never lost");
+        }
+    }
+}

@@ -157,6 +157,10 @@ quantity!(
     Volt, "a voltage", "1.3 V", ["V"]
 );
 quantity!(
+    /// A current in ampere.
+    Ampere, "a current", "5 uA", ["A"]
+);
+quantity!(
     /// A force in newton.
     Newton, "a force", "5.75 N", ["N"]
 );

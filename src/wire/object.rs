@@ -136,8 +136,8 @@ mod tests {
 
     #[test]
     fn numbers_have_their_digits_and_no_noise() {
-        assert_eq!(number(2841.3, 7), "2841.3");
-        assert_eq!(number(2841.300_000_04, 7), "2841.3");
+        assert_eq!(number(2_841.3, 7), "2841.3");
+        assert_eq!(number(2_841.300_000_04, 7), "2841.3");
         assert_eq!(number(1.9e6, 7), "1900000");
         assert_eq!(number(1.204, 3), "1.2");
         assert_eq!(number(0.1 + 0.2, 7), "0.3");

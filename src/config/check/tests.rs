@@ -83,9 +83,9 @@ fn a_good_one_has_predictions_only() {
     insta::assert_snapshot!(findings.join("\n"), @r#"
     info: circuit.r-c1: through Rc1, node A after 1.14 ms, node B after 1.93 ms
     info: circuit.r-c2: through Rc2, node A after 6.16 ms, node B after 10.4 ms
-    info: measure.charge-time: 14.8 ms, 14.2 time constants of the charge
+    info: measure.charge-time: 10 ms, 9.6 time constants of the charge
     info: measure.deadline: 52.2 ms, enough for a sensor of 63.7 kohm
-    info: measure.rate-hz: a cycle takes 67.4 ms (14.8 Hz) with the sensor at Rc2, 109 ms at most
+    info: measure.rate-hz: a cycle takes 52.9 ms (18.9 Hz) with the sensor at Rc2, 94.7 ms at most
     "#);
 }
 
@@ -97,9 +97,9 @@ fn series_calibration_is_good_too() {
     insta::assert_snapshot!(findings.join("\n"), @r#"
     info: circuit.r-c1: through Rc1, node A after 2.2 ms
     info: circuit.r-c2: through Rc1 + Rc2, node A after 14 ms
-    info: measure.charge-time: 3.04 ms, 13.8 time constants of the charge
+    info: measure.charge-time: 2.03 ms, 9.2 time constants of the charge
     info: measure.deadline: 70.1 ms, enough for a sensor of 75.3 kohm
-    info: measure.rate-hz: a cycle takes 39.4 ms (25.4 Hz) with the sensor at Rc1 + Rc2, 95.6 ms at most
+    info: measure.rate-hz: a cycle takes 36.4 ms (27.5 Hz) with the sensor at Rc1 + Rc2, 92.5 ms at most
     "#);
 }
 
@@ -231,7 +231,7 @@ fn rates() {
     one_measure("rate-hz = 0", "error: measure.rate-hz: not above zero");
     one_measure("rate-hz = nan", "error: measure.rate-hz: not above zero");
     one_measure("rate-hz = 100", "error: measure.rate-hz: calibration and charging alone take");
-    one_measure("rate-hz = 16", "warning: measure.rate-hz: a cycle with the sensor at Rc2 takes");
+    one_measure("rate-hz = 21", "warning: measure.rate-hz: a cycle with the sensor at Rc2 takes");
     assert_eq!(complaints(&config(&[("[measure]", "[measure]\nrate-hz = 10")])), Vec::<String>::new());
 }
 

@@ -8,10 +8,9 @@ use crate::cli;
 use crate::config::{Channel, Config, Force, Gpio, Measure, MethodName, Mock, Mode, Server};
 use crate::pins::Drives;
 use crate::pins::sim::network::line_index;
-use crate::pins::sim::quantity;
 use crate::pins::sim::{Kind, Scene, Sensor, SimPins};
 use crate::reading::Method;
-use crate::units::{Farad, Nanos, NewtonOhm, Ohm, Volt};
+use crate::units::{Farad, Nanos, Newton, NewtonOhm, Ohm, Seconds};
 use std::cell::Cell;
 use std::path::{Path, PathBuf};
 
@@ -75,11 +74,7 @@ impl Board {
 }
 
 fn hand() -> Sensor {
-    Sensor::Hand {
-        alpha: quantity::NewtonOhm(FSR_402.0),
-        peak: quantity::Newton(10.0),
-        period: quantity::Seconds(3.0),
-    }
+    Sensor::Hand { alpha: FSR_402, peak: Newton(10.0), period: Seconds(3.0) }
 }
 
 fn config(scene: &Scene, arguments: &cli::Demo, socket: &Path) -> Config {
@@ -110,7 +105,7 @@ fn config(scene: &Scene, arguments: &cli::Demo, socket: &Path) -> Config {
 fn circuit(scene: &Scene) -> Circuit {
     let circuit = &scene.circuit;
     // A missing capacitor has been refused with the scene.
-    let farad = |c: Option<quantity::Farad>| Farad(c.map_or(f64::NAN, |c| c.0));
+    let farad = |c: Option<Farad>| c.unwrap_or(Farad(f64::NAN));
     let network = match circuit.kind {
         Kind::TwoCapacitor => Network::TwoCapacitor { c_a: farad(circuit.c_a), c_b: farad(circuit.c_b) },
         Kind::OneCapacitor => Network::OneCapacitor { c: farad(circuit.c) },
@@ -119,11 +114,11 @@ fn circuit(scene: &Scene) -> Circuit {
     let r_charge = circuit.r_p.map_or(0.0, |r_p| r_p.0) + circuit.r_o.0;
     Circuit {
         network,
-        r_c1: Ohm(circuit.r_c1.0),
-        r_c2: Ohm(circuit.r_c2.0),
-        v_dd: Volt(circuit.v_dd.0),
-        v_th: Volt(circuit.threshold.falling.0),
+        r_c1: circuit.r_c1,
+        r_c2: circuit.r_c2,
+        v_dd: circuit.v_dd,
+        v_th: circuit.threshold.falling,
         r_charge: if r_charge > 0.0 { Ohm(r_charge) } else { NOMINAL_R_CHARGE },
-        r_o: Ohm(circuit.r_o.0),
+        r_o: circuit.r_o,
     }
 }

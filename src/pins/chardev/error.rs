@@ -57,6 +57,12 @@ pub enum OpenError {
 }
 
 impl OpenError {
+    /// Whether joining a group would help.
+    pub(super) fn asks_for_a_group(&self) -> bool {
+        matches!(self, OpenError::Call { source, line, .. }
+            if source.kind() == io::ErrorKind::PermissionDenied && owning_group(Path::new(line)).is_some())
+    }
+
     /// Whether opening again later may help: the chip is not there (any more, or yet).
     pub fn is_gone(&self) -> bool {
         match self {
@@ -70,7 +76,7 @@ impl OpenError {
 /// What the cause of a failed call depends on besides the error number.
 #[derive(Debug, Default)]
 pub(in crate::pins) struct Context<'a> {
-    /// The group that owns the device node.
+    /// The group that owns the device node, other than root's.
     pub group: Option<&'a str>,
     /// Lines of the request that are in use, with their consumers: `GPIO20 ("gpioset")`.
     pub held: &'a [String],
@@ -82,10 +88,8 @@ pub(in crate::pins) struct Context<'a> {
 pub(in crate::pins) fn cause(errno: i32, context: &Context) -> String {
     match Errno::from_raw(errno) {
         Errno::EACCES | Errno::EPERM => match context.group {
-            None | Some("root") => {
-                "the device node belongs to root alone: install the udev rule that gives it to a group"
-                    .to_string()
-            }
+            None => "the device node belongs to root alone: install the udev rule that gives it to a group"
+                .to_string(),
             Some(group) => format!(
                 "the device node belongs to group {group}: add yourself to group {group} \
                  (sudo usermod -aG {group} USER, then log in again)"
@@ -139,9 +143,12 @@ pub(in crate::pins) fn while_running(
     PinsError::Call { call, line: line.to_string(), source, hint: hint(errno) }
 }
 
-/// The name of the group that owns a device node; its number if it has no name.
+/// The name of the group that owns a device node, its number if it has no name; `None` for root's.
 pub(in crate::pins) fn owning_group(node: &Path) -> Option<String> {
     let gid = std::fs::metadata(node).ok()?.gid();
+    if gid == 0 {
+        return None;
+    }
     let group = Group::from_gid(Gid::from_raw(gid)).ok().flatten();
     Some(group.map_or_else(|| gid.to_string(), |group| group.name))
 }
@@ -163,8 +170,7 @@ mod tests {
         let context = Context { group: Some("gpio"), ..Context::default() };
         assert!(cause(libc::EACCES, &context).contains("add yourself to group gpio"));
         assert!(cause(libc::EPERM, &context).contains("usermod -aG gpio"));
-        let context = Context { group: Some("root"), ..Context::default() };
-        assert!(cause(libc::EACCES, &context).contains("udev rule"));
+        assert!(cause(libc::EACCES, &Context::default()).contains("udev rule"));
     }
 
     #[test]

@@ -3,6 +3,7 @@
 
 use super::chips::Chip;
 use super::error::OpenError;
+use super::names::line_offset;
 use crate::pins::{Drives, MAX_CHANNELS, Node};
 
 /// How a circuit is wired to the lines of one chip. A line is given by name ("GPIO17") or by offset ("17").
@@ -120,7 +121,7 @@ impl Wiring {
         self.check()?;
         let known = chip.lines()?;
         let find = |key: &str, wanted: &str| {
-            let offset = super::chips::line_offset(&known, wanted, &chip.title())?;
+            let offset = line_offset(&known, wanted, &chip.title())?;
             Ok::<_, OpenError>(Line { offset, title: format!("{key} ({wanted})") })
         };
         let sense = self.sense_parts().map(|(key, name)| find(key, name)).collect::<Result<Vec<_>, _>>()?;

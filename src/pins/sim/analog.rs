@@ -201,7 +201,7 @@ impl Analog {
         let mut until_ns = i64::MAX;
         if !changing.is_none() {
             let cell = at_ns.div_euclid(self.sample_ns);
-            until_ns = (cell + 1) * self.sample_ns;
+            until_ns = (cell * self.sample_ns).saturating_add(self.sample_ns);
             for line in changing.lines() {
                 let channel = line_index(line) - 4;
                 self.circuit.r_x[channel] =

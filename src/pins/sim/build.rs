@@ -7,12 +7,11 @@ use super::analog::Analog;
 use super::kernel::{Coalescing, Events};
 use super::latency::{Calls, Delay, Tail};
 use super::noise::Noise;
-use super::quantity::Seconds;
 use super::scene::{CallsScene, DelayScene, Scene};
 use super::sensor::{Sensor, Source};
 use super::truth::Truth;
 use super::{Reads, SimPins};
-use crate::units::Nanos;
+use crate::units::{Nanos, Seconds};
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 

@@ -35,7 +35,8 @@ impl Noise {
 ///
 /// z of these units after it, a sample is below with probability Phi(z), and `samples` samples fall in a unit: the
 /// cumulative hazard is samples (z Phi(z) + phi(z)), and the first crossing comes where it reaches an exponential
-/// variate. Where samples are rarer than one in a unit this becomes the wait for the next sample.
+/// variate. Exact in the limit of many samples in a unit (wide-band noise); where they are rarer than one in a unit it
+/// becomes the wait for the next sample.
 fn first_crossing(samples: f64, exponential: f64) -> f64 {
     let wanted = exponential / samples;
     // The function is convex, rises from 0, and lies above both 0 and z: to the right of the root Newton's
@@ -75,4 +76,53 @@ fn erfc(x: f64) -> f64 {
     let polynomial = FIT.iter().rev().fold(0.0, |sum, factor| sum * t + factor);
     let tail = t * (polynomial - x * x).exp();
     if x >= 0.0 { tail } else { 2.0 - tail }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use rand::SeedableRng;
+    use rand_chacha::ChaCha8Rng;
+
+    /// Against the process itself: a falling line sampled with independent noise until a sample is below.
+    #[test]
+    fn the_first_crossing_is_that_of_a_sampled_process() {
+        for spacing in [0.1, 0.02, 0.005] {
+            let noise = Noise { voltage: 1.0, sample_spacing: Some(spacing) };
+            let mut rng = ChaCha8Rng::seed_from_u64(3);
+            let sampled: Vec<f64> = (0..2000).map(|_| sampled(spacing, &mut rng)).collect();
+            let drawn: Vec<f64> = (0..2000).map(|_| noise.shift(1.0, &mut rng)).collect();
+            let (sampled_mean, sampled_sigma) = moments(&sampled);
+            let (drawn_mean, drawn_sigma) = moments(&drawn);
+            // The continuous hazard is a sum over samples: they differ by less than half a sample.
+            let tolerance = 5.0 * sampled_sigma * (2.0 / 2000.0f64).sqrt() + 0.5 * spacing;
+            assert!((sampled_mean - drawn_mean).abs() < tolerance, "{spacing}: {sampled_mean} {drawn_mean}");
+            assert!(
+                (sampled_sigma / drawn_sigma - 1.0).abs() < 0.15,
+                "{spacing}: {sampled_sigma} {drawn_sigma}"
+            );
+        }
+    }
+
+    fn sampled(spacing: f64, rng: &mut ChaCha8Rng) -> f64 {
+        let mut t = -6.0 + spacing * rng.random::<f64>();
+        while rng.sample::<f64, _>(StandardNormal) > t {
+            t += spacing;
+        }
+        t
+    }
+
+    fn moments(values: &[f64]) -> (f64, f64) {
+        let count = values.len() as f64;
+        let mean = values.iter().sum::<f64>() / count;
+        (mean, (values.iter().map(|v| (v - mean).powi(2)).sum::<f64>() / count).sqrt())
+    }
+
+    #[test]
+    fn the_normal_distribution_has_its_tabulated_values() {
+        for (z, wanted) in [(0.0, 0.5), (1.0, 0.841_344_746), (-2.0, 0.022_750_132), (-6.0, 9.865_876_45e-10)]
+        {
+            assert!((normal_below(z) / wanted - 1.0).abs() < 3e-7, "{z}");
+        }
+    }
 }

@@ -4,9 +4,9 @@
 //! scene does not name is off.
 
 use super::network::{self, LINES, Sense, Wiring};
-use super::quantity::{Ampere, Farad, Hertz, Ohm, Seconds, Volt};
 use super::sensor::Sensor;
 use crate::pins::{Drives, MAX_CHANNELS};
+use crate::units::{Ampere, Farad, Hertz, Ohm, Seconds, Volt};
 use serde::Deserialize;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -375,3 +375,6 @@ impl Sensor {
         Ok(())
     }
 }
+
+#[cfg(test)]
+mod tests;

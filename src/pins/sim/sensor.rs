@@ -2,7 +2,7 @@
 //!
 //! For: R_x as a function of time. Must not know: how it is measured.
 
-use super::quantity::{Hertz, Newton, NewtonOhm, Ohm, Seconds};
+use crate::units::{Hertz, Newton, NewtonOhm, Ohm, Seconds};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use serde::Deserialize;
@@ -70,6 +70,13 @@ pub enum Sensor {
         #[serde(default = "unhurried")]
         period: Seconds,
     },
+}
+
+impl Sensor {
+    /// A hand on an FSR 402, as it is when a scene says no more.
+    pub fn hand() -> Sensor {
+        Sensor::Hand { alpha: fsr_402(), peak: firm(), period: unhurried() }
+    }
 }
 
 /// Fitted to an FSR 402 between 1.2 N and 30 N by the authors of the paper (section V).
@@ -174,5 +181,53 @@ fn interpolate(points: &[(f64, f64)], t: f64) -> f64 {
         (Some((t0, r0)), Some((t1, r1))) => r0 + (r1 - r0) * (t - t0) / (t1 - t0),
         (Some((_, r)), None) | (None, Some((_, r))) => *r,
         (None, None) => UNTOUCHED_OHM,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_hand_presses_differently_each_time_and_lets_go() {
+        let mut source = Source::new(Sensor::hand(), 1, 16);
+        let strongest: Vec<f64> = (0..20)
+            .map(|press| {
+                let r = (0..200).map(|i| source.r_x(f64::from(press) * 2.0 + f64::from(i) * 0.01));
+                13_346.46 / r.fold(f64::INFINITY, f64::min)
+            })
+            .collect();
+        assert!(strongest.iter().all(|force| (0.9..10.3).contains(force)), "{strongest:?}");
+        assert!(strongest.windows(2).all(|pair| pair[0] != pair[1]));
+        for press in 0..20 {
+            assert_eq!(source.r_x(f64::from(press) * 2.0), UNTOUCHED_OHM);
+        }
+    }
+
+    #[test]
+    fn a_hand_is_the_same_from_whichever_side_it_is_looked_at() {
+        let (mut forward, mut backward) =
+            (Source::new(Sensor::hand(), 5, 16), Source::new(Sensor::hand(), 5, 16));
+        let times: Vec<f64> = (0..400).map(|i| 0.05 * f64::from(i)).collect();
+        let there: Vec<f64> = times.iter().map(|t| forward.r_x(*t)).collect();
+        let mut back: Vec<f64> = times.iter().rev().map(|t| backward.r_x(*t)).collect();
+        back.reverse();
+        assert_eq!(there, back);
+        let mut other = Source::new(Sensor::hand(), 6, 16);
+        assert_ne!(there, times.iter().map(|t| other.r_x(*t)).collect::<Vec<_>>());
+    }
+
+    #[test]
+    fn the_other_profiles_are_what_they_say() {
+        let r = |sensor: Sensor, t: f64| Source::new(sensor, 1, 16).r_x(t);
+        let step = || Sensor::Step { before: Ohm(1.0), after: Ohm(2.0), at: Seconds(3.0) };
+        assert_eq!((r(step(), 2.9), r(step(), 3.0)), (1.0, 2.0));
+        let ramp =
+            || Sensor::Ramp { from: Ohm(10.0), to: Ohm(20.0), start: Seconds(1.0), duration: Seconds(2.0) };
+        assert_eq!((r(ramp(), 0.0), r(ramp(), 2.0), r(ramp(), 9.0)), (10.0, 15.0, 20.0));
+        let sine = || Sensor::Sine { mean: Ohm(100.0), amplitude: Ohm(50.0), frequency: Hertz(0.25) };
+        assert!((r(sine(), 1.0) - 150.0).abs() < 1e-9 && (r(sine(), 3.0) - 50.0).abs() < 1e-9);
+        let file = || Sensor::File { path: PathBuf::new(), points: vec![(1.0, 10.0), (2.0, 30.0)] };
+        assert_eq!((r(file(), 0.0), r(file(), 1.5), r(file(), 5.0)), (10.0, 20.0, 30.0));
     }
 }

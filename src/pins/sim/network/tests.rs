@@ -89,7 +89,7 @@ fn currents(circuit: &Circuit, on: Drives, [v_a, v_b]: [f64; 2]) -> [f64; 2] {
         let (g1, g_near) = (1.0 / circuit.r_c1, if c1 { 1.0 / r_o } else { 0.0 });
         let g_far = if c2 { 1.0 / (circuit.r_c2 + r_o) } else { 0.0 };
         let v_between = v_a * g1 / (g1 + g_near + g_far);
-        into[0] -= (v_a - v_between) * g1;
+        into[0] -= v_between * (g_near + g_far);
     } else {
         into[0] -= if c1 { v_a / (circuit.r_c1 + r_o) } else { 0.0 };
         into[0] -= if c2 { v_a / (circuit.r_c2 + r_o) } else { 0.0 };

@@ -4,8 +4,8 @@
 
 use super::{DelayScene, Kind, NodeScene, Scene, SceneError, Threshold, line_named};
 use crate::pins::MAX_CHANNELS;
-use crate::pins::sim::quantity::Seconds;
 use crate::pins::sim::sensor::Sensor;
+use crate::units::Seconds;
 use std::path::Path;
 
 /// (key, what is wrong and what to do)

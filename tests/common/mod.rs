@@ -1,0 +1,162 @@
+//! A bench: a scene, a configuration, and the instrument between them, in virtual time.
+#![allow(dead_code)] // Each test program uses its own part.
+
+use cermd::config::Config;
+use cermd::instrument::{Instrument, Message};
+use cermd::pins::sim::{Kind, Scene, Sensor, SimPins};
+use cermd::reading::{Method, Reading, Status};
+use cermd::record::Record;
+use cermd::settings::Settings;
+use cermd::units::Ohm;
+
+/// What a test runs: a board by name, and what is changed on it and in the configuration.
+#[derive(Debug, Clone)]
+pub struct Bench {
+    pub scene: Scene,
+    pub config: String,
+    pub seed: u64,
+}
+
+pub fn kind_of(method: Method) -> Kind {
+    match method {
+        Method::Qerm => Kind::SeriesCalibration,
+        _ => Kind::TwoCapacitor,
+    }
+}
+
+/// The circuit table that goes with a board.
+pub fn circuit_of(name: &str, kind: Kind) -> &'static str {
+    match (name, kind) {
+        ("fpga-paper", Kind::TwoCapacitor) => {
+            "kind = \"two-capacitor\"\nc-a = \"330 nF\"\nc-b = \"22 nF\"\nv-th = \"1.4 V\"\nr-charge = \"120 ohm\""
+        }
+        ("fpga-paper", Kind::OneCapacitor) => "kind = \"one-capacitor\"\nc = \"20 nF\"\nv-th = \"1.4 V\"",
+        ("fpga-paper", Kind::SeriesCalibration) => {
+            "kind = \"series-calibration\"\nc = \"20 nF\"\nv-th = \"1.4 V\""
+        }
+        (_, Kind::TwoCapacitor) => {
+            "kind = \"two-capacitor\"\nc-a = \"2.2 uF\"\nc-b = \"680 nF\"\nv-th = \"1.1 V\""
+        }
+        (_, Kind::OneCapacitor) => "kind = \"one-capacitor\"\nc = \"470 nF\"\nv-th = \"1.1 V\"",
+        (_, Kind::SeriesCalibration) => "kind = \"series-calibration\"\nc = \"470 nF\"\nv-th = \"1.1 V\"",
+    }
+}
+
+impl Bench {
+    /// A built-in board with a sensor of `r_ohm` on one channel, read by `method`; `measure` adds lines to `[measure]`.
+    pub fn new(name: &str, method: Method, r_ohm: f64, seed: u64, measure: &str) -> Bench {
+        Bench::with_kind(name, kind_of(method), method, r_ohm, seed, measure)
+    }
+
+    pub fn with_kind(name: &str, kind: Kind, method: Method, r_ohm: f64, seed: u64, measure: &str) -> Bench {
+        let scene = Scene::builtin(name).unwrap().with_kind(kind).unwrap();
+        let scene = scene.with_sensors(vec![Sensor::Constant(Ohm(r_ohm))]).unwrap();
+        let config = format!(
+            "[circuit]\n{}\nr-c1 = \"2.32 kohm\"\nr-c2 = \"12.7 kohm\"\n[measure]\nmethod = \"{}\"\n{measure}\n\
+             [[channel]]\nid = \"x\"\n[mock]\nscene = \"{name}\"\n",
+            circuit_of(name, kind),
+            method.as_str()
+        );
+        Bench { scene, config, seed }
+    }
+
+    pub fn instrument(&self) -> Instrument<SimPins> {
+        let config = Config::parse(&self.config, "bench").unwrap();
+        Instrument::new(SimPins::new(&self.scene, Some(self.seed)), Settings::new(&config).unwrap())
+    }
+}
+
+/// Steps until so many readings have come, and hands each to `each`.
+pub fn read(instrument: &mut Instrument<SimPins>, count: usize, mut each: impl FnMut(&Reading)) {
+    let mut seen = 0;
+    while seen < count {
+        instrument
+            .step(&mut |message| {
+                if let Message::Reading(reading) = message {
+                    seen += 1;
+                    each(&reading);
+                }
+            })
+            .unwrap();
+    }
+    assert_eq!(instrument.pins().conflicts(), 0, "two outputs against each other");
+}
+
+/// Steps until the offset is known.
+pub fn settle(instrument: &mut Instrument<SimPins>) {
+    let mut steps = 0;
+    while !instrument.stats().offset_is_known {
+        instrument.step(&mut |_| {}).unwrap();
+        steps += 1;
+        assert!(steps < 100_000, "the offset is never found");
+    }
+}
+
+/// Records of discharges, in order.
+pub fn records(instrument: &mut Instrument<SimPins>, count: usize) -> Vec<Record> {
+    let mut records = Vec::new();
+    while records.len() < count {
+        instrument
+            .step(&mut |message| {
+                if let Message::Discharge { record, .. } = message {
+                    records.push(record);
+                }
+            })
+            .unwrap();
+    }
+    records
+}
+
+/// Errors of readings against the truth.
+#[derive(Debug, Clone, Default)]
+pub struct Errors {
+    pub errors: Vec<f64>,
+    pub us: Vec<f64>,
+    pub inferred: usize,
+    pub without_u: usize,
+    pub not_ok: Vec<&'static str>,
+}
+
+impl Errors {
+    pub fn add(&mut self, reading: &Reading, truth: f64) {
+        match reading.status {
+            Status::Ok { branch, r_ohm, .. } => {
+                let Some(u) = r_ohm.u else {
+                    self.without_u += 1;
+                    return;
+                };
+                self.errors.push(r_ohm.value - truth);
+                self.us.push(u);
+                self.inferred += usize::from(branch == cermd::reading::Branch::Inferred);
+            }
+            status => self.not_ok.push(status.as_str()),
+        }
+    }
+
+    pub fn count(&self) -> usize {
+        self.errors.len()
+    }
+
+    pub fn mean(&self) -> f64 {
+        self.errors.iter().sum::<f64>() / self.count() as f64
+    }
+
+    pub fn sd(&self) -> f64 {
+        let mean = self.mean();
+        (self.errors.iter().map(|e| (e - mean).powi(2)).sum::<f64>() / (self.count() - 1) as f64).sqrt()
+    }
+
+    pub fn max(&self) -> f64 {
+        self.errors.iter().fold(0.0, |max, e| e.abs().max(max))
+    }
+
+    pub fn mean_u(&self) -> f64 {
+        (self.us.iter().map(|u| u * u).sum::<f64>() / self.count() as f64).sqrt()
+    }
+
+    /// The share of readings within two of their own sigma.
+    pub fn coverage(&self) -> f64 {
+        let within = self.errors.iter().zip(&self.us).filter(|(e, u)| e.abs() <= 2.0 * **u).count();
+        within as f64 / self.count() as f64
+    }
+}
