@@ -237,7 +237,7 @@ impl Daemon {
     fn publish(&mut self) {
         // Empty when nothing was written since: that is no error.
         let _ = self.measuring.wake().read();
-        let offset_was_known = self.stats.offset_is_known;
+        let before = self.stats;
         let to_wall = clock(ClockId::CLOCK_REALTIME) - monotonic();
         while let Some(report) = self.measuring.next() {
             publish::report(&mut self.server, &mut self.stats, &self.loaded, report, to_wall);
@@ -250,8 +250,12 @@ impl Daemon {
             self.server.miss_readings(readings);
             self.server.miss_raw(discharges);
         }
-        if self.stats.offset_is_known && !offset_was_known {
+        let is_found = self.stats.offset_is_known && !before.offset_is_known;
+        if is_found {
             publish::log_offset(&self.stats);
+        }
+        // The offset is followed; a tape that is being recorded keeps the one that it began with.
+        if is_found || (self.stats.offset != before.offset && !self.server.wants_raw()) {
             self.announce_tape_header();
         }
     }

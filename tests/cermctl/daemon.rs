@@ -24,7 +24,7 @@ r-charge = "40 ohm"
 [measure]
 method = "cerm"
 rate-hz = 100
-charge-time = "200 us"
+charge-time = "500 us"
 t-l = "10 us"
 [[channel]]
 id = "thumb"
@@ -49,10 +49,10 @@ r-o = "40 ohm"
 v-dd = "3.3 V"
 threshold = { falling = "1.3 V" }
 [stamps]
-mean = "8 us"
+mean = "1 us"
 [calls]
 fixed = "100 ns"
-per-line = "200 ns"
+per-line = "10 ns"
 moves-at = [0.0, 1.0]
 [[sensor]]
 constant = "100 ohm"
@@ -71,9 +71,14 @@ pub struct Daemon {
 
 impl Daemon {
     pub fn start() -> Daemon {
+        Daemon::start_with("", "")
+    }
+
+    /// With a change to the configuration.
+    pub fn start_with(from: &str, to: &str) -> Daemon {
         let mut daemon = Daemon { folder: tempfile::tempdir().unwrap(), child: None };
         fs::write(daemon.path("scene.toml"), SCENE).unwrap();
-        let config = CONFIG.replace("SOCKET", daemon.socket().to_str().unwrap());
+        let config = CONFIG.replace("SOCKET", daemon.socket().to_str().unwrap()).replacen(from, to, 1);
         fs::write(daemon.path("cermd.toml"), config).unwrap();
         daemon.run();
         daemon

@@ -77,7 +77,7 @@ fn an_instrument_that_has_not_measured_yet() {
         .replace("SOCKET", socket.to_str().unwrap())
         .replace("scene.toml", daemon.path("scene.toml").to_str().unwrap())
         .replace("rate-hz = 100", "")
-        .replace("\"200 us\"", "\"50 s\"");
+        .replace("\"500 us\"", "\"50 s\"");
     fs::write(folder.path().join("cermd.toml"), config).unwrap();
     let mut slow = std::process::Command::new(env!("CARGO_BIN_EXE_cermd"))
         .arg("--config")
