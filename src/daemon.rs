@@ -6,16 +6,18 @@
 //! The main thread waits in one `poll` for the server, for results and for signals. The measuring thread never waits
 //! for it.
 
+mod heartbeat;
 mod measuring;
 mod publish;
 mod signals;
 
 use crate::backend::{self, AnyPins, OpenError};
-use crate::config::{Config, ConfigError, Finding, Severity};
+use crate::config::{Backend, Config, ConfigError, Finding, Severity};
 use crate::server::{Limits, ListenError, Listener, Server};
 use crate::settings::{Settings, SettingsError};
 use crate::stats::Stats;
 use crate::units::Nanos;
+use heartbeat::Heartbeat;
 use measuring::Measuring;
 use nix::poll::{PollFd, PollFlags, PollTimeout, poll};
 use nix::time::{ClockId, clock_gettime};
@@ -28,6 +30,9 @@ use std::time::Duration;
 
 /// How often the main thread looks after the measuring thread when nothing else wakes it.
 const LOOK_AFTER: Duration = Duration::from_millis(500);
+
+/// What is said when a reload fails.
+const KEPT: &str = "the old configuration stays in force";
 
 /// Why the daemon does not run.
 #[derive(Debug, thiserror::Error)]
@@ -112,6 +117,9 @@ impl Loaded {
         for finding in findings.iter().filter(|finding| finding.severity == Severity::Warning) {
             log::warn!("{finding}");
         }
+        if config.gpio.backend == Backend::Mock {
+            backend::scene(&config)?;
+        }
         Ok(Loaded { settings: Settings::new(&config)?, config })
     }
 
@@ -142,9 +150,9 @@ pub struct Daemon {
     loaded: Loaded,
     stats: Stats,
     started: Nanos,
-    beat: u64,
-    next_watchdog: Nanos,
-    watchdog_every: Option<Nanos>,
+    heartbeat: Heartbeat,
+    /// Whether the service manager waits for signs of life.
+    has_watchdog: bool,
 }
 
 impl Daemon {
@@ -166,17 +174,19 @@ impl Daemon {
         open: impl FnOnce(&Config) -> Result<AnyPins, OpenError>,
     ) -> Result<Daemon, DaemonError> {
         let config = &loaded.config;
-        let listener = match Listener::from_systemd()? {
-            Some(listener) => listener,
-            None => Listener::bind(&config.server.socket, config.server.mode.0)?,
+        let (listener, place) = match Listener::from_systemd()? {
+            Some(listener) => (listener, "the socket passed by systemd".to_owned()),
+            None => {
+                let path = &config.server.socket;
+                (Listener::bind(path, config.server.mode.0)?, path.display().to_string())
+            }
         };
         let mut server = Server::new(listener, &publish::channels(&loaded.settings), Limits::default())
             .map_err(system("epoll"))?;
         server.set_tape_header(&publish::header(config, &loaded.settings, None));
-        let measuring = measure(&loaded, open(config)?)?;
-        log::info!("serving {} channel(s) on {}", config.channels.len(), config.server.socket.display());
-        // Half the interval that the service manager waits, as it recommends.
-        let watchdog_every = sd_notify::watchdog_enabled().map(|every| Nanos((every.as_nanos() / 2) as i64));
+        let measuring = start_measuring(Some(open(config)?), &loaded)?;
+        log::info!("serving {} channel(s) on {place}", config.channels.len());
+        let watchdog = sd_notify::watchdog_enabled();
         notify(&[NotifyState::Ready, NotifyState::Status("measuring")]);
         Ok(Daemon {
             measuring,
@@ -185,9 +195,8 @@ impl Daemon {
             loaded,
             stats: Stats::default(),
             started: monotonic(),
-            beat: 0,
-            next_watchdog: Nanos::ZERO,
-            watchdog_every,
+            heartbeat: Heartbeat::new(watchdog),
+            has_watchdog: watchdog.is_some(),
         })
     }
 
@@ -218,7 +227,7 @@ impl Daemon {
             if self.measuring.has_ended() {
                 return Err(DaemonError::Died);
             }
-            self.feed_watchdog(now);
+            self.give_sign_of_life(now);
         }
     }
 
@@ -226,8 +235,9 @@ impl Daemon {
         let watch = |fd| PollFd::new(fd, PollFlags::POLLIN);
         let mut descriptors =
             [watch(self.server.as_fd()), watch(self.measuring.wake().as_fd()), watch(self.signals.as_fd())];
-        let until = self.server.wake_at().map(|at| Duration::from_nanos((at - monotonic()).0.max(0) as u64));
-        let timeout = until.unwrap_or(LOOK_AFTER).min(LOOK_AFTER);
+        let now = monotonic();
+        let until = self.server.wake_at().map(|at| Duration::from_nanos((at - now).0.max(0) as u64));
+        let timeout = until.unwrap_or(LOOK_AFTER).min(LOOK_AFTER).min(self.heartbeat.patience(now));
         match poll(&mut descriptors, PollTimeout::try_from(timeout).unwrap_or(PollTimeout::MAX)) {
             Ok(_) | Err(nix::errno::Errno::EINTR) => Ok(()),
             Err(errno) => Err(errno.into()),
@@ -266,30 +276,47 @@ impl Daemon {
         self.server.set_tape_header(&publish::header(&self.loaded.config, &self.loaded.settings, found));
     }
 
-    /// A file that is wrong leaves everything as it is.
+    /// Reads the configuration again. The service manager waits for the second of two messages: sd_notify(3) on
+    /// RELOADING=1.
     fn reload(&mut self, path: &Path) -> Result<(), DaemonError> {
         log::info!("reading {} again", path.display());
-        let loaded = match Loaded::load(path) {
-            Ok(loaded) => loaded,
+        if let Ok(now) = NotifyState::monotonic_usec_now() {
+            notify(&[NotifyState::Reloading, now]);
+        }
+        let result = match Loaded::load(path) {
+            Ok(loaded) => self.change_to(loaded),
+            // A file that is wrong leaves everything as it is.
             Err(error) => {
-                log::error!("the old configuration stays in force: {error}");
-                return Ok(());
+                log::error!("{KEPT}: {error}");
+                Ok(())
             }
         };
+        notify(&[NotifyState::Ready]);
+        result
+    }
+
+    fn change_to(&mut self, loaded: Loaded) -> Result<(), DaemonError> {
         if loaded.config.server != self.loaded.config.server {
             log::warn!("[server] takes effect at the next start: the socket stays where it is");
         }
-        // The lines of the old configuration are released before those of the new one are asked for.
+        // The lines of the old configuration are released before those of the new one are asked for, and its last
+        // readings are published under its own channels.
         self.measuring.stop();
         self.publish();
-        match start_measuring(&loaded) {
-            Ok(measuring) => {
-                self.measuring = measuring;
+        match open(&loaded) {
+            Ok(pins) => {
+                self.measuring = start_measuring(Some(pins), &loaded)?;
                 self.loaded = loaded;
+                log::info!(
+                    "the new configuration is in force: {} channel(s)",
+                    self.loaded.config.channels.len()
+                );
             }
             Err(error) => {
-                log::error!("the old configuration stays in force: {error}");
-                self.measuring = start_measuring(&self.loaded)?;
+                log::error!("{KEPT}: {error}");
+                let pins =
+                    open(&self.loaded).inspect_err(|error| log::error!("{error}; trying again every second"));
+                self.measuring = start_measuring(pins.ok(), &self.loaded)?;
             }
         }
         self.stats = Stats::default();
@@ -299,24 +326,22 @@ impl Daemon {
     }
 
     /// Only while the measuring thread goes on: one that is stuck must be found by the service manager.
-    fn feed_watchdog(&mut self, now: Nanos) {
-        let Some(every) = self.watchdog_every else { return };
-        let beat = self.measuring.beat();
-        if now < self.next_watchdog || beat == self.beat {
+    fn give_sign_of_life(&mut self, now: Nanos) {
+        if !self.heartbeat.is_due(now, self.measuring.beat()) {
             return;
         }
-        self.beat = beat;
-        self.next_watchdog = now + every;
         let status = publish::status_line(&self.stats, self.server.clients());
-        notify(&[NotifyState::Watchdog, NotifyState::Status(&status)]);
+        let states = [NotifyState::Status(&status), NotifyState::Watchdog];
+        notify(if self.has_watchdog { &states } else { &states[..1] });
     }
 }
 
-fn start_measuring(loaded: &Loaded) -> Result<Measuring, DaemonError> {
-    measure(loaded, backend::open(&loaded.config, monotonic())?)
+fn open(loaded: &Loaded) -> Result<AnyPins, OpenError> {
+    backend::open(&loaded.config, monotonic())
 }
 
-fn measure(loaded: &Loaded, pins: AnyPins) -> Result<Measuring, DaemonError> {
+/// `None`: the pins cannot be opened now, and the measuring thread tries again.
+fn start_measuring(pins: Option<AnyPins>, loaded: &Loaded) -> Result<Measuring, DaemonError> {
     Measuring::start(pins, loaded.config.clone(), loaded.settings.clone()).map_err(system("thread"))
 }
 

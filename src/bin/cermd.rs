@@ -3,6 +3,9 @@
 use cermd::cli::{Cermd, NO_HARDWARE};
 use cermd::{check, daemon};
 use clap::Parser;
+use nix::sys::stat::fstat;
+use std::io::Write;
+use std::os::fd::{AsFd, BorrowedFd};
 use std::process::ExitCode;
 
 fn main() -> ExitCode {
@@ -28,12 +31,11 @@ fn main() -> ExitCode {
     }
 }
 
-/// To standard error; run by systemd, each line begins with its syslog priority (sd-daemon(3)) and has no time, which the
-/// journal adds. RUST_LOG chooses what is said.
+/// To standard error; into the journal, each line begins with its syslog priority (sd-daemon(3)) and has no time, which
+/// the journal adds. RUST_LOG chooses what is said.
 fn start_log() {
-    use std::io::Write;
     let mut logger = env_logger::Builder::from_env(env_logger::Env::default().default_filter_or("info"));
-    if std::env::var_os("JOURNAL_STREAM").is_some() {
+    if is_journal(std::io::stderr().as_fd()) {
         logger.format(|out, record| {
             let priority = match record.level() {
                 log::Level::Error => 3,
@@ -46,4 +48,11 @@ fn start_log() {
         });
     }
     logger.init();
+}
+
+/// Whether a descriptor is the stream to the journal: the variable is inherited by programs whose output was
+/// redirected, so it names the stream by device and inode (systemd.exec(5), JOURNAL_STREAM).
+fn is_journal(output: BorrowedFd<'_>) -> bool {
+    let Ok(stream) = std::env::var("JOURNAL_STREAM") else { return false };
+    fstat(output).is_ok_and(|found| stream == format!("{}:{}", found.st_dev, found.st_ino))
 }

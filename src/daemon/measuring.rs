@@ -61,11 +61,11 @@ pub struct Measuring {
 }
 
 impl Measuring {
-    /// Starts to measure.
+    /// Starts to measure. Without pins, it starts by trying to open them.
     ///
     /// # Errors
     /// The system has no descriptor or thread left.
-    pub fn start(pins: AnyPins, config: Config, settings: Settings) -> io::Result<Measuring> {
+    pub fn start(pins: Option<AnyPins>, config: Config, settings: Settings) -> io::Result<Measuring> {
         let (sender, results) = RingBuffer::new(RING);
         let shared = Arc::new(Shared {
             stop: AtomicBool::new(false),
@@ -77,7 +77,7 @@ impl Measuring {
         let worker = Worker { shared: Arc::clone(&shared), sender, config };
         let thread = thread::Builder::new()
             .name("cermd-measure".to_owned())
-            .spawn(move || worker.run(Instrument::new(pins, settings)))?;
+            .spawn(move || worker.run(pins, settings))?;
         Ok(Measuring { shared, results, thread: Some(thread) })
     }
 
@@ -132,7 +132,12 @@ struct Worker {
 }
 
 impl Worker {
-    fn run(mut self, mut instrument: Instrument<AnyPins>) {
+    fn run(mut self, pins: Option<AnyPins>, settings: Settings) {
+        let is_open = pins.is_some();
+        let mut instrument = Instrument::new(pins.unwrap_or_else(|| Box::new(Closed)), settings);
+        if !is_open {
+            self.reopen(&mut instrument);
+        }
         let mut stats_due = Nanos::ZERO;
         let mut offset_was_known = false;
         while !self.is_stopped() {
@@ -160,6 +165,7 @@ impl Worker {
     fn reopen(&mut self, instrument: &mut Instrument<AnyPins>) {
         // The old pins go first: a line has one holder at a time.
         *instrument.pins() = Box::new(Closed);
+        let mut said = String::new();
         loop {
             let naps = REOPEN_AFTER.as_millis() / 100;
             for _ in 0..naps {
@@ -175,7 +181,12 @@ impl Worker {
                     self.send(Report::Reopened);
                     return;
                 }
-                Err(error) => self.send(Report::NotOpened(error)),
+                // The same reason every second would fill the log.
+                Err(error) if error.to_string() == said => {}
+                Err(error) => {
+                    said = error.to_string();
+                    self.send(Report::NotOpened(error));
+                }
             }
         }
     }
@@ -221,5 +232,104 @@ impl Pins for Closed {
     }
     fn levels(&mut self) -> Result<Levels, PinsError> {
         Err(PinsError::Ended)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::pins::sim::{Scene, SimPins};
+    use std::sync::atomic::AtomicU32;
+
+    const CONFIG: &str = "[circuit]\nkind = \"two-capacitor\"\nc-a = \"2.2 uF\"\nc-b = \"680 nF\"\nv-th = \"1.1 V\"\n\
+                          r-c1 = \"2.32 kohm\"\nr-c2 = \"12.7 kohm\"\n[gpio]\nbackend = \"mock\"\n\
+                          [[channel]]\nid = \"x\"\n[mock]\nscene = \"SCENE\"\n";
+
+    fn config(scene: &str) -> (Config, Settings) {
+        let config = Config::parse(&CONFIG.replace("SCENE", scene), "test").unwrap();
+        let settings = Settings::new(&config).unwrap();
+        (config, settings)
+    }
+
+    /// Pins with a mistake in the program that shows at the last of so many waits for an edge.
+    struct Mistaken {
+        pins: SimPins,
+        waits: u32,
+        /// How many lines drive, for all to see.
+        driving: Arc<AtomicU32>,
+    }
+
+    impl Pins for Mistaken {
+        fn now(&mut self) -> Nanos {
+            self.pins.now()
+        }
+        fn drive(&mut self, on: Drives) -> Result<Bracket, PinsError> {
+            self.driving.store(on.count(), Ordering::SeqCst);
+            self.pins.drive(on)
+        }
+        fn arm(&mut self) -> Result<Armed, PinsError> {
+            self.pins.arm()
+        }
+        fn edge(&mut self, until: Nanos) -> Result<Option<Edge>, PinsError> {
+            self.waits -= 1;
+            assert!(self.waits > 0, "a panic that this test asks for, {} lines driving", self.driving());
+            self.pins.edge(until)
+        }
+        fn sleep_until(&mut self, at: Nanos) -> Result<(), PinsError> {
+            self.pins.sleep_until(at)
+        }
+        fn levels(&mut self) -> Result<Levels, PinsError> {
+            self.pins.levels()
+        }
+    }
+
+    impl Mistaken {
+        fn driving(&self) -> u32 {
+            self.driving.load(Ordering::SeqCst)
+        }
+    }
+
+    #[test]
+    fn a_panic_ends_the_measurement_with_every_line_released() {
+        let (config, settings) = config("ideal");
+        let driving = Arc::new(AtomicU32::new(u32::MAX));
+        let pins = SimPins::new(&Scene::builtin("ideal").unwrap(), None);
+        let pins = Mistaken { pins, waits: 20, driving: Arc::clone(&driving) };
+        let mut measuring = Measuring::start(Some(Box::new(pins)), config, settings).unwrap();
+        while !measuring.has_ended() {
+            thread::yield_now();
+        }
+        assert_eq!(driving.load(Ordering::SeqCst), 0);
+        assert!(
+            matches!(measuring.next(), Some(Report::Message(_))),
+            "what was measured before is still there"
+        );
+        measuring.stop();
+    }
+
+    #[test]
+    fn pins_that_are_missing_are_opened_by_and_by() {
+        let (config, settings) = config("pi4");
+        let mut measuring = Measuring::start(None, config, settings).unwrap();
+        let first = loop {
+            if let Some(report) = measuring.next() {
+                break report;
+            }
+            thread::yield_now();
+        };
+        assert!(matches!(first, Report::Reopened), "{first:?}");
+    }
+
+    #[test]
+    fn a_reason_is_told_once() {
+        let (config, settings) = config("nowhere.toml");
+        let mut measuring = Measuring::start(None, config, settings).unwrap();
+        let begin = measuring.beat();
+        // Two rounds of trying, each of ten naps.
+        while measuring.beat() < begin + 25 {
+            thread::sleep(Duration::from_millis(10));
+        }
+        assert!(matches!(measuring.next(), Some(Report::NotOpened(_))));
+        assert!(measuring.next().is_none());
     }
 }
