@@ -13,14 +13,15 @@ mod signals;
 
 use crate::backend::{self, AnyPins, OpenError};
 use crate::config::{Backend, Config, ConfigError, Finding, Severity};
+use crate::pins::Pins;
 use crate::server::{Limits, ListenError, Listener, Server};
 use crate::settings::{Settings, SettingsError};
-use crate::stats::Stats;
 use crate::units::Nanos;
 use heartbeat::Heartbeat;
 use measuring::Measuring;
 use nix::poll::{PollFd, PollFlags, PollTimeout, poll};
 use nix::time::{ClockId, clock_gettime};
+use publish::Told;
 use sd_notify::NotifyState;
 use signals::Signals;
 use std::io;
@@ -148,7 +149,7 @@ pub struct Daemon {
     server: Server,
     signals: Signals,
     loaded: Loaded,
-    stats: Stats,
+    told: Told,
     started: Nanos,
     heartbeat: Heartbeat,
     /// Whether the service manager waits for signs of life.
@@ -181,7 +182,7 @@ impl Daemon {
             server,
             signals,
             loaded,
-            stats: Stats::default(),
+            told: Told::default(),
             started: monotonic(),
             heartbeat: Heartbeat::new(watchdog),
             has_watchdog: watchdog.is_some(),
@@ -197,14 +198,16 @@ impl Daemon {
             self.wait().map_err(system("poll"))?;
             self.publish();
             let now = monotonic();
-            let mut fields = publish::stats(&self.stats, &self.loaded.config, now - self.started);
-            self.server.turn(now, &mut fields).map_err(system("epoll_wait"))?;
+            let uptime = now - self.started;
+            self.server
+                .turn(now, &mut publish::stats(&self.told, &self.loaded.config, uptime))
+                .map_err(system("epoll_wait"))?;
             let asked = self.signals.take();
             if asked.end {
                 notify(&[NotifyState::Stopping, NotifyState::Status("stopping")]);
                 log::info!(
                     "stopping: {} readings in {:.0} s",
-                    self.stats.readings,
+                    self.told.stats.readings,
                     (now - self.started).as_seconds()
                 );
                 return Ok(());
@@ -235,10 +238,10 @@ impl Daemon {
     fn publish(&mut self) {
         // Empty when nothing was written since: that is no error.
         let _ = self.measuring.wake().read();
-        let offset_was_known = self.stats.offset_is_known;
+        let offset_was_known = self.told.stats.offset_is_known;
         let to_wall = clock(ClockId::CLOCK_REALTIME) - monotonic();
         while let Some(report) = self.measuring.next() {
-            publish::report(&mut self.server, &mut self.stats, &self.loaded, report, to_wall);
+            publish::report(&mut self.server, &mut self.told, &self.loaded, report, to_wall);
         }
         let (readings, discharges) = self.measuring.take_lost();
         if readings + discharges > 0 {
@@ -248,8 +251,8 @@ impl Daemon {
             self.server.miss_readings(readings);
             self.server.miss_raw(discharges);
         }
-        if self.stats.offset_is_known && !offset_was_known {
-            publish::log_offset(&self.stats);
+        if self.told.stats.offset_is_known && !offset_was_known {
+            publish::log_offset(&self.told.stats);
         }
     }
 
@@ -296,7 +299,7 @@ impl Daemon {
                 self.measuring = start_measuring(pins.ok(), &self.loaded)?;
             }
         }
-        self.stats = Stats::default();
+        self.told = Told::default();
         self.server.set_channels(&publish::channels(&self.loaded.settings));
         self.server.set_tape_header(&publish::header(&self.loaded.config, &self.loaded.settings));
         Ok(())
@@ -307,14 +310,18 @@ impl Daemon {
         if !self.heartbeat.is_due(now, self.measuring.beat()) {
             return;
         }
-        let status = publish::status_line(&self.stats, self.server.clients());
+        let status = publish::status_line(&self.told.stats, self.server.clients());
         let states = [NotifyState::Status(&status), NotifyState::Watchdog];
         notify(if self.has_watchdog { &states } else { &states[..1] });
     }
 }
 
 fn open(loaded: &Loaded) -> Result<AnyPins, OpenError> {
-    backend::open(&loaded.config, monotonic())
+    let pins = backend::open(&loaded.config, monotonic())?;
+    for blind_spot in pins.particulars().blind_spots {
+        log::info!("{blind_spot}");
+    }
+    Ok(pins)
 }
 
 /// `None`: the pins cannot be opened now, and the measuring thread tries again.

@@ -1,11 +1,13 @@
 //! The daemon: parse, run, exit status.
 
-use cermd::{config, daemon};
+use cermd::config::{self, Config};
+use cermd::{backend, daemon};
 use clap::Parser;
 use nix::sys::stat::fstat;
+use std::error::Error;
 use std::io::Write;
 use std::os::fd::{AsFd, BorrowedFd};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 /// Measures resistances by timing RC discharges over GPIO lines, and streams them on a unix socket.
@@ -18,6 +20,9 @@ struct Arguments {
     /// Check the configuration, say what is found, and exit
     #[arg(long)]
     check: bool,
+    /// Make every line that the configuration names an input, and exit: for after a kill
+    #[arg(long, conflicts_with = "check")]
+    release_lines: bool,
 }
 
 const NO_HARDWARE: &str = "Without hardware: `cermctl demo` shows live readings of a simulated circuit; a file with \
@@ -37,13 +42,25 @@ fn main() -> ExitCode {
         print!("{report}");
         return if report.is_usable() { ExitCode::SUCCESS } else { ExitCode::FAILURE };
     }
-    match daemon::run(&path) {
+    let outcome =
+        if arguments.release_lines { release_lines(&path) } else { daemon::run(&path).map_err(Into::into) };
+    match outcome {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {
             log::error!("{error}");
             ExitCode::FAILURE
         }
     }
+}
+
+fn release_lines(path: &Path) -> Result<(), Box<dyn Error>> {
+    let config = Config::load(path)?;
+    if backend::release_lines(&config)? {
+        log::info!("every line of {} is an input", path.display());
+    } else {
+        log::info!("{} is about a simulated circuit: no line to release", path.display());
+    }
+    Ok(())
 }
 
 /// To standard error; into the journal, each line begins with its syslog priority (sd-daemon(3)) and has no time, which
