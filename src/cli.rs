@@ -24,6 +24,9 @@ pub struct Cermd {
     /// Check the configuration, say what is found, and exit
     #[arg(long)]
     pub check: bool,
+    /// Make every line that the configuration names an input, and exit: for after a kill
+    #[arg(long, conflicts_with = "check")]
+    pub release_lines: bool,
 }
 
 /// Reads resistive sensors that cermd measures on GPIO lines, and looks after the instrument.

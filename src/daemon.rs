@@ -13,14 +13,15 @@ mod signals;
 
 use crate::backend::{self, AnyPins, OpenError};
 use crate::config::{Backend, Config, ConfigError, Finding, Severity};
+use crate::pins::Pins;
 use crate::server::{Limits, ListenError, Listener, Server};
 use crate::settings::{Settings, SettingsError};
-use crate::stats::Stats;
 use crate::units::Nanos;
 use heartbeat::Heartbeat;
 use measuring::Measuring;
 use nix::poll::{PollFd, PollFlags, PollTimeout, poll};
 use nix::time::{ClockId, clock_gettime};
+use publish::Told;
 use sd_notify::NotifyState;
 pub use signals::{Signals, StopHandle};
 use std::io;
@@ -148,7 +149,7 @@ pub struct Daemon {
     server: Server,
     signals: Signals,
     loaded: Loaded,
-    stats: Stats,
+    told: Told,
     started: Nanos,
     heartbeat: Heartbeat,
     /// Whether the service manager waits for signs of life.
@@ -193,7 +194,7 @@ impl Daemon {
             server,
             signals,
             loaded,
-            stats: Stats::default(),
+            told: Told::default(),
             started: monotonic(),
             heartbeat: Heartbeat::new(watchdog),
             has_watchdog: watchdog.is_some(),
@@ -209,14 +210,16 @@ impl Daemon {
             self.wait().map_err(system("poll"))?;
             self.publish();
             let now = monotonic();
-            let mut fields = publish::stats(&self.stats, &self.loaded.config, now - self.started);
-            self.server.turn(now, &mut fields).map_err(system("epoll_wait"))?;
+            let uptime = now - self.started;
+            self.server
+                .turn(now, &mut publish::stats(&self.told, &self.loaded.config, uptime))
+                .map_err(system("epoll_wait"))?;
             let asked = self.signals.take();
             if asked.end {
                 notify(&[NotifyState::Stopping, NotifyState::Status("stopping")]);
                 log::info!(
                     "stopping: {} readings in {:.0} s",
-                    self.stats.readings,
+                    self.told.stats.readings,
                     (now - self.started).as_seconds()
                 );
                 return Ok(());
@@ -247,10 +250,10 @@ impl Daemon {
     fn publish(&mut self) {
         // Empty when nothing was written since: that is no error.
         let _ = self.measuring.wake().read();
-        let before = self.stats;
+        let before = self.told.stats;
         let to_wall = clock(ClockId::CLOCK_REALTIME) - monotonic();
         while let Some(report) = self.measuring.next() {
-            publish::report(&mut self.server, &mut self.stats, &self.loaded, report, to_wall);
+            publish::report(&mut self.server, &mut self.told, &self.loaded, report, to_wall);
         }
         let (readings, discharges) = self.measuring.take_lost();
         if readings + discharges > 0 {
@@ -260,19 +263,21 @@ impl Daemon {
             self.server.miss_readings(readings);
             self.server.miss_raw(discharges);
         }
-        let is_found = self.stats.offset_is_known && !before.offset_is_known;
+        let found = self.told.stats;
+        let is_found = found.offset_is_known && !before.offset_is_known;
         if is_found {
-            publish::log_offset(&self.stats);
+            publish::log_offset(&found);
         }
         // The offset is followed; a tape that is being recorded keeps the one that it began with.
-        if is_found || (self.stats.offset != before.offset && !self.server.wants_raw()) {
+        if is_found || (found.offset != before.offset && !self.server.wants_raw()) {
             self.announce_tape_header();
         }
     }
 
     /// With the offset as soon as it is known: a tape that begins later holds no split discharges to find it from.
     fn announce_tape_header(&mut self) {
-        let found = self.stats.offset_is_known.then_some(self.stats.offset.d_ns);
+        let stats = &self.told.stats;
+        let found = stats.offset_is_known.then_some(stats.offset.d_ns);
         self.server.set_tape_header(&publish::header(&self.loaded.config, &self.loaded.settings, found));
     }
 
@@ -319,7 +324,7 @@ impl Daemon {
                 self.measuring = start_measuring(pins.ok(), &self.loaded)?;
             }
         }
-        self.stats = Stats::default();
+        self.told = Told::default();
         self.server.set_channels(&publish::channels(&self.loaded.settings));
         self.announce_tape_header();
         Ok(())
@@ -330,14 +335,18 @@ impl Daemon {
         if !self.heartbeat.is_due(now, self.measuring.beat()) {
             return;
         }
-        let status = publish::status_line(&self.stats, self.server.clients());
+        let status = publish::status_line(&self.told.stats, self.server.clients());
         let states = [NotifyState::Status(&status), NotifyState::Watchdog];
         notify(if self.has_watchdog { &states } else { &states[..1] });
     }
 }
 
 fn open(loaded: &Loaded) -> Result<AnyPins, OpenError> {
-    backend::open(&loaded.config, monotonic())
+    let pins = backend::open(&loaded.config, monotonic())?;
+    for blind_spot in pins.particulars().blind_spots {
+        log::info!("{blind_spot}");
+    }
+    Ok(pins)
 }
 
 /// `None`: the pins cannot be opened now, and the measuring thread tries again.

@@ -4,6 +4,7 @@
 
 use crate::offset::Offset;
 use crate::reading::{Fault, Status};
+use crate::units::Nanos;
 
 /// Counts since the start.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -26,6 +27,10 @@ pub struct Stats {
     pub offset: Offset,
     /// Whether it is given or found, not still being found.
     pub offset_is_known: bool,
+    /// How long before an instant the backend turns from sleeping to spinning, if it does.
+    pub spin_margin: Option<Nanos>,
+    /// How many kinds of trouble the backend cannot notice.
+    pub blind_spots: usize,
 }
 
 impl Stats {

@@ -1,11 +1,14 @@
 //! The daemon: parse, run, exit status.
 
 use cermd::cli::{Cermd, NO_HARDWARE};
-use cermd::{check, daemon};
+use cermd::config::Config;
+use cermd::{backend, check, daemon};
 use clap::Parser;
 use nix::sys::stat::fstat;
+use std::error::Error;
 use std::io::Write;
 use std::os::fd::{AsFd, BorrowedFd};
+use std::path::Path;
 use std::process::ExitCode;
 
 fn main() -> ExitCode {
@@ -22,13 +25,25 @@ fn main() -> ExitCode {
         print!("{report}");
         return if report.is_usable() { ExitCode::SUCCESS } else { ExitCode::FAILURE };
     }
-    match daemon::run(&path) {
+    let outcome =
+        if arguments.release_lines { release_lines(&path) } else { daemon::run(&path).map_err(Into::into) };
+    match outcome {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {
             log::error!("{error}");
             ExitCode::FAILURE
         }
     }
+}
+
+fn release_lines(path: &Path) -> Result<(), Box<dyn Error>> {
+    let config = Config::load(path)?;
+    if backend::release_lines(&config)? {
+        log::info!("every line of {} is an input", path.display());
+    } else {
+        log::info!("{} is about a simulated circuit: no line to release", path.display());
+    }
+    Ok(())
 }
 
 /// To standard error; into the journal, each line begins with its syslog priority (sd-daemon(3)) and has no time, which

@@ -9,6 +9,7 @@ use crate::backend::{self, AnyPins, OpenError};
 use crate::config::Config;
 use crate::instrument::{Instrument, Message};
 use crate::pins::{Armed, Bracket, Drives, Edge, Levels, Pins, PinsError};
+use crate::realtime::{self, Realtime};
 use crate::settings::Settings;
 use crate::stats::Stats;
 use crate::units::Nanos;
@@ -32,14 +33,16 @@ const STATS_EVERY: Nanos = Nanos(250_000_000);
 pub enum Report {
     /// A reading or a discharge.
     Message(Message),
+    /// What became of the wishes of `[realtime]`. Comes first.
+    Realtime(realtime::Report),
     /// Counters, from time to time.
     Stats(Stats),
     /// The pins failed; they are opened again by and by.
     Failed(PinsError),
     /// They still cannot be opened.
     NotOpened(OpenError),
-    /// They work again.
-    Reopened,
+    /// They work again: a cycle has been finished.
+    Recovered,
 }
 
 /// What both sides share.
@@ -74,7 +77,7 @@ impl Measuring {
             lost_discharges: AtomicU64::new(0),
             wake: EventFd::from_flags(EfdFlags::EFD_CLOEXEC | EfdFlags::EFD_NONBLOCK)?,
         });
-        let worker = Worker { shared: Arc::clone(&shared), sender, config };
+        let worker = Worker { shared: Arc::clone(&shared), sender, config, said: String::new() };
         let thread = thread::Builder::new()
             .name("cermd-measure".to_owned())
             .spawn(move || worker.run(pins, settings))?;
@@ -129,10 +132,15 @@ struct Worker {
     shared: Arc<Shared>,
     sender: Producer<Report>,
     config: Config,
+    /// What was said last about pins that do not work; empty while they do.
+    said: String,
 }
 
 impl Worker {
     fn run(mut self, pins: Option<AnyPins>, settings: Settings) {
+        // Rights are the thread's own, and held as long as it lives.
+        let realtime = Realtime::request(&self.config.realtime);
+        self.send(Report::Realtime(realtime.report()));
         let is_open = pins.is_some();
         let mut instrument = Instrument::new(pins.unwrap_or_else(|| Box::new(Closed)), settings);
         if !is_open {
@@ -140,13 +148,19 @@ impl Worker {
         }
         let mut stats_due = Nanos::ZERO;
         let mut offset_was_known = false;
+        let mut cycles_before = 0;
         while !self.is_stopped() {
             let result = instrument.step(&mut |message| self.send(Report::Message(message)));
             if let Err(error) = result {
-                self.send(Report::Failed(error));
+                cycles_before = instrument.stats().cycles;
+                self.complain(error.to_string(), Report::Failed(error));
                 self.reopen(&mut instrument);
             }
             let stats = instrument.stats();
+            if !self.said.is_empty() && stats.cycles > cycles_before {
+                self.said.clear();
+                self.send(Report::Recovered);
+            }
             let now = instrument.pins().now();
             if now >= stats_due || stats.offset_is_known != offset_was_known {
                 stats_due = now + STATS_EVERY;
@@ -165,7 +179,6 @@ impl Worker {
     fn reopen(&mut self, instrument: &mut Instrument<AnyPins>) {
         // The old pins go first: a line has one holder at a time.
         *instrument.pins() = Box::new(Closed);
-        let mut said = String::new();
         loop {
             let naps = REOPEN_AFTER.as_millis() / 100;
             for _ in 0..naps {
@@ -178,16 +191,18 @@ impl Worker {
             match backend::open(&self.config, now) {
                 Ok(pins) => {
                     *instrument.pins() = pins;
-                    self.send(Report::Reopened);
                     return;
                 }
-                // The same reason every second would fill the log.
-                Err(error) if error.to_string() == said => {}
-                Err(error) => {
-                    said = error.to_string();
-                    self.send(Report::NotOpened(error));
-                }
+                Err(error) => self.complain(error.to_string(), Report::NotOpened(error)),
             }
+        }
+    }
+
+    /// Says why the pins do not work, unless that was said last: the same reason every second would fill the log.
+    fn complain(&mut self, why: String, report: Report) {
+        if why != self.said {
+            self.said = why;
+            self.send(report);
         }
     }
 
@@ -300,6 +315,7 @@ mod tests {
             thread::yield_now();
         }
         assert_eq!(driving.load(Ordering::SeqCst), 0);
+        assert!(matches!(measuring.next(), Some(Report::Realtime(_))));
         assert!(
             matches!(measuring.next(), Some(Report::Message(_))),
             "what was measured before is still there"
@@ -311,13 +327,14 @@ mod tests {
     fn pins_that_are_missing_are_opened_by_and_by() {
         let (config, settings) = config("pi4");
         let mut measuring = Measuring::start(None, config, settings).unwrap();
-        let first = loop {
-            if let Some(report) = measuring.next() {
-                break report;
+        let reading = loop {
+            match measuring.next() {
+                Some(Report::Message(Message::Reading(reading))) => break reading,
+                Some(Report::NotOpened(error)) => panic!("{error}"),
+                _ => thread::yield_now(),
             }
-            thread::yield_now();
         };
-        assert!(matches!(first, Report::Reopened), "{first:?}");
+        assert_ne!(reading.status, crate::reading::Status::Fault(crate::reading::Fault::Pins));
     }
 
     #[test]
@@ -329,6 +346,7 @@ mod tests {
         while measuring.beat() < begin + 25 {
             thread::sleep(Duration::from_millis(10));
         }
+        assert!(matches!(measuring.next(), Some(Report::Realtime(_))));
         assert!(matches!(measuring.next(), Some(Report::NotOpened(_))));
         assert!(measuring.next().is_none());
     }

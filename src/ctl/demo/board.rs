@@ -95,6 +95,7 @@ fn config(scene: &Scene, arguments: &cli::Demo, socket: &Path) -> Config {
         gpio: Gpio::default(),
         measure: Measure { method, ..Measure::default() },
         channels: (0..scene.sensors.len().max(1)).map(channel).collect(),
+        realtime: Default::default(),
         server: Server { socket: socket.to_owned(), mode: Mode(0o600) },
         mock: Some(Mock { scene: arguments.scene.clone(), seed: arguments.seed }),
         base: PathBuf::new(),
