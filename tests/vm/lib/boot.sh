@@ -22,12 +22,14 @@ boot() {
         { echo "$name: no results, see $out.console" >&2; return 1; }
 }
 
-command_line="console=ttyAMA0 quiet panic=-1 mitigations=off nokaslr audit=0 apparmor=0 lsm= random.trust_cpu=on"
+command_line="console=ttyAMA0 quiet panic=-1 systemd.show_status=false mitigations=off nokaslr audit=0 apparmor=0 lsm= random.trust_cpu=on"
 command_line+=" rcupdate.rcu_expedited=1"
 
 # kernel_image SUITE
 kernel_image() {
-    local v
-    v=$(cat "$cache/tree/kernel-$1.version")
-    ls "$cache/tree/kernel-$1/usr/lib/modules/$v/vmlinuz" "$cache/tree/kernel-$1/boot/vmlinuz-$v" 2>/dev/null | head -1
+    local tree=$cache/tree/kernel-$1 v file
+    v=$(cat "$tree.version")
+    for file in "$tree/usr/lib/modules/$v/vmlinuz" "$tree/boot/vmlinuz-$v"; do
+        [ ! -e "$file" ] || echo "$file"
+    done
 }

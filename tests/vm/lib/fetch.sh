@@ -8,6 +8,7 @@ fetch() {
     if [ -e "$cache/fetched" ] && [ "$(cat "$cache/fetched")" = "$(fetch_recipe)" ]; then return; fi
     apt_new bookworm "amd64 arm64" bookworm bookworm-updates bookworm-backports
     apt_new trixie "amd64 arm64" trixie trixie-backports
+    apt_new guest arm64 trixie
     fetch_host
     local suite
     for suite in "${kernels[@]}"; do fetch_kernel "$suite"; done
@@ -50,8 +51,7 @@ fetch_kernel() {
 # What runs there: the small image has libgpiod and its tools beside busybox, the other one systemd and udev.
 fetch_guest() {
     apt_tree trixie busybox-host busybox-static:amd64
-    apt_closure trixie guest busybox-static:arm64 gpiod:arm64 libgpiod-dev:arm64 libgcc-s1:arm64
-    apt_closure trixie system systemd-sysv:arm64 udev:arm64 dbus:arm64 gpiod:arm64 base-files:arm64 bash:arm64 \
-        base-passwd:arm64 coreutils:arm64 util-linux:arm64 mount:arm64 kmod:arm64 grep:arm64 sed:arm64 dash:arm64 \
-        mawk:arm64 passwd:arm64 libgcc-s1:arm64 hostname:arm64 procps:arm64 socat:arm64
+    apt_closure guest guest busybox-static gpiod libgpiod-dev libgcc-s1 mawk
+    apt_closure guest system base-files base-passwd bash coreutils dash dbus findutils gpiod grep gzip hostname kmod libgcc-s1 \
+        mawk mount passwd procps sed systemd-sysv tar udev util-linux
 }

@@ -11,13 +11,11 @@ image_small() {
     for name in ld-linux-aarch64.so.1 libc.so.6 libm.so.6 libgcc_s.so.1 libgpiod.so.3; do
         cp -L "$tree/guest/$lib/$name" "$root/$lib"
     done
-    cp "$tree/guest/usr/bin"/{busybox,gpio*} "$root/usr/bin"
+    cp "$tree/guest/usr/bin"/{busybox,gpio*,mawk} "$root/usr/bin"
     ln -s busybox "$root/usr/bin/sh"
     image_tests "$root" "$1"
     install -m 755 "$here/guest/init" "$root/init"
-    find "$root" -exec touch -h -d @1767225600 {} +
-    (cd "$root" && find . | LC_ALL=C sort | "$tree/busybox-host/usr/bin/busybox" cpio -o -H newc -R 0:0 2>/dev/null) |
-        gzip -1n >"$cache/build/$1.initrd"
+    pack_initramfs "$root" "$1"
 }
 
 # image_tests ROOT SUITE: what both root file systems have: /test and the programs.
@@ -26,4 +24,11 @@ image_tests() {
     cp -r "$here"/guest/. "$1/test"
     with_cross $cross-strip -g -o "$1/test/gpio-cermd.ko" "$cache/build/module-$2/gpio-cermd.ko"
     cp "$cache/build/target/$target/release"/{cermd,cermctl} "$cache"/build/{probe,tpcm} "$1/usr/bin"
+}
+
+# pack_initramfs ROOT NAME: all files belong to root and are of one date.
+pack_initramfs() {
+    find "$1" -exec touch -h -d @1767225600 {} +
+    (cd "$1" && find . | LC_ALL=C sort |
+        "$cache/tree/busybox-host/usr/bin/busybox" cpio -o -H newc -R 0:0 2>/dev/null) | gzip -1n >"$cache/build/$2.initrd"
 }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 /*
- * probe v2|v1: tests the circuit in the kernel through the character device, with nothing of cermd in between.
+ * probe v2|v1|paper: tests the circuit in the kernel through the character device, with nothing of cermd in between.
+ * "paper" is uAPI v2 without chargers: the sense lines charge the nodes themselves.
  *
  * Charges, discharges through c1, c2, x, and through x and then c2; compares the instants that the circuit exports
  * with the law of the circuit, and the stamps with those instants. Prints a table; exit status 1 if anything is off.
@@ -25,12 +26,15 @@ static const unsigned int sense[] = { SENSE_A, SENSE_B }, chargers[] = { CHARGE_
 static const unsigned int sinks[SINKS] = { 16, 20, 21 };
 static const double g_farad[2] = { 483893e-12, 819120e-12 };
 
+static const uint64_t sense_flags =
+	GPIO_V2_LINE_FLAG_INPUT | GPIO_V2_LINE_FLAG_EDGE_FALLING | GPIO_V2_LINE_FLAG_BIAS_DISABLED;
+
 struct times {	/* ns; 0: has not happened */
 	int64_t start, release, sink, cross[2], irq[2], stamp[2];
 };
 
 static int chip, sense_fd[2], charge_fd, sink_fd, sense_count;
-static bool v1;
+static bool v1, paper;
 
 static void die(const char *what)
 {
@@ -109,8 +113,7 @@ static void open_lines(void)
 	} else {
 		sink_fd = request_v2(sinks, SINKS, GPIO_V2_LINE_FLAG_OUTPUT | GPIO_V2_LINE_FLAG_OPEN_DRAIN, ~0ull);
 		charge_fd = request_v2(chargers, 2, GPIO_V2_LINE_FLAG_OUTPUT | GPIO_V2_LINE_FLAG_OPEN_SOURCE, 0);
-		sense_fd[0] = request_v2(sense, 2, GPIO_V2_LINE_FLAG_INPUT | GPIO_V2_LINE_FLAG_EDGE_FALLING |
-						   GPIO_V2_LINE_FLAG_BIAS_DISABLED, 0);
+		sense_fd[0] = request_v2(sense, 2, sense_flags, 0);
 		sense_count = 1;
 	}
 }
@@ -127,7 +130,23 @@ static void set_values(int fd, int count, unsigned int values)
 }
 
 static void sink(unsigned int mask) { set_values(sink_fd, SINKS, ~mask); }
-static void charge(bool on) { set_values(charge_fd, 2, on ? 3 : 0); }
+
+static void charge(bool on)
+{
+	struct gpio_v2_line_config config = { .flags = on ? GPIO_V2_LINE_FLAG_OUTPUT : sense_flags };
+
+	if (!paper) {
+		set_values(charge_fd, 2, on ? 3 : 0);
+		return;
+	}
+	if (on) {
+		config.num_attrs = 1;
+		config.attrs[0].attr.id = GPIO_V2_LINE_ATTR_ID_OUTPUT_VALUES;
+		config.attrs[0].attr.values = config.attrs[0].mask = 3;
+	}
+	if (ioctl(sense_fd[0], GPIO_V2_LINE_SET_CONFIG_IOCTL, &config))
+		die("SET_CONFIG");
+}
 
 /* Waits for one event on either sense line. */
 static bool stamp(struct times *t, int timeout_ms)
@@ -232,6 +251,7 @@ int main(int argc, char **argv)
 	int bad = 0;
 
 	v1 = argc > 1 && strcmp(argv[1], "v1") == 0;
+	paper = argc > 1 && strcmp(argv[1], "paper") == 0;
 	open_lines();
 	for (unsigned int i = 0; i < sizeof(runs) / sizeof(*runs); i++) {
 		struct times t = discharge(runs[i].first, runs[i].next, runs[i].after_ns);
