@@ -10,7 +10,8 @@ apt_mirror() {
         grep -v '^ *#' | grep -oE 'https?://[^ ]+/debian/?( |$)' | head -1 | tr -d ' ' || true
 }
 
-# apt_new NAME "ARCH..." SUITE...: an apt of its own below $cache/apt/NAME.
+# apt_new NAME "ARCH..." SUITE...: an apt of its own below $cache/apt/NAME. Of the system's settings only those of
+# transport (proxies) hold: its hooks would touch the system.
 apt_new() {
     local dir=$cache/apt/$1 archs=$2 suite mirror
     shift 2
@@ -23,9 +24,10 @@ apt_new() {
 	Dir::Etc::SourceList "$dir/sources"; Dir::Etc::SourceParts "/dev/null";
 	Dir::Etc::Preferences "/dev/null"; Dir::Etc::PreferencesParts "/dev/null";
 	APT::Architecture "${archs%% *}"; APT::Architectures { $(printf '"%s"; ' $archs) };
+	Dir::Etc::Main "/dev/null"; Dir::Etc::Parts "/dev/null"; $(apt-config dump | grep -E '^Acquire::(https?|Check)' || true)
 	APT::Install-Recommends "false"; APT::Sandbox::User "root"; Acquire::Languages "none"; Acquire::Retries "3";
 	CONF
-    APT_CONFIG=$dir/conf apt-get -qq update
+    APT_CONFIG=$dir/conf apt-get -qq -o APT::Update::Error-Mode=any update
 }
 
 # apt_kernel NAME SUITE: the version that the suite's kernel for virtual machines has now.

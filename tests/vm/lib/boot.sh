@@ -22,8 +22,8 @@ boot() {
         { echo "$name: no results, see $out.console" >&2; return 1; }
 }
 
-command_line="console=ttyAMA0 quiet panic=-1 systemd.show_status=false mitigations=off nokaslr audit=0 apparmor=0 lsm= random.trust_cpu=on"
-command_line+=" rcupdate.rcu_expedited=1"
+command_line="console=ttyAMA0 quiet panic=-1 systemd.show_status=false mitigations=off nokaslr audit=0 apparmor=0"
+command_line+=" lsm= random.trust_cpu=on rcupdate.rcu_expedited=1"
 
 # kernel_image SUITE
 kernel_image() {

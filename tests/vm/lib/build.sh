@@ -44,8 +44,8 @@ headers_relocate() {
 build_c() {
     local out=$cache/build/$1 src=$here/$2 tree=$cache/tree
     shift 2
-    with_cross $cross-gcc-12 --sysroot="$tree/cross" -O2 -Wall -Wextra -Werror -I"$tree/guest/usr/include" -o "$out" "$src" \
-        -L"$tree/guest/usr/lib/$cross" -Wl,--allow-shlib-undefined "$@"
+    with_cross $cross-gcc-12 --sysroot="$tree/cross" -O2 -Wall -Wextra -Werror -I"$tree/guest/usr/include" \
+        -o "$out" "$src" -L"$tree/guest/usr/lib/$cross" -Wl,--allow-shlib-undefined "$@"
 }
 
 # The crate's programs as for a board, by Debian's rustc of the crate's MSRV and this host's cargo.

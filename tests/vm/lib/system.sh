@@ -10,7 +10,8 @@ image_system() {
     local root=$cache/build/root-systemd etc=$cache/build/root-systemd/etc
     rm -rf "$root"
     cp -a "$cache/tree/system" "$root"
-    rm -rf "$root"/usr/share/{doc,man,locale,perl5,zoneinfo} "$root/usr/lib/$cross"/{gconv,perl*} "$root/usr/lib/udev/hwdb"*
+    rm -rf "$root"/usr/share/{doc,man,locale,perl5,zoneinfo} "$root/usr/lib/$cross"/{gconv,perl*} \
+        "$root/usr/lib/udev/hwdb"*
     cp "$root/usr/share/base-passwd/passwd.master" "$etc/passwd"
     cp "$root/usr/share/base-passwd/group.master" "$etc/group"
     echo "user:x:1000:1000::/tmp:/bin/sh" >>"$etc/passwd"

@@ -21,8 +21,7 @@
  *
  * /sys/kernel/debug/gpio-cermd/discharges holds the true instants of the last discharges (CLOCK_MONOTONIC, ns):
  * the difference between a crossing there and the stamp that user space got is the true latency.
- * /sys/kernel/debug/gpio-cermd/outputs is the mask of lines that drive now (gpiolib goes on calling a released open-drain
- * line an output).
+ * .../outputs is the mask of lines that drive now (gpiolib goes on calling a released open-drain line an output).
  * /sys/module/gpio_cermd/parameters: the circuit; what is written takes effect at the next change of a line.
  */
 #include <linux/debugfs.h>
@@ -43,7 +42,7 @@
 #define CHARGE_MASK	(BIT(CHARGE_A) | BIT(CHARGE_B) | SENSE_MASK)
 #define RECORDS		8192
 
-/* Progress is a fixed-point number of nF with 46 binary digits: 1 ns at 10 Mohm is still 7 million units. */
+/* Progress is in units of 2^-46 nF: 1 ns at 10 Mohm is still 7 million of them. */
 #define NF_SHIFT	46
 #define THETA_MAX	(1ULL << 62)
 
@@ -67,7 +66,7 @@ module_param(trigger_pf, uint, 0644);
 MODULE_PARM_DESC(trigger_pf, "1 sigma of g_A and g_B from discharge to discharge: moves the true crossing");
 static unsigned int late_ns, jitter_ns;
 module_param(late_ns, uint, 0644);
-MODULE_PARM_DESC(late_ns, "mean time from a crossing to its interrupt, on top of the kernel's own");
+MODULE_PARM_DESC(late_ns, "mean time from a crossing to its interrupt, on top of the kernel's own; none if charging begins before");
 module_param(jitter_ns, uint, 0644);
 MODULE_PARM_DESC(jitter_ns, "1 sigma of that time; the sum is never negative");
 static unsigned long seed = 1;
@@ -141,7 +140,7 @@ static u64 decay(u64 dt, u64 tau)
 	return (plus - minus) >> (x >> 32);
 }
 
-/* Nearly Gaussian (the sum of 12 uniform numbers), mean 0. */
+/* The sum of 12 uniform numbers: nearly Gaussian. */
 static s64 noise(struct circuit *c, u32 sigma)
 {
 	s64 sum = -6LL << 32;
