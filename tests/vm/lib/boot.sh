@@ -1,7 +1,7 @@
 # For: one run of a machine and what it leaves. Must not know: what is in its root file system.
 #
 # Deterministic time: one processor, one emulating thread, and a clock that counts executed instructions (shift=1: 2 ns
-# each) instead of the host's; while the guest idles it jumps to the next timer. Nothing of the host shows in the guest.
+# each) instead of the host's; while the guest idles it jumps to the next timer. With still-clock.c nothing of the host shows in the guest.
 
 # boot NAME KERNEL OUT SECONDS QEMU_OPTION...: console to OUT.console, the files of /results to the folder OUT.
 boot() {
@@ -10,7 +10,7 @@ boot() {
     shift 4
     rm -rf "$out" "$out.console"
     mkdir -p "$out"
-    LD_LIBRARY_PATH=$lib:$tree/lib/x86_64-linux-gnu QEMU_MODULE_DIR=$lib/qemu \
+    LD_PRELOAD=$cache/build/still-clock.so LD_LIBRARY_PATH=$lib:$tree/lib/x86_64-linux-gnu QEMU_MODULE_DIR=$lib/qemu \
         timeout -k 5 "$limit" "$tree/usr/bin/qemu-system-aarch64" -L "$tree/usr/share/qemu" \
         -M virt,dtb-randomness=off -cpu cortex-a72 -m 512 -smp 1 -accel tcg,thread=single \
         -icount shift=1,sleep=off,align=off -rtc base=2026-01-01T00:00:00,clock=vm \
