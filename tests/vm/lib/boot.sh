@@ -1,7 +1,8 @@
 # For: one run of a machine and what it leaves. Must not know: what is in its root file system.
 #
 # Deterministic time: one processor, one emulating thread, and a clock that counts executed instructions (shift=1: 2 ns
-# each) instead of the host's; while the guest idles it jumps to the next timer. With still-clock.c nothing of the host shows in the guest.
+# each) instead of the host's; while the guest idles it jumps to the next timer. With still-clock.c nothing of the host
+# shows in the guest.
 
 # boot NAME KERNEL OUT SECONDS QEMU_OPTION...: console to OUT.console, the files of /results to the folder OUT.
 boot() {

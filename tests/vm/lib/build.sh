@@ -53,8 +53,8 @@ build_rust() {
     local bin=$cache/build/bin libs=$cache/tree/rust/usr/lib/x86_64-linux-gnu
     mkdir -p "$bin"
     printf '#!/bin/sh\nLD_LIBRARY_PATH=%s exec %s/tree/rust/usr/bin/rustc "$@"\n' "$libs" "$cache" >"$bin/rustc"
-    printf '#!/bin/sh\nPATH=%s:$PATH LD_LIBRARY_PATH=%s exec %s-gcc-12 --sysroot=%s "$@"\n' "$cache/tree/cross/usr/bin" \
-        "$cache/tree/cross/usr/lib/x86_64-linux-gnu" $cross "$cache/tree/cross" >"$bin/linker"
+    printf '#!/bin/sh\nPATH=%s:$PATH LD_LIBRARY_PATH=%s exec %s-gcc-12 --sysroot=%s "$@"\n' \
+        "$cache/tree/cross/usr/bin" "$cache/tree/cross/usr/lib/x86_64-linux-gnu" $cross "$cache/tree/cross" >"$bin/linker"
     chmod +x "$bin"/*
     RUSTC=$bin/rustc CARGO_TARGET_AARCH64_UNKNOWN_LINUX_GNU_LINKER=$bin/linker \
         cargo build --quiet --locked --release --bins --manifest-path "$root_of_crate/Cargo.toml" \

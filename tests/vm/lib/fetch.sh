@@ -52,6 +52,6 @@ fetch_kernel() {
 fetch_guest() {
     apt_tree trixie busybox-host busybox-static:amd64
     apt_closure guest guest busybox-static gpiod libgpiod-dev libgcc-s1 mawk
-    apt_closure guest system base-files base-passwd bash coreutils dash dbus findutils gpiod grep gzip hostname kmod libgcc-s1 \
-        mawk mount passwd procps sed systemd-sysv tar udev util-linux
+    apt_closure guest system base-files base-passwd bash coreutils dash dbus findutils gpiod grep gzip hostname kmod \
+        libgcc-s1 mawk mount passwd procps sed systemd-sysv tar udev util-linux
 }

@@ -29,6 +29,6 @@ image_tests() {
 # pack_initramfs ROOT NAME: all files belong to root and are of one date.
 pack_initramfs() {
     find "$1" -exec touch -h -d @1767225600 {} +
-    (cd "$1" && find . | LC_ALL=C sort |
-        "$cache/tree/busybox-host/usr/bin/busybox" cpio -o -H newc -R 0:0 2>/dev/null) | gzip -1n >"$cache/build/$2.initrd"
+    (cd "$1" && find . | LC_ALL=C sort | "$cache/tree/busybox-host/usr/bin/busybox" cpio -o -H newc -R 0:0 2>/dev/null) |
+        gzip -1n >"$cache/build/$2.initrd"
 }

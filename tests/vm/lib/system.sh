@@ -1,4 +1,4 @@
-# For: the root file system with real systemd and udev, the service and rule under test. Must not know: what the tests do.
+# For: the root file system with real systemd and udev, the service and rule under test. Must not know: the tests.
 #
 # It is unpacked from packages without their maintainer scripts, so the few files that those would have made are made
 # here. It is an initramfs, too: no disk, so its time is as deterministic as that of the small image.
