@@ -6,7 +6,8 @@ keyring=/usr/share/keyrings/debian-archive-keyring.gpg
 
 # The mirror that this system uses itself.
 apt_mirror() {
-    { cat /etc/apt/sources.list /etc/apt/sources.list.d/*.sources /etc/apt/sources.list.d/*.list 2>/dev/null || true; } |
+    local dir=/etc/apt
+    { cat $dir/sources.list $dir/sources.list.d/*.sources $dir/sources.list.d/*.list 2>/dev/null || true; } |
         grep -v '^ *#' | grep -oE 'https?://[^ ]+/debian/?( |$)' | head -1 | tr -d ' ' || true
 }
 
