@@ -342,15 +342,14 @@ impl Daemon {
 }
 
 fn open(loaded: &Loaded) -> Result<AnyPins, OpenError> {
-    let pins = backend::open(&loaded.config, monotonic())?;
-    for blind_spot in pins.particulars().blind_spots {
-        log::info!("{blind_spot}");
-    }
-    Ok(pins)
+    backend::open(&loaded.config, monotonic())
 }
 
 /// `None`: the pins cannot be opened now, and the measuring thread tries again.
 fn start_measuring(pins: Option<AnyPins>, loaded: &Loaded) -> Result<Measuring, DaemonError> {
+    for blind_spot in pins.iter().flat_map(|pins| pins.particulars().blind_spots) {
+        log::info!("{blind_spot}");
+    }
     Measuring::start(pins, loaded.config.clone(), loaded.settings.clone()).map_err(system("thread"))
 }
 

@@ -25,10 +25,10 @@ pub(super) struct Session {
     /// Wanted lines that were overwritten since the last one it got.
     lost: u64,
     subscription: Subscription,
-    /// The position in the ring that what is due comes before: older lines belong to what was announced before.
-    announced_at: u64,
-    version_is_due: bool,
-    tape_header_is_due: bool,
+    /// VERSION is due, before the line at this position in the ring: older ones belong to the VERSION before it.
+    version_due: Option<u64>,
+    /// The same for the header of a tape.
+    tape_header_due: Option<u64>,
     /// May change the instrument: root, or the daemon's own user.
     privileged: bool,
 }
@@ -42,9 +42,8 @@ impl Session {
             cursor: hub.ring.next(),
             lost: 0,
             subscription: Subscription::default(),
-            announced_at: hub.ring.next(),
-            version_is_due: true,
-            tape_header_is_due: false,
+            version_due: Some(0),
+            tape_header_due: None,
             privileged,
         }
     }
@@ -74,14 +73,12 @@ impl Session {
 
     /// Other channels, of which the line at position `at` is the first that may speak.
     pub fn announce_version(&mut self, at: u64) {
-        self.announced_at = at;
-        self.version_is_due = true;
+        self.version_due = Some(at);
     }
 
     /// Another tape, of which the line at position `at` is the first that may be.
     pub fn announce_tape_header(&mut self, at: u64) {
-        self.announced_at = at;
-        self.tape_header_is_due = self.wants_raw();
+        self.tape_header_due = self.wants_raw().then_some(at);
     }
 
     /// The line at `position` is about to be overwritten. Returns whether that is a loss for this client.
@@ -126,10 +123,11 @@ impl Session {
 
     /// Does one thing that is due. Returns false when nothing is.
     fn compose(&mut self, hub: &Hub, stats: &mut dyn FnMut(&mut Object<'_>)) -> bool {
-        let is_caught_up = self.cursor >= self.announced_at;
-        if is_caught_up && std::mem::take(&mut self.version_is_due) {
+        let cursor = self.cursor;
+        let is_due = |at: &mut u64| cursor >= *at;
+        if self.version_due.take_if(is_due).is_some() {
             self.output.extend_from_slice(&hub.version);
-        } else if is_caught_up && std::mem::take(&mut self.tape_header_is_due) {
+        } else if self.tape_header_due.take_if(is_due).is_some() {
             self.output.extend_from_slice(&hub.tape_header);
         } else if let Some(line) = self.input.next_line() {
             if !is_blank(&line) {
@@ -197,7 +195,9 @@ impl Session {
         }
         let limit = watch.max_hz.map(RateLimit::new);
         self.subscription = Subscription { enable: watch.enable, channels, raw: watch.raw, limit };
-        self.tape_header_is_due = self.wants_raw() && !was_raw;
+        if !was_raw || !self.wants_raw() {
+            self.tape_header_due = self.wants_raw().then_some(0);
+        }
         Ok(())
     }
 
@@ -313,6 +313,15 @@ mod tests {
         (4..=9).for_each(|seq| publish(&mut hub, &mut session, seq));
         let overtaken = classes(answers(&mut session, &hub, ""));
         assert_eq!(overtaken, ["VERSION", "READING", "READING", "READING", "READING"]);
+
+        session.announce_version(hub.ring.next());
+        publish(&mut hub, &mut session, 10);
+        session.announce_tape_header(hub.ring.next());
+        assert_eq!(
+            classes(answers(&mut session, &hub, "")),
+            ["VERSION", "READING"],
+            "a tape is no reason to wait"
+        );
     }
 
     proptest! {
