@@ -27,17 +27,15 @@ const R_C2: f64 = 12_700.0;
 /// How a resistor is read.
 #[derive(Debug, Clone, Copy)]
 struct Way {
-    name: &'static str,
     kind: Kind,
     method: Method,
     measure: &'static str,
 }
 
-const TPCM: Way = Way { name: "TPCM", kind: Kind::OneCapacitor, method: Method::Tpcm, measure: "" };
-const TCDIC: Way = Way { name: "TCDIC", kind: Kind::TwoCapacitor, method: Method::Tcdic, measure: "" };
+const TPCM: Way = Way { kind: Kind::OneCapacitor, method: Method::Tpcm, measure: "" };
+const TCDIC: Way = Way { kind: Kind::TwoCapacitor, method: Method::Tcdic, measure: "" };
 /// Section V: T_L = 616 cycles, and the switch where node A crosses.
 const CERM: Way = Way {
-    name: "CERM",
     kind: Kind::TwoCapacitor,
     method: Method::Cerm,
     measure: "offset = \"auto\"\nt-l = \"12.32 us\"\nswitch-fraction = 1.0",

@@ -125,15 +125,14 @@ again because it was an outlier, or, once in eight cycles of CERM with `offset =
   the direct discharge and noise of the inferred one balance at about 1 kohm.
 - **Eq. (21) and (23) do not break down with R_x.** If the switch comes where A crosses, T_c2B - T_c2,x is T_c2A by eq. (15),
   whatever R_x: the relative uncertainty of inferred times stays sqrt(3) and 1 times that of T_c2A from 100 ohm to 10 kohm.
-  It rises, and as the full eq. (20) and (22) say, when the switch comes before that: as it would with a switch
-  at T_L at the latest, which would explain Fig. 5(a). With 330 nF / 22 nF the factors are 1.93 and 1.17, since node B falls
+  It rises, by the full eq. (20) and (22), when the switch comes before that. A switch at T_L at the latest would explain
+  Fig. 5(a). With 330 nF / 22 nF the factors are 1.93 and 1.17, since node B falls
   more slowly than A (u(T_B) = 1.17 u(T_A)); sqrt(3) and 1 are the limit C_A >> C_B.
 - **Eq. (25) leaves out a covariance.** Both inferred times come from one T_c2,x and one T_c2B. The relative uncertainty of their
   sum is sqrt(3/2) times u(T_c2A)/T_c2A in the limit C_A >> C_B (1.40 times with 330 nF / 22 nF), not 1.
 - **6.2 ohm at 15.01 kohm is better than eq. (12) allows.** TPCM's 13.1 ohm at 16.2 kohm, less the smaller resistance
   (0.93) and 1/sqrt(2), is 8.6 ohm; with 330 nF / 22 nF the factor is 0.73 instead of 0.71.
 - **The stated times imply three thresholds** (V_DD = 3.3 V, Ro = 40 ohm): 1.35 V from the 1051.42 us of TPCM, 1.44 V from
-  T_L = 616 cycles at 681 ohm, 1.46 V from the 1076.82 us of CERM. A capacitor 8 % off for TPCM and 1 %
-  for CERM would do as well. The scene uses
-  the second, so that our longest cycles differ from the paper's.
+  T_L = 616 cycles at 681 ohm, 1.46 V from the 1076.82 us of CERM. Capacitors that are 8 % off
+  (TPCM) and 1 % off (CERM) would do as well. The scene uses the second, so that our longest cycles differ from the paper's.
 ";
