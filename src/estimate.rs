@@ -214,7 +214,7 @@ impl Estimator {
             None => (u_switch_ns, u_switch_ns),
         };
         Some(Covariances {
-            crossings: [self.noise.covariance(c1)?, self.noise.covariance(c2)?, self.noise.covariance(late)?],
+            crossings: self.noise.covariances([c1, c2, late])?,
             single: [at * at, on * on, self.offset.u_d_ns * self.offset.u_d_ns],
         })
     }

@@ -23,7 +23,7 @@ _cermd() {
 
     case "${cmd}" in
         cermd)
-            opts="-h -V --config --check --help --version"
+            opts="-h -V --config --check --release-lines --help --version"
             if [[ ${cur} == -* || ${COMP_CWORD} -eq 1 ]] ; then
                 COMPREPLY=( $(compgen -W "${opts}" -- "${cur}") )
                 return 0
