@@ -69,6 +69,9 @@ const ROUNDING_NS2: f64 = 1.0 / 12.0;
 struct Spread {
     warm_up: [[f64; 2]; WARM_UP],
     seen: usize,
+    /// Of the times: what their noise goes by.
+    time: [f64; 2],
+    /// Of the times less what was expected.
     mean: [f64; 2],
     last: [f64; 2],
     sum: Covariance,
@@ -80,6 +83,7 @@ impl Spread {
     const NEW: Spread = Spread {
         warm_up: [[0.0; 2]; WARM_UP],
         seen: 0,
+        time: [0.0; 2],
         mean: [0.0; 2],
         last: [0.0; 2],
         sum: Covariance { aa: 0.0, bb: 0.0, ab: 0.0 },
@@ -87,36 +91,43 @@ impl Spread {
         outliers_in_row: 0,
     };
 
-    fn add(&mut self, times: [f64; 2]) -> Judgement {
+    fn add(&mut self, times: [f64; 2], expected: [f64; 2]) -> Judgement {
+        let away = [times[0] - expected[0], times[1] - expected[1]];
         if self.seen < WARM_UP {
-            self.warm_up[self.seen] = times;
+            self.warm_up[self.seen] = away;
             self.seen += 1;
             if self.seen == WARM_UP {
                 self.begin();
             }
             return Judgement::Regular;
         }
-        if self.is_outlier(times) {
+        if self.is_outlier(away) {
             self.outliers_in_row += 1;
             if self.outliers_in_row < STEP {
                 return Judgement::Outlier;
             }
-            self.mean = times;
-            self.last = times;
+            self.mean = away;
+            self.last = away;
         }
         self.outliers_in_row = 0;
-        self.sum.add_outer([times[0] - self.last[0], times[1] - self.last[1]]);
+        self.time = times;
+        self.sum.add_outer([away[0] - self.last[0], away[1] - self.last[1]]);
         self.weight += 1.0;
         if self.weight > MEMORY {
             let keep = 1.0 - 1.0 / MEMORY;
             self.sum = self.sum.scaled(keep);
             self.weight *= keep;
         }
-        for (node, time) in times.into_iter().enumerate() {
-            self.mean[node] += (time - self.mean[node]) / WARM_UP as f64;
+        for (node, away) in away.into_iter().enumerate() {
+            self.mean[node] += (away - self.mean[node]) / WARM_UP as f64;
         }
-        self.last = times;
+        self.last = away;
         Judgement::Regular
+    }
+
+    /// From now on something else is expected, namely what comes.
+    fn expect_what_comes(&mut self) {
+        (self.mean, self.last) = ([0.0; 2], [0.0; 2]);
     }
 
     /// After the warm-up: differences that are outliers by the median of their absolute values are left out.
@@ -144,12 +155,13 @@ impl Spread {
             self.mean[node] = (times[WARM_UP / 2 - 1] + times[WARM_UP / 2]) / 2.0;
             self.last[node] = self.mean[node];
         }
+        self.time = self.mean;
     }
 
-    fn is_outlier(&self, times: [f64; 2]) -> bool {
+    fn is_outlier(&self, away: [f64; 2]) -> bool {
         let variance = self.covariance();
         // The running mean has a variance of its own: 1/(2 x 16 - 1) of a single time's.
-        (0..2).any(|node| (times[node] - self.mean[node]).abs() > GATE * (1.04 * variance.node(node)).sqrt())
+        (0..2).any(|node| (away[node] - self.mean[node]).abs() > GATE * (1.04 * variance.node(node)).sqrt())
     }
 
     /// Half the mean square of successive differences, which has two degrees of freedom for three of them. With few of
@@ -182,14 +194,21 @@ impl Default for Noise {
 }
 
 impl Noise {
-    /// Takes the crossings of a discharge through the lower calibration resistor, ns.
-    pub fn add_c1(&mut self, times: [f64; 2]) -> Judgement {
-        self.c1.add(times)
+    /// Takes the crossings of a discharge through the lower calibration resistor, ns. `expected`: what is known to
+    /// change in them; only the rest is looked at.
+    pub fn add_c1(&mut self, times: [f64; 2], expected: [f64; 2]) -> Judgement {
+        self.c1.add(times, expected)
     }
 
     /// The same for the higher one.
-    pub fn add_c2(&mut self, times: [f64; 2]) -> Judgement {
-        self.c2.add(times)
+    pub fn add_c2(&mut self, times: [f64; 2], expected: [f64; 2]) -> Judgement {
+        self.c2.add(times, expected)
+    }
+
+    /// From now on, `expected` is what the crossings are on average.
+    pub fn expect_what_comes(&mut self) {
+        self.c1.expect_what_comes();
+        self.c2.expect_what_comes();
     }
 
     /// Whether enough discharges have been seen.
@@ -214,7 +233,7 @@ impl Noise {
     }
 
     fn point(&self, node: usize, v1: Covariance, v2: Covariance) -> [(f64, f64); 2] {
-        [(self.c1.mean[node], v1.node(node)), (self.c2.mean[node], v2.node(node))]
+        [(self.c1.time[node], v1.node(node)), (self.c2.time[node], v2.node(node))]
     }
 }
 
@@ -252,8 +271,8 @@ mod tests {
                 times.map(|t| t * drift + start + LATENCY * normal() + TRIGGER * t * normal() + spike)
             };
             let (c1, c2) = (crossings([1.1e6, 1.3e6]), crossings([6.2e6, 7.4e6]));
-            noise.add_c1(c1);
-            noise.add_c2(c2);
+            noise.add_c1(c1, [0.0; 2]);
+            noise.add_c2(c2, [0.0; 2]);
         }
         noise
     }
@@ -286,20 +305,20 @@ mod tests {
     fn a_spike_is_an_outlier_and_a_step_is_followed() {
         let mut noise = learned(3, 100, false);
         let away = [1.1e6 + 60_000.0, 1.3e6 + 60_000.0];
-        assert_eq!(noise.add_c1(away), Judgement::Outlier);
-        assert_eq!(noise.add_c1([1.1e6 * 1.0001, 1.3e6 * 1.0001]), Judgement::Regular);
-        assert_eq!(noise.add_c1(away), Judgement::Outlier);
-        assert_eq!(noise.add_c1(away), Judgement::Outlier);
-        assert_eq!(noise.add_c1(away), Judgement::Regular);
-        assert_eq!(noise.add_c1(away), Judgement::Regular);
+        assert_eq!(noise.add_c1(away, [0.0; 2]), Judgement::Outlier, [0.0; 2]);
+        assert_eq!(noise.add_c1([1.1e6 * 1.0001, 1.3e6 * 1.0001], [0.0; 2]), Judgement::Regular, [0.0; 2]);
+        assert_eq!(noise.add_c1(away, [0.0; 2]), Judgement::Outlier, [0.0; 2]);
+        assert_eq!(noise.add_c1(away, [0.0; 2]), Judgement::Outlier, [0.0; 2]);
+        assert_eq!(noise.add_c1(away, [0.0; 2]), Judgement::Regular, [0.0; 2]);
+        assert_eq!(noise.add_c1(away, [0.0; 2]), Judgement::Regular, [0.0; 2]);
     }
 
     #[test]
     fn a_silent_circuit_still_has_the_rounding_of_stamps() {
         let mut noise = Noise::default();
         for _ in 0..50 {
-            noise.add_c1([1e6, 1.2e6]);
-            noise.add_c2([6e6, 7e6]);
+            noise.add_c1([1e6, 1.2e6], [0.0; 2]);
+            noise.add_c2([6e6, 7e6], [0.0; 2]);
         }
         let found = noise.covariance([1e5, 2e5]).unwrap();
         assert!((found.aa - 1.0 / 12.0).abs() < 1e-12 && found.ab == 0.0, "{found:?}");

@@ -4,6 +4,7 @@
 
 use crate::offset::Offset;
 use crate::reading::{Fault, Status};
+use crate::tracker::Counts;
 
 /// Counts since the start.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -26,6 +27,8 @@ pub struct Stats {
     pub offset: Offset,
     /// Whether it is given or found, not still being found.
     pub offset_is_known: bool,
+    /// What a tracked calibration has counted.
+    pub tracking: Option<Counts>,
 }
 
 impl Stats {
