@@ -71,6 +71,8 @@ pub struct Measure {
     /// The latency offset d of the crossings, 0 to 1 ms. Default: `auto` for `cerm` and `qerm`; in the other
     /// methods it cancels, and is 0.
     pub offset: Option<Offset>,
+    /// Period of the clock that stamps crossings, 1 ns to 1 ms. Default: 1 ns, as Linux counts.
+    pub resolution: Option<Nanos>,
     /// Where the calibration of `tpcm`, `tcdic` and `cerm` comes from; that of `tracked` is tracked. Default:
     /// `each-reading`.
     pub calibration: Option<Calibration>,

@@ -38,8 +38,9 @@ const ROUNDS: usize = 64;
 const WINDOW: usize = 8 * ROUNDS;
 /// Once the offset is known, one cycle in so many has a split discharge.
 const FOLLOW_EVERY: u64 = 8;
-/// Calibration discharges in one cycle of a tracked calibration at the most.
-const CALIBRATIONS_PER_CYCLE: u32 = 3;
+/// Calibration discharges in one cycle of a tracked calibration at the most: more would take longer than the readings
+/// that they improve.
+const CALIBRATIONS_PER_CYCLE: u32 = 1;
 
 /// What is to be done next.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -90,7 +91,7 @@ impl Cycle {
             ),
         };
         Cycle {
-            estimator,
+            estimator: estimator.with_resolution(settings.resolution.as_ns()),
             split,
             memory: vec![Memory::default(); settings.channels.len()],
             calls: CallGate::default(),

@@ -290,19 +290,23 @@ impl Discharge {
         let between_ns = |call: Bracket, lines: u32| {
             if lines > 1 { (call.width().as_ns() - single_ns).max(0.0) } else { 0.0 }
         };
+        let switch = self.switch.map(|(call, to)| {
+            let (from, on) = (self.plan.through.drives(), to.drives());
+            let lines = from.without(on).count() + on.without(from).count();
+            let at_ns = (call.before - self.start.before).as_ns();
+            Switch { at_ns, on_ns: at_ns + between_ns(call, lines), to }
+        });
+        // The time that one line takes: it may move anywhere in it, at the start and at the switch.
+        let slot_ns =
+            switch.map(|switch| switch.on_ns - switch.at_ns).filter(|slot| *slot > 0.0).unwrap_or(single_ns);
         Record {
             through: self.plan.through,
             start: self.start.before,
             second_ns: between_ns(self.start, self.plan.through.drives().count()),
-            switch: self.switch.map(|(call, to)| {
-                let (from, on) = (self.plan.through.drives(), to.drives());
-                let lines = from.without(on).count() + on.without(from).count();
-                let at_ns = (call.before - self.start.before).as_ns();
-                Switch { at_ns, on_ns: at_ns + between_ns(call, lines), to }
-            }),
+            switch,
             a_ns,
             b_ns,
-            u_switch_ns: single_ns / 12f64.sqrt(),
+            u_switch_ns: slot_ns / 6f64.sqrt(),
             waited_ns: if self.waited == Nanos::ZERO { 0.0 } else { since_start(self.waited) },
         }
     }

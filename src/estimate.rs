@@ -49,14 +49,21 @@ impl Estimator {
     /// For calibration resistors `r1_ohm` < `r2_ohm` (Rc1 and Rc2, or Rc1 and Rc1 + Rc2), in a circuit with one or two
     /// `nodes`.
     pub fn new(method: Method, r1_ohm: f64, r2_ohm: f64, nodes: usize, offset: Offset) -> Estimator {
-        let noise = Noise::default();
+        let noise = Noise::new(1.0);
         Estimator { method, r1_ohm, r2_ohm, nodes, offset, noise, c1: None, c2: None, tracker: None }
     }
 
     /// The same, with a calibration that is followed instead of taken anew for each reading.
     pub fn tracked(method: Method, r1_ohm: f64, r2_ohm: f64, nodes: usize) -> Estimator {
-        let tracker = Some(Tracker::new([r1_ohm, r2_ohm], nodes));
+        let tracker = Some(Tracker::new([r1_ohm, r2_ohm], nodes, 1.0));
         Estimator { tracker, ..Estimator::new(method, r1_ohm, r2_ohm, nodes, Offset::default()) }
+    }
+
+    /// For a clock that stamps crossings with this period instead of 1 ns. Forgets what was learned.
+    pub fn with_resolution(self, resolution_ns: f64) -> Estimator {
+        let r_ohm = [self.r1_ohm, self.r2_ohm];
+        let tracker = self.tracker.map(|_| Tracker::new(r_ohm, self.nodes, resolution_ns));
+        Estimator { noise: Noise::new(resolution_ns), tracker, ..self }
     }
 
     /// The tracked calibration, once there is one.
@@ -269,22 +276,19 @@ impl Estimator {
         let (c1, c2) = self.calibration()?;
         // A scatter that was measured holds all of a switch's uncertainty; brackets bound each of its two instants.
         let offset = self.offset();
-        let (at, on) = match offset.switch_ns {
-            Some(scatter) => (scatter, 0.0),
-            None => (u_switch_ns, u_switch_ns),
-        };
+        let at = offset.switch_ns.map_or(u_switch_ns, |bound| bound.min(u_switch_ns));
         let noise = self.noise();
         let late = noise.covariance(late)?;
         let u_d_ns = offset.u_d_ns;
         Some(match self.tracker() {
             Some(tracker) => Covariances {
                 crossings: [Covariance::default(), Covariance::default(), late],
-                single: [at * at, on * on, 0.0],
+                single: [at * at, 0.0],
                 tracker: Some(tracker),
             },
             None => Covariances {
                 crossings: [noise.covariance(c1)?, noise.covariance(c2)?, late],
-                single: [at * at, on * on, u_d_ns * u_d_ns],
+                single: [at * at, u_d_ns * u_d_ns],
                 tracker: None,
             },
         })

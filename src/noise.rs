@@ -33,6 +33,10 @@ impl Covariance {
         if node == 0 { self.aa } else { self.bb }
     }
 
+    fn at_least(self, variance: f64) -> Covariance {
+        Covariance { aa: self.aa.max(variance), bb: self.bb.max(variance), ab: self.ab }
+    }
+
     fn add_outer(&mut self, d: [f64; 2]) {
         self.aa += d[0] * d[0];
         self.bb += d[1] * d[1];
@@ -61,8 +65,6 @@ const GATE: f64 = 5.0;
 const STEP: u32 = 3;
 /// Differences remembered, about.
 const MEMORY: f64 = 2048.0;
-/// Stamps are whole nanoseconds: the variance of their rounding, eq. (4), ns².
-const ROUNDING_NS2: f64 = 1.0 / 12.0;
 
 /// The spread of the crossings of one calibration resistor.
 #[derive(Debug, Clone)]
@@ -91,7 +93,7 @@ impl Spread {
         outliers_in_row: 0,
     };
 
-    fn add(&mut self, times: [f64; 2], expected: [f64; 2]) -> Judgement {
+    fn add(&mut self, times: [f64; 2], expected: [f64; 2], quantisation: f64) -> Judgement {
         let away = [times[0] - expected[0], times[1] - expected[1]];
         if self.seen < WARM_UP {
             self.warm_up[self.seen] = away;
@@ -101,7 +103,7 @@ impl Spread {
             }
             return Judgement::Regular;
         }
-        if self.is_outlier(away) {
+        if self.is_outlier(away, quantisation) {
             self.outliers_in_row += 1;
             if self.outliers_in_row < STEP {
                 return Judgement::Outlier;
@@ -158,8 +160,8 @@ impl Spread {
         self.time = self.mean;
     }
 
-    fn is_outlier(&self, away: [f64; 2]) -> bool {
-        let variance = self.covariance();
+    fn is_outlier(&self, away: [f64; 2], quantisation: f64) -> bool {
+        let variance = self.covariance().at_least(quantisation);
         // The running mean has a variance of its own: 1/(2 x 16 - 1) of a single time's.
         (0..2).any(|node| (away[node] - self.mean[node]).abs() > GATE * (1.04 * variance.node(node)).sqrt())
     }
@@ -169,10 +171,7 @@ impl Spread {
     fn covariance(&self) -> Covariance {
         let freedom = (self.weight * 2.0 / 3.0).max(1.0);
         let student = (1.0 + 1.3 / freedom).powi(2);
-        let mut covariance = self.sum.scaled(0.5 * student / self.weight.max(1.0));
-        covariance.aa += ROUNDING_NS2;
-        covariance.bb += ROUNDING_NS2;
-        covariance
+        self.sum.scaled(0.5 * student / self.weight.max(1.0))
     }
 
     fn is_known(&self) -> bool {
@@ -185,24 +184,26 @@ impl Spread {
 pub struct Noise {
     c1: Spread,
     c2: Spread,
-}
-
-impl Default for Noise {
-    fn default() -> Noise {
-        Noise { c1: Spread::NEW, c2: Spread::NEW }
-    }
+    /// Of one time by the clock that counts it, eq. (4), ns².
+    quantisation: f64,
 }
 
 impl Noise {
+    /// Nothing is known yet. `resolution_ns`: period of the clock that stamps crossings. A spread cannot show
+    /// quantisation where the noise is smaller: the same count comes each time.
+    pub fn new(resolution_ns: f64) -> Noise {
+        Noise { c1: Spread::NEW, c2: Spread::NEW, quantisation: resolution_ns * resolution_ns / 12.0 }
+    }
+
     /// Takes the crossings of a discharge through the lower calibration resistor, ns. `expected`: what is known to
     /// change in them; only the rest is looked at.
     pub fn add_c1(&mut self, times: [f64; 2], expected: [f64; 2]) -> Judgement {
-        self.c1.add(times, expected)
+        self.c1.add(times, expected, self.quantisation)
     }
 
     /// The same for the higher one.
     pub fn add_c2(&mut self, times: [f64; 2], expected: [f64; 2]) -> Judgement {
-        self.c2.add(times, expected)
+        self.c2.add(times, expected, self.quantisation)
     }
 
     /// From now on, `expected` is what the crossings are on average.
@@ -221,8 +222,8 @@ impl Noise {
         if !self.is_known() {
             return None;
         }
-        let (v1, v2) = (self.c1.covariance(), self.c2.covariance());
-        let node = |node: usize| variance_at(times[node], self.point(node, v1, v2));
+        let [v1, v2] = [&self.c1, &self.c2].map(|spread| spread.covariance().at_least(self.quantisation));
+        let node = |node: usize| variance_at(times[node], self.point(node, v1, v2), self.quantisation);
         let (aa, bb) = (node(0), node(1));
         // What is shared does not depend on the resistor; each tells it the better the less noise it has of its own.
         let (w1, w2) = (1.0 / (v1.aa * v1.bb), 1.0 / (v2.aa * v2.bb));
@@ -237,15 +238,15 @@ impl Noise {
     }
 }
 
-/// sigma²(T) = L² + k² T² through two points (T, sigma²), both coefficients at least zero, weighted alike.
-fn variance_at(time: f64, [(t1, v1), (t2, v2)]: [(f64, f64); 2]) -> f64 {
+/// sigma²(T) = L² + k² T² through two points (T, sigma²), weighted alike, L² at least the quantisation, k² at least zero.
+fn variance_at(time: f64, [(t1, v1), (t2, v2)]: [(f64, f64); 2], quantisation: f64) -> f64 {
     let k2 = ((v2 - v1) / (t2 * t2 - t1 * t1)).max(0.0);
     let constant = if k2 > 0.0 { v1 - k2 * t1 * t1 } else { (v1 + v2) / 2.0 };
-    if constant >= 0.0 {
+    if constant >= quantisation {
         return constant + k2 * time * time;
     }
-    // No constant part: through the origin, by the higher resistor, which shows the proportional part best.
-    v2 * (time / t2).powi(2)
+    // The higher resistor shows the proportional part best.
+    quantisation + (v2 - quantisation).max(0.0) * (time / t2).powi(2)
 }
 
 #[cfg(test)]
@@ -262,7 +263,7 @@ mod tests {
     fn learned(seed: u64, count: usize, spikes: bool) -> Noise {
         let mut rng = ChaCha8Rng::seed_from_u64(seed);
         let mut normal = move || -> f64 { StandardNormal.sample(&mut rng) };
-        let mut noise = Noise::default();
+        let mut noise = Noise::new(1.0);
         for round in 0..count {
             let drift = 1.0 + 1e-6 * round as f64;
             let mut crossings = |times: [f64; 2]| {
@@ -305,17 +306,17 @@ mod tests {
     fn a_spike_is_an_outlier_and_a_step_is_followed() {
         let mut noise = learned(3, 100, false);
         let away = [1.1e6 + 60_000.0, 1.3e6 + 60_000.0];
-        assert_eq!(noise.add_c1(away, [0.0; 2]), Judgement::Outlier, [0.0; 2]);
-        assert_eq!(noise.add_c1([1.1e6 * 1.0001, 1.3e6 * 1.0001], [0.0; 2]), Judgement::Regular, [0.0; 2]);
-        assert_eq!(noise.add_c1(away, [0.0; 2]), Judgement::Outlier, [0.0; 2]);
-        assert_eq!(noise.add_c1(away, [0.0; 2]), Judgement::Outlier, [0.0; 2]);
-        assert_eq!(noise.add_c1(away, [0.0; 2]), Judgement::Regular, [0.0; 2]);
-        assert_eq!(noise.add_c1(away, [0.0; 2]), Judgement::Regular, [0.0; 2]);
+        assert_eq!(noise.add_c1(away, [0.0; 2]), Judgement::Outlier);
+        assert_eq!(noise.add_c1([1.1e6 * 1.0001, 1.3e6 * 1.0001], [0.0; 2]), Judgement::Regular);
+        assert_eq!(noise.add_c1(away, [0.0; 2]), Judgement::Outlier);
+        assert_eq!(noise.add_c1(away, [0.0; 2]), Judgement::Outlier);
+        assert_eq!(noise.add_c1(away, [0.0; 2]), Judgement::Regular);
+        assert_eq!(noise.add_c1(away, [0.0; 2]), Judgement::Regular);
     }
 
     #[test]
     fn a_silent_circuit_still_has_the_rounding_of_stamps() {
-        let mut noise = Noise::default();
+        let mut noise = Noise::new(1.0);
         for _ in 0..50 {
             noise.add_c1([1e6, 1.2e6], [0.0; 2]);
             noise.add_c2([6e6, 7e6], [0.0; 2]);

@@ -53,6 +53,8 @@ pub struct Settings {
     pub period: Option<Nanos>,
     /// The latency offset, where the calibration is not tracked.
     pub offset: OffsetSource,
+    /// Period of the clock that stamps crossings.
+    pub resolution: Nanos,
     /// The calibration is followed over many readings instead of taken anew for each.
     pub tracked: bool,
     /// T_L of eq. (19); `None`: where the predicted uncertainties cross.
@@ -109,6 +111,7 @@ impl Settings {
                 config::Offset::Auto => OffsetSource::Auto,
                 config::Offset::Fixed(d) => OffsetSource::Given(d.as_ns()),
             },
+            resolution: config.measure.resolution.unwrap_or(Nanos(1)),
             tracked: config.is_tracked(),
             t_l: config.measure.t_l,
             switch_fraction: config.switch_fraction(),

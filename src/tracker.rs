@@ -83,8 +83,7 @@ pub struct Tracker {
     walk_g: f64,
     rejected_in_row: u32,
     counts: Counts,
-    /// Of a switch's instant, ns; `None`: not known yet.
-    switch_ns: Option<f64>,
+    scatter: SwitchScatter,
     split: SplitCalibration,
     rounds: Vec<[Record; 3]>,
     round: [Option<Record>; 3],
@@ -92,19 +91,19 @@ pub struct Tracker {
 }
 
 impl Tracker {
-    /// Knows nothing yet. `r_ohm`: R_1 < R_2; one or two `nodes`.
-    pub fn new(r_ohm: [f64; 2], nodes: usize) -> Tracker {
+    /// Knows nothing yet. `r_ohm`: R_1 < R_2; one or two `nodes`; `resolution_ns`: period of the clock that stamps.
+    pub fn new(r_ohm: [f64; 2], nodes: usize, resolution_ns: f64) -> Tracker {
         Tracker {
             r_ohm,
             nodes,
-            noise: Noise::default(),
+            noise: Noise::new(resolution_ns),
             state: [0.0; 4],
             covariance: [[0.0; 4]; 4],
             at: Nanos::ZERO,
             walk_g: 1e-4,
             rejected_in_row: 0,
             counts: Counts::default(),
-            switch_ns: None,
+            scatter: SwitchScatter::default(),
             split: SplitCalibration::new(r_ohm[0], r_ohm[1], nodes, FIRST_ROUNDS),
             rounds: Vec::with_capacity(FIRST_ROUNDS),
             round: [None; 3],
@@ -142,9 +141,9 @@ impl Tracker {
         self.counts
     }
 
-    /// The scatter of a switch's instant, ns.
+    /// An upper bound of the scatter of a switch's instant, ns; `None` until there is one.
     pub fn switch_ns(&self) -> Option<f64> {
-        self.switch_ns
+        self.scatter.bound_ns()
     }
 
     /// Takes a calibration discharge.
@@ -201,7 +200,6 @@ impl Tracker {
         let offset = self.split.result();
         if let Some((offset, (r_o_ohm, _))) = offset.and_then(|offset| Some((offset, offset.r_o_ohm?))) {
             self.state = [slope[0], slope[1], r_o_ohm, offset.d_ns];
-            self.switch_ns = offset.switch_ns;
             self.open();
             self.at = rounds[0][0].start;
             for record in rounds.iter().flatten() {
@@ -279,7 +277,7 @@ impl Tracker {
     /// uncertain that it tells nothing.
     pub fn observation(&self, course: &Course, u_switch_ns: f64) -> Option<Covariance> {
         let mut noise = self.noise.covariance(course.late_ns(&self.state))?;
-        let u_switch = self.switch_ns.unwrap_or(u_switch_ns);
+        let u_switch = self.scatter.bound_ns().map_or(u_switch_ns, |bound| bound.min(u_switch_ns));
         let by = [0, 1].map(|node| course.crossing(&self.state, node).by_switch * u_switch);
         noise.aa += by[0] * by[0];
         noise.bb += by[1] * by[1];
@@ -295,14 +293,16 @@ impl Tracker {
         let course = self.course(record)?;
         let rows = [0, 1].map(|node| course.crossing(&self.state, node));
         let innovation = [0, 1].map(|node| if node < self.nodes { times[node] - rows[node].ns } else { 0.0 });
-        let gain = Gain::new(
-            &self.covariance,
-            &rows.map(|row| row.by_state),
-            &self.observation(&course, record.u_switch_ns)?,
-        )?;
+        let states = rows.map(|row| row.by_state);
+        let gain = Gain::new(&self.covariance, &states, &self.observation(&course, record.u_switch_ns)?)?;
         let normalised = gain.normalised(innovation);
         if normalised > GATE * GATE * self.nodes as f64 {
             return None;
+        }
+        if course.switch.is_some() {
+            // As it would scatter if the switch did not.
+            let steady = quadratic(&self.covariance, &states[0]) + self.observation(&course, 0.0)?.aa;
+            self.scatter.add(innovation[0], steady, rows[0].by_switch);
         }
         for index in 0..4 {
             self.state[index] += gain.of[index][0] * innovation[0] + gain.of[index][1] * innovation[1];
@@ -341,6 +341,11 @@ impl Tracker {
         })
     }
 
+    /// How fast g walks now, relative, per root second.
+    pub fn walk_g(&self) -> f64 {
+        self.walk_g
+    }
+
     /// d and its uncertainty, ns.
     pub fn d_ns(&self) -> (f64, f64) {
         (self.state[D], self.covariance[D][D].sqrt())
@@ -349,6 +354,30 @@ impl Tracker {
     /// Ro and its uncertainty, ohm.
     pub fn r_o_ohm(&self) -> (f64, f64) {
         (self.state[R_O], self.covariance[R_O][R_O].sqrt())
+    }
+}
+
+/// How much the instants of switches scatter: what the crossings of split discharges scatter beyond their own noise.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct SwitchScatter {
+    count: f64,
+    excess: f64,
+    steady: f64,
+}
+
+impl SwitchScatter {
+    /// Takes the deviation of a crossing from what was expected, ns, the variance it would have without a scatter of the
+    /// switch, ns², and by how much the switch moves it.
+    pub fn add(&mut self, away_ns: f64, steady: f64, by_switch: f64) {
+        self.count = (self.count + 1.0).min(4096.0);
+        self.excess += ((away_ns * away_ns - steady) / (by_switch * by_switch) - self.excess) / self.count;
+        self.steady += (steady / (by_switch * by_switch) - self.steady) / self.count;
+    }
+
+    /// What the scatter is at the most (1 sigma more than found); `None` before there have been a few.
+    pub fn bound_ns(&self) -> Option<f64> {
+        let doubt = self.steady * (2.0 / self.count).sqrt();
+        (self.count >= 8.0).then(|| (self.excess.max(0.0) + doubt).sqrt())
     }
 }
 

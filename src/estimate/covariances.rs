@@ -10,8 +10,8 @@ use crate::tracker::{Tracker, quadratic};
 pub(super) struct Covariances<'a> {
     /// Of the crossings through R_1, R_2 and the sensor.
     pub crossings: [Covariance; 3],
-    /// Variances of `at`, `on` and `d`.
-    pub single: [f64; 3],
+    /// Variances of the instant of the switch and of `d`.
+    pub single: [f64; 2],
     /// Where the crossings through R_1 and R_2, and d, come from instead.
     pub tracker: Option<&'a Tracker>,
 }
@@ -21,10 +21,9 @@ impl Covariances<'_> {
     pub fn of(&self, by: &[f64; 9]) -> f64 {
         let crossings =
             self.crossings.iter().enumerate().map(|(i, block)| block.of(by[2 * i], by[2 * i + 1]));
-        let single = self.single.iter().enumerate().map(|(i, variance)| by[6 + i] * by[6 + i] * variance);
-        crossings.sum::<f64>()
-            + single.sum::<f64>()
-            + self.tracker.map_or(0.0, |tracker| tracked_part(tracker, by))
+        // When R_2 comes in hardly matters beside when the sensor goes.
+        let single = by[6] * by[6] * self.single[0] + by[8] * by[8] * self.single[1];
+        crossings.sum::<f64>() + single + self.tracker.map_or(0.0, |tracker| tracked_part(tracker, by))
     }
 }
 
