@@ -95,6 +95,16 @@ impl Client {
         }
     }
 
+    /// Waits at most so long for a line from now on; not 0.
+    ///
+    /// # Errors
+    /// The system refuses the time-out.
+    pub fn set_timeout(&mut self, timeout: Duration) -> Result<(), ClientError> {
+        self.socket.set_read_timeout(Some(timeout))?;
+        self.timeout = timeout;
+        Ok(())
+    }
+
     /// The last VERSION that was read: the release and the channels of the daemon.
     pub fn version(&self) -> &VersionLine {
         &self.version
@@ -144,11 +154,19 @@ impl Client {
     /// As [`line`](Client::line), and [`ClientError::Unreadable`].
     pub fn message(&mut self) -> Result<Option<ServerMessage>, ClientError> {
         let Some(line) = self.line()? else { return Ok(None) };
-        let message = ServerMessage::parse(&line)?;
+        self.read(&line).map(Some)
+    }
+
+    /// What a [`line`](Client::line) says; a VERSION is remembered.
+    ///
+    /// # Errors
+    /// [`ClientError::Unreadable`].
+    pub fn read(&mut self, line: &[u8]) -> Result<ServerMessage, ClientError> {
+        let message = ServerMessage::parse(line)?;
         if let ServerMessage::Version(version) = &message {
             self.version.clone_from(version);
         }
-        Ok(Some(message))
+        Ok(message)
     }
 
     fn failed(&self, error: io::Error) -> ClientError {

@@ -20,6 +20,7 @@ pub use report::{Report, report};
 
 use crate::circuit::Circuit;
 use crate::reading::Method;
+use crate::realtime::Wishes;
 use crate::units::Nanos;
 use serde::Deserialize;
 use serde::de::{self, Deserializer};
@@ -38,6 +39,9 @@ pub struct Config {
     /// How to measure. Default: derived from the circuit.
     #[serde(default)]
     pub measure: Measure,
+    /// What makes waiting more precise. Default: nothing is asked for.
+    #[serde(default)]
+    pub realtime: Wishes,
     /// The sensors, 1 to [`MAX_CHANNELS`](crate::pins::MAX_CHANNELS) of them.
     #[serde(default, rename = "channel")]
     pub channels: Vec<Channel>,

@@ -6,21 +6,24 @@
 //! The main thread waits in one `poll` for the server, for results and for signals. The measuring thread never waits
 //! for it.
 
+mod heartbeat;
 mod measuring;
 mod publish;
 mod signals;
 
-use crate::backend::{self, OpenError};
-use crate::config::{Config, ConfigError, Finding, Severity};
+use crate::backend::{self, AnyPins, OpenError};
+use crate::config::{Backend, Config, ConfigError, Finding, Severity};
+use crate::pins::Pins;
 use crate::server::{Limits, ListenError, Listener, Server};
 use crate::settings::{Settings, SettingsError};
-use crate::stats::Stats;
 use crate::units::Nanos;
+use heartbeat::Heartbeat;
 use measuring::Measuring;
 use nix::poll::{PollFd, PollFlags, PollTimeout, poll};
 use nix::time::{ClockId, clock_gettime};
+use publish::Told;
 use sd_notify::NotifyState;
-use signals::Signals;
+pub use signals::{Signals, StopHandle};
 use std::io;
 use std::os::fd::AsFd;
 use std::path::{Path, PathBuf};
@@ -28,6 +31,9 @@ use std::time::Duration;
 
 /// How often the main thread looks after the measuring thread when nothing else wakes it.
 const LOOK_AFTER: Duration = Duration::from_millis(500);
+
+/// What is said when a reload fails.
+const KEPT: &str = "the old configuration stays in force";
 
 /// Why the daemon does not run.
 #[derive(Debug, thiserror::Error)]
@@ -112,6 +118,9 @@ impl Loaded {
         for finding in findings.iter().filter(|finding| finding.severity == Severity::Warning) {
             log::warn!("{finding}");
         }
+        if config.gpio.backend == Backend::Mock {
+            backend::scene(&config)?;
+        }
         Ok(Loaded { settings: Settings::new(&config)?, config })
     }
 
@@ -140,11 +149,11 @@ pub struct Daemon {
     server: Server,
     signals: Signals,
     loaded: Loaded,
-    stats: Stats,
+    told: Told,
     started: Nanos,
-    beat: u64,
-    next_watchdog: Nanos,
-    watchdog_every: Option<Nanos>,
+    heartbeat: Heartbeat,
+    /// Whether the service manager waits for signs of life.
+    has_watchdog: bool,
 }
 
 impl Daemon {
@@ -153,29 +162,42 @@ impl Daemon {
     /// # Errors
     /// What is missing.
     pub fn start(loaded: Loaded, signals: Signals) -> Result<Daemon, DaemonError> {
+        Daemon::start_with(loaded, signals, |config| backend::open(config, monotonic()))
+    }
+
+    /// The same with pins that `open` opens, after the socket, in the place of those that the configuration names.
+    ///
+    /// # Errors
+    /// What is missing.
+    pub fn start_with(
+        loaded: Loaded,
+        signals: Signals,
+        open: impl FnOnce(&Config) -> Result<AnyPins, OpenError>,
+    ) -> Result<Daemon, DaemonError> {
         let config = &loaded.config;
-        let listener = match Listener::from_systemd()? {
-            Some(listener) => listener,
-            None => Listener::bind(&config.server.socket, config.server.mode.0)?,
+        let (listener, place) = match Listener::from_systemd()? {
+            Some(listener) => (listener, "the socket passed by systemd".to_owned()),
+            None => {
+                let path = &config.server.socket;
+                (Listener::bind(path, config.server.mode.0)?, path.display().to_string())
+            }
         };
         let mut server = Server::new(listener, &publish::channels(&loaded.settings), Limits::default())
             .map_err(system("epoll"))?;
-        server.set_tape_header(&publish::header(config, &loaded.settings));
-        let measuring = start_measuring(&loaded)?;
-        log::info!("serving {} channel(s) on {}", config.channels.len(), config.server.socket.display());
-        // Half the interval that the service manager waits, as it recommends.
-        let watchdog_every = sd_notify::watchdog_enabled().map(|every| Nanos((every.as_nanos() / 2) as i64));
+        server.set_tape_header(&publish::header(config, &loaded.settings, None));
+        let measuring = start_measuring(Some(open(config)?), &loaded)?;
+        log::info!("serving {} channel(s) on {place}", config.channels.len());
+        let watchdog = sd_notify::watchdog_enabled();
         notify(&[NotifyState::Ready, NotifyState::Status("measuring")]);
         Ok(Daemon {
             measuring,
             server,
             signals,
             loaded,
-            stats: Stats::default(),
+            told: Told::default(),
             started: monotonic(),
-            beat: 0,
-            next_watchdog: Nanos::ZERO,
-            watchdog_every,
+            heartbeat: Heartbeat::new(watchdog),
+            has_watchdog: watchdog.is_some(),
         })
     }
 
@@ -188,14 +210,16 @@ impl Daemon {
             self.wait().map_err(system("poll"))?;
             self.publish();
             let now = monotonic();
-            let mut fields = publish::stats(&self.stats, &self.loaded.config, now - self.started);
-            self.server.turn(now, &mut fields).map_err(system("epoll_wait"))?;
+            let uptime = now - self.started;
+            self.server
+                .turn(now, &mut publish::stats(&self.told, &self.loaded.config, uptime))
+                .map_err(system("epoll_wait"))?;
             let asked = self.signals.take();
             if asked.end {
                 notify(&[NotifyState::Stopping, NotifyState::Status("stopping")]);
                 log::info!(
                     "stopping: {} readings in {:.0} s",
-                    self.stats.readings,
+                    self.told.stats.readings,
                     (now - self.started).as_seconds()
                 );
                 return Ok(());
@@ -206,7 +230,7 @@ impl Daemon {
             if self.measuring.has_ended() {
                 return Err(DaemonError::Died);
             }
-            self.feed_watchdog(now);
+            self.give_sign_of_life(now);
         }
     }
 
@@ -214,8 +238,9 @@ impl Daemon {
         let watch = |fd| PollFd::new(fd, PollFlags::POLLIN);
         let mut descriptors =
             [watch(self.server.as_fd()), watch(self.measuring.wake().as_fd()), watch(self.signals.as_fd())];
-        let until = self.server.wake_at().map(|at| Duration::from_nanos((at - monotonic()).0.max(0) as u64));
-        let timeout = until.unwrap_or(LOOK_AFTER).min(LOOK_AFTER);
+        let now = monotonic();
+        let until = self.server.wake_at().map(|at| Duration::from_nanos((at - now).0.max(0) as u64));
+        let timeout = until.unwrap_or(LOOK_AFTER).min(LOOK_AFTER).min(self.heartbeat.patience(now));
         match poll(&mut descriptors, PollTimeout::try_from(timeout).unwrap_or(PollTimeout::MAX)) {
             Ok(_) | Err(nix::errno::Errno::EINTR) => Ok(()),
             Err(errno) => Err(errno.into()),
@@ -225,10 +250,10 @@ impl Daemon {
     fn publish(&mut self) {
         // Empty when nothing was written since: that is no error.
         let _ = self.measuring.wake().read();
-        let offset_was_known = self.stats.offset_is_known;
+        let before = self.told.stats;
         let to_wall = clock(ClockId::CLOCK_REALTIME) - monotonic();
         while let Some(report) = self.measuring.next() {
-            publish::report(&mut self.server, &mut self.stats, &self.loaded, report, to_wall);
+            publish::report(&mut self.server, &mut self.told, &self.loaded, report, to_wall);
         }
         let (readings, discharges) = self.measuring.take_lost();
         if readings + discharges > 0 {
@@ -238,59 +263,94 @@ impl Daemon {
             self.server.miss_readings(readings);
             self.server.miss_raw(discharges);
         }
-        if self.stats.offset_is_known && !offset_was_known {
-            publish::log_offset(&self.stats);
+        let found = self.told.stats;
+        let is_found = found.offset_is_known && !before.offset_is_known;
+        if is_found {
+            publish::log_offset(&found);
+        }
+        // The offset is followed; a tape that is being recorded keeps the one that it began with.
+        if is_found || (found.offset != before.offset && !self.server.wants_raw()) {
+            self.announce_tape_header();
         }
     }
 
-    /// A file that is wrong leaves everything as it is.
+    /// With the offset as soon as it is known: a tape that begins later holds no split discharges to find it from.
+    fn announce_tape_header(&mut self) {
+        let stats = &self.told.stats;
+        let found = stats.offset_is_known.then_some(stats.offset.d_ns);
+        self.server.set_tape_header(&publish::header(&self.loaded.config, &self.loaded.settings, found));
+    }
+
+    /// Reads the configuration again. The service manager waits for the second of two messages: sd_notify(3) on
+    /// RELOADING=1.
     fn reload(&mut self, path: &Path) -> Result<(), DaemonError> {
         log::info!("reading {} again", path.display());
-        let loaded = match Loaded::load(path) {
-            Ok(loaded) => loaded,
+        if let Ok(now) = NotifyState::monotonic_usec_now() {
+            notify(&[NotifyState::Reloading, now]);
+        }
+        let result = match Loaded::load(path) {
+            Ok(loaded) => self.change_to(loaded),
+            // A file that is wrong leaves everything as it is.
             Err(error) => {
-                log::error!("the old configuration stays in force: {error}");
-                return Ok(());
+                log::error!("{KEPT}: {error}");
+                Ok(())
             }
         };
+        notify(&[NotifyState::Ready]);
+        result
+    }
+
+    fn change_to(&mut self, loaded: Loaded) -> Result<(), DaemonError> {
         if loaded.config.server != self.loaded.config.server {
             log::warn!("[server] takes effect at the next start: the socket stays where it is");
         }
-        // The lines of the old configuration are released before those of the new one are asked for.
+        // The lines of the old configuration are released before those of the new one are asked for, and its last
+        // readings are published under its own channels.
         self.measuring.stop();
         self.publish();
-        match start_measuring(&loaded) {
-            Ok(measuring) => {
-                self.measuring = measuring;
+        match open(&loaded) {
+            Ok(pins) => {
+                self.measuring = start_measuring(Some(pins), &loaded)?;
                 self.loaded = loaded;
+                log::info!(
+                    "the new configuration is in force: {} channel(s)",
+                    self.loaded.config.channels.len()
+                );
             }
             Err(error) => {
-                log::error!("the old configuration stays in force: {error}");
-                self.measuring = start_measuring(&self.loaded)?;
+                log::error!("{KEPT}: {error}");
+                let pins =
+                    open(&self.loaded).inspect_err(|error| log::error!("{error}; trying again every second"));
+                self.measuring = start_measuring(pins.ok(), &self.loaded)?;
             }
         }
-        self.stats = Stats::default();
+        self.told = Told::default();
         self.server.set_channels(&publish::channels(&self.loaded.settings));
-        self.server.set_tape_header(&publish::header(&self.loaded.config, &self.loaded.settings));
+        self.announce_tape_header();
         Ok(())
     }
 
     /// Only while the measuring thread goes on: one that is stuck must be found by the service manager.
-    fn feed_watchdog(&mut self, now: Nanos) {
-        let Some(every) = self.watchdog_every else { return };
-        let beat = self.measuring.beat();
-        if now < self.next_watchdog || beat == self.beat {
+    fn give_sign_of_life(&mut self, now: Nanos) {
+        if !self.heartbeat.is_due(now, self.measuring.beat()) {
             return;
         }
-        self.beat = beat;
-        self.next_watchdog = now + every;
-        let status = publish::status_line(&self.stats, self.server.clients());
-        notify(&[NotifyState::Watchdog, NotifyState::Status(&status)]);
+        let status = publish::status_line(&self.told.stats, self.server.clients());
+        let states = [NotifyState::Status(&status), NotifyState::Watchdog];
+        notify(if self.has_watchdog { &states } else { &states[..1] });
     }
 }
 
-fn start_measuring(loaded: &Loaded) -> Result<Measuring, DaemonError> {
+fn open(loaded: &Loaded) -> Result<AnyPins, OpenError> {
     let pins = backend::open(&loaded.config, monotonic())?;
+    for blind_spot in pins.particulars().blind_spots {
+        log::info!("{blind_spot}");
+    }
+    Ok(pins)
+}
+
+/// `None`: the pins cannot be opened now, and the measuring thread tries again.
+fn start_measuring(pins: Option<AnyPins>, loaded: &Loaded) -> Result<Measuring, DaemonError> {
     Measuring::start(pins, loaded.config.clone(), loaded.settings.clone()).map_err(system("thread"))
 }
 
@@ -300,5 +360,3 @@ fn notify(states: &[NotifyState<'_>]) {
         log::debug!("sd_notify: {error}");
     }
 }
-
-pub use signals::Signals as SignalSource;

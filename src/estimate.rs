@@ -262,7 +262,14 @@ impl Estimator {
             (Method::Tcdic, _) | (Method::Cerm, Branch::Direct) => {
                 tpcm::ratio(times, 0) - tpcm::ratio(times, 1)
             }
-            (Method::Cerm, Branch::Inferred) if times.x[0].value > times.on.value => cerm::residual_a(times),
+            // On which side of the switch A crossed is told by the times that do not hold its own jitter.
+            (Method::Cerm, Branch::Inferred) if times.x[0].value > 0.0 => {
+                if cerm::inferred(times)[0].value > times.at.value {
+                    cerm::residual_a(times)
+                } else {
+                    cerm::residual_a_before_switch(times)
+                }
+            }
             _ => return Ok(()),
         };
         let limit = GATE * covariance.of(&difference.by).sqrt();

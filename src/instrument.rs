@@ -47,7 +47,12 @@ impl<P: Pins> Instrument<P> {
 
     /// What has been counted and learned.
     pub fn stats(&self) -> Stats {
-        self.cycle.stats()
+        let particulars = self.pins.particulars();
+        Stats {
+            spin_margin: particulars.spin_margin,
+            blind_spots: particulars.blind_spots.len(),
+            ..self.cycle.stats()
+        }
     }
 
     /// The pins.

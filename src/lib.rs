@@ -22,6 +22,7 @@
 //! | which discharges, in which order | [`cycle`], [`instrument`], [`stats`] |
 //! | what a client is told | [`reading`], [`wire`], [`server`], [`client`] |
 //! | threads, signals, the service manager | [`daemon`] |
+//! | what a person types | [`check`], [`cli`], [`ctl`] |
 //!
 //! Pure code takes time as an argument; only [`daemon`] and the pins know that time passes by itself. The simulated
 //! circuit ([`pins::sim`]) shares nothing with the estimators but constants and units, so that an error in the physics of
@@ -31,9 +32,12 @@
 //! interface circuits).
 
 pub mod backend;
+pub mod check;
 pub mod circuit;
+pub mod cli;
 pub mod client;
 pub mod config;
+pub mod ctl;
 pub mod cycle;
 pub mod daemon;
 pub mod discharge;

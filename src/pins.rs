@@ -192,6 +192,15 @@ pub struct Armed {
     pub line_seqno: [u32; 2],
 }
 
+/// What a backend knows about itself. By default nothing: its waits are exact and nothing escapes it.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct Particulars<'a> {
+    /// How long before an instant sleeping turns into spinning, as learned so far.
+    pub spin_margin: Option<Nanos>,
+    /// What it cannot notice, in sentences.
+    pub blind_spots: &'a [&'static str],
+}
+
 /// What can go wrong with the hardware.
 #[derive(Debug, thiserror::Error)]
 pub enum PinsError {
@@ -251,6 +260,11 @@ pub trait Pins {
 
     /// The input levels now: tells an edge that was missed from a node that is still above its threshold.
     fn levels(&mut self) -> Result<Levels, PinsError>;
+
+    /// What the backend knows about itself.
+    fn particulars(&self) -> Particulars<'_> {
+        Particulars::default()
+    }
 }
 
 macro_rules! forward_pins {
@@ -273,6 +287,9 @@ macro_rules! forward_pins {
             }
             fn levels(&mut self) -> Result<Levels, PinsError> {
                 (**self).levels()
+            }
+            fn particulars(&self) -> Particulars<'_> {
+                (**self).particulars()
             }
         }
     )*};

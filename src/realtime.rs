@@ -10,6 +10,7 @@ use nix::sys::mman::{MlockAllFlags, mlockall};
 use nix::sys::prctl::set_timerslack;
 use nix::sys::resource::{RLIM_INFINITY, Resource, getrlimit, rlim_t};
 use nix::unistd::Pid;
+use serde::Deserialize;
 use std::fmt;
 use std::fs::{File, OpenOptions};
 use std::io::{self, Write};
@@ -19,10 +20,12 @@ const CPU_DMA_LATENCY: &str = "/dev/cpu_dma_latency";
 /// The calling thread, in scheduler calls.
 const THIS_THREAD: Pid = Pid::from_raw(0);
 
-/// What to ask the kernel for.
-#[derive(Debug, Clone, PartialEq, Eq, Default)]
+/// What to ask the kernel for: `[realtime]` of the configuration. Default: nothing.
+#[derive(Debug, Clone, PartialEq, Eq, Default, Deserialize)]
+#[serde(rename_all = "kebab-case", deny_unknown_fields, default)]
 pub struct Wishes {
     /// SCHED_FIFO with this priority, 1 to 99.
+    #[serde(rename = "priority")]
     pub fifo_priority: Option<u8>,
     /// All memory, present and future, locked into RAM (mlockall).
     pub lock_memory: bool,
@@ -30,8 +33,12 @@ pub struct Wishes {
     pub cpu: Option<usize>,
     /// No idle state that takes time to leave: 0 us in /dev/cpu_dma_latency for as long as [`Realtime`] lives. Costs
     /// power while held.
+    #[serde(rename = "dma-latency")]
     pub no_deep_idle: bool,
 }
+
+/// Each wish by its key in the configuration, and what became of it.
+pub type Report = [(&'static str, Outcome); 4];
 
 /// What became of one wish.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -88,13 +95,13 @@ impl Realtime {
         }
     }
 
-    /// Each outcome with what it is about, for the log and for reports.
-    pub fn report(&self) -> [(&'static str, &Outcome); 4] {
+    /// Each outcome with its key, for the log and for reports.
+    pub fn report(&self) -> Report {
         [
-            ("real-time scheduling (SCHED_FIFO)", &self.scheduling),
-            ("locked memory (mlockall)", &self.memory),
-            ("pinned processor", &self.affinity),
-            ("no deep idle (/dev/cpu_dma_latency)", &self.idle),
+            ("priority", self.scheduling.clone()),
+            ("lock-memory", self.memory.clone()),
+            ("cpu", self.affinity.clone()),
+            ("dma-latency", self.idle.clone()),
         ]
     }
 }
@@ -171,7 +178,7 @@ mod tests {
     #[test]
     fn nothing_asked_nothing_changed() {
         let realtime = Realtime::request(&Wishes::default());
-        assert!(realtime.report().iter().all(|(_, outcome)| **outcome == Outcome::NotAsked));
+        assert!(realtime.report().iter().all(|(_, outcome)| *outcome == Outcome::NotAsked));
     }
 
     #[test]

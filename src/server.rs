@@ -109,17 +109,20 @@ impl Server {
         self.clients.values().any(|client| client.session.wants_raw())
     }
 
-    /// Other channels from now on: every client gets a new VERSION. Subscriptions hold by id.
+    /// Other channels from now on: every client gets a new VERSION, after what was published before it. Subscriptions
+    /// hold by id.
     pub fn set_channels(&mut self, channels: &[ChannelInfo]) {
         self.hub.set_channels(channels);
-        self.clients.values_mut().for_each(|client| client.session.announce_version());
+        let at = self.hub.ring.next();
+        self.clients.values_mut().for_each(|client| client.session.announce_version(at));
         self.has_news = true;
     }
 
     /// The line (with its newline) that begins a tape: whoever watches raw gets it first, and when it changes.
     pub fn set_tape_header(&mut self, line: &str) {
         self.hub.tape_header = line.as_bytes().to_vec();
-        self.clients.values_mut().for_each(|client| client.session.announce_tape_header());
+        let at = self.hub.ring.next();
+        self.clients.values_mut().for_each(|client| client.session.announce_tape_header(at));
         self.has_news = true;
     }
 

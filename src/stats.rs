@@ -5,6 +5,7 @@
 use crate::offset::Offset;
 use crate::reading::{Fault, Status};
 use crate::tracker::Counts;
+use crate::units::Nanos;
 
 /// Counts since the start.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -29,6 +30,10 @@ pub struct Stats {
     pub offset_is_known: bool,
     /// What a tracked calibration has counted.
     pub tracking: Option<Counts>,
+    /// How long before an instant the backend turns from sleeping to spinning, if it does.
+    pub spin_margin: Option<Nanos>,
+    /// How many kinds of trouble the backend cannot notice.
+    pub blind_spots: usize,
 }
 
 impl Stats {

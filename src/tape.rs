@@ -104,8 +104,8 @@ pub enum TapeForce {
 }
 
 #[derive(Serialize, Deserialize)]
-#[serde(tag = "class", rename = "DISCHARGE")]
 struct Line {
+    class: LineClass,
     seq: u64,
     #[serde(default, skip_serializing_if = "Option::is_none")]
     channel: Option<String>,
@@ -119,6 +119,13 @@ struct Line {
     a_ns: Option<f64>,
     #[serde(default, skip_serializing_if = "Option::is_none")]
     b_ns: Option<f64>,
+}
+
+// As a field and not as serde's tag, which is written but not looked at when a struct is read.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+enum LineClass {
+    #[serde(rename = "DISCHARGE")]
+    Discharge,
 }
 
 #[derive(Serialize, Deserialize)]
@@ -239,6 +246,7 @@ impl Header {
     pub fn discharge_line(&self, seq: u64, record: &Record) -> String {
         let finite = |time: Option<f64>| time.filter(|time| time.is_finite());
         let line = Line {
+            class: LineClass::Discharge,
             seq,
             channel: record
                 .through

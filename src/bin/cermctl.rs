@@ -1,2 +1,17 @@
-//! cermctl
-fn main() {}
+//! Everything a person types: parse, dispatch, exit status.
+
+use cermd::{cli::Cermctl, ctl};
+use clap::Parser;
+use std::process::ExitCode;
+
+fn main() -> ExitCode {
+    match ctl::run(Cermctl::parse().verb) {
+        Ok(()) => ExitCode::SUCCESS,
+        // Whoever reads our output has had enough.
+        Err(error) if error.is_closed_pipe() => ExitCode::SUCCESS,
+        Err(error) => {
+            eprintln!("cermctl: {error}");
+            ExitCode::FAILURE
+        }
+    }
+}

@@ -1,27 +1,18 @@
 //! The daemon: parse, run, exit status.
 
-use cermd::{config, daemon};
+use cermd::cli::{Cermd, NO_HARDWARE};
+use cermd::config::Config;
+use cermd::{backend, check, daemon};
 use clap::Parser;
-use std::path::PathBuf;
+use nix::sys::stat::fstat;
+use std::error::Error;
+use std::io::Write;
+use std::os::fd::{AsFd, BorrowedFd};
+use std::path::Path;
 use std::process::ExitCode;
 
-/// Measures resistances by timing RC discharges over GPIO lines, and streams them on a unix socket.
-#[derive(Debug, Parser)]
-#[command(version, after_help = NO_HARDWARE)]
-struct Arguments {
-    /// The configuration file
-    #[arg(long, value_name = "FILE")]
-    config: Option<PathBuf>,
-    /// Check the configuration, say what is found, and exit
-    #[arg(long)]
-    check: bool,
-}
-
-const NO_HARDWARE: &str = "Without hardware: `cermctl demo` shows live readings of a simulated circuit; a file with \
-                           [gpio] backend = \"mock\" and [mock] scene = \"pi4\" makes this daemon serve one.";
-
 fn main() -> ExitCode {
-    let arguments = Arguments::parse();
+    let arguments = Cermd::parse();
     start_log();
     let Some(path) = arguments.config else {
         eprintln!(
@@ -30,11 +21,13 @@ fn main() -> ExitCode {
         return ExitCode::from(2);
     };
     if arguments.check {
-        let report = config::report(&path);
+        let report = check::check(&path);
         print!("{report}");
         return if report.is_usable() { ExitCode::SUCCESS } else { ExitCode::FAILURE };
     }
-    match daemon::run(&path) {
+    let outcome =
+        if arguments.release_lines { release_lines(&path) } else { daemon::run(&path).map_err(Into::into) };
+    match outcome {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {
             log::error!("{error}");
@@ -43,12 +36,21 @@ fn main() -> ExitCode {
     }
 }
 
-/// To standard error; run by systemd, each line begins with its syslog priority (sd-daemon(3)) and has no time, which the
-/// journal adds. RUST_LOG chooses what is said.
+fn release_lines(path: &Path) -> Result<(), Box<dyn Error>> {
+    let config = Config::load(path)?;
+    if backend::release_lines(&config)? {
+        log::info!("every line of {} is an input", path.display());
+    } else {
+        log::info!("{} is about a simulated circuit: no line to release", path.display());
+    }
+    Ok(())
+}
+
+/// To standard error; into the journal, each line begins with its syslog priority (sd-daemon(3)) and has no time, which
+/// the journal adds. RUST_LOG chooses what is said.
 fn start_log() {
-    use std::io::Write;
     let mut logger = env_logger::Builder::from_env(env_logger::Env::default().default_filter_or("info"));
-    if std::env::var_os("JOURNAL_STREAM").is_some() {
+    if is_journal(std::io::stderr().as_fd()) {
         logger.format(|out, record| {
             let priority = match record.level() {
                 log::Level::Error => 3,
@@ -61,4 +63,11 @@ fn start_log() {
         });
     }
     logger.init();
+}
+
+/// Whether a descriptor is the stream to the journal: the variable is inherited by programs whose output was
+/// redirected, so it names the stream by device and inode (systemd.exec(5), JOURNAL_STREAM).
+fn is_journal(output: BorrowedFd<'_>) -> bool {
+    let Ok(stream) = std::env::var("JOURNAL_STREAM") else { return false };
+    fstat(output).is_ok_and(|found| stream == format!("{}:{}", found.st_dev, found.st_ino))
 }

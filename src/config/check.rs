@@ -8,6 +8,7 @@ mod circuit;
 mod gpio;
 mod measure;
 mod predict;
+mod realtime;
 mod server;
 
 use super::Config;
@@ -94,6 +95,7 @@ impl Config {
         gpio::check(self, &mut findings);
         channels::check(&self.channels, &mut findings);
         server::check(self, &mut findings);
+        realtime::check(&self.realtime, &mut findings);
         if predictable {
             predict::check(self, &mut findings);
         }

@@ -93,9 +93,12 @@ impl Cycle {
         }
     }
 
+    /// Before A crosses, however large d is: by the difference of crossings, in which d cancels, and without Ro, which would
+    /// make it later.
     fn split_time(&self) -> Option<Nanos> {
-        let (c1, _) = self.estimator.calibration()?;
-        Some(Nanos((SplitCalibration::FRACTION * c1[0]) as i64))
+        let (c1, c2) = self.estimator.calibration()?;
+        let [r1, r2] = self.settings.r_ohm;
+        Some(Nanos((SplitCalibration::FRACTION * (c2[0] - c1[0]) / (r2 - r1) * r1) as i64))
     }
 
     /// When to switch from the sensor to R_2, if the next x discharge of a channel is to be switched at all.

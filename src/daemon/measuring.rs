@@ -9,6 +9,7 @@ use crate::backend::{self, AnyPins, OpenError};
 use crate::config::Config;
 use crate::instrument::{Instrument, Message};
 use crate::pins::{Armed, Bracket, Drives, Edge, Levels, Pins, PinsError};
+use crate::realtime::{self, Realtime};
 use crate::settings::Settings;
 use crate::stats::Stats;
 use crate::units::Nanos;
@@ -32,14 +33,16 @@ const STATS_EVERY: Nanos = Nanos(250_000_000);
 pub enum Report {
     /// A reading or a discharge.
     Message(Message),
+    /// What became of the wishes of `[realtime]`. Comes first.
+    Realtime(realtime::Report),
     /// Counters, from time to time.
     Stats(Stats),
     /// The pins failed; they are opened again by and by.
     Failed(PinsError),
     /// They still cannot be opened.
     NotOpened(OpenError),
-    /// They work again.
-    Reopened,
+    /// They work again: a cycle has been finished.
+    Recovered,
 }
 
 /// What both sides share.
@@ -61,11 +64,11 @@ pub struct Measuring {
 }
 
 impl Measuring {
-    /// Starts to measure.
+    /// Starts to measure. Without pins, it starts by trying to open them.
     ///
     /// # Errors
     /// The system has no descriptor or thread left.
-    pub fn start(pins: AnyPins, config: Config, settings: Settings) -> io::Result<Measuring> {
+    pub fn start(pins: Option<AnyPins>, config: Config, settings: Settings) -> io::Result<Measuring> {
         let (sender, results) = RingBuffer::new(RING);
         let shared = Arc::new(Shared {
             stop: AtomicBool::new(false),
@@ -74,10 +77,10 @@ impl Measuring {
             lost_discharges: AtomicU64::new(0),
             wake: EventFd::from_flags(EfdFlags::EFD_CLOEXEC | EfdFlags::EFD_NONBLOCK)?,
         });
-        let worker = Worker { shared: Arc::clone(&shared), sender, config };
+        let worker = Worker { shared: Arc::clone(&shared), sender, config, said: String::new() };
         let thread = thread::Builder::new()
             .name("cermd-measure".to_owned())
-            .spawn(move || worker.run(Instrument::new(pins, settings)))?;
+            .spawn(move || worker.run(pins, settings))?;
         Ok(Measuring { shared, results, thread: Some(thread) })
     }
 
@@ -129,19 +132,35 @@ struct Worker {
     shared: Arc<Shared>,
     sender: Producer<Report>,
     config: Config,
+    /// What was said last about pins that do not work; empty while they do.
+    said: String,
 }
 
 impl Worker {
-    fn run(mut self, mut instrument: Instrument<AnyPins>) {
+    fn run(mut self, pins: Option<AnyPins>, settings: Settings) {
+        // Rights are the thread's own, and held as long as it lives.
+        let realtime = Realtime::request(&self.config.realtime);
+        self.send(Report::Realtime(realtime.report()));
+        let is_open = pins.is_some();
+        let mut instrument = Instrument::new(pins.unwrap_or_else(|| Box::new(Closed)), settings);
+        if !is_open {
+            self.reopen(&mut instrument);
+        }
         let mut stats_due = Nanos::ZERO;
         let mut offset_was_known = false;
+        let mut cycles_before = 0;
         while !self.is_stopped() {
             let result = instrument.step(&mut |message| self.send(Report::Message(message)));
             if let Err(error) = result {
-                self.send(Report::Failed(error));
+                cycles_before = instrument.stats().cycles;
+                self.complain(error.to_string(), Report::Failed(error));
                 self.reopen(&mut instrument);
             }
             let stats = instrument.stats();
+            if !self.said.is_empty() && stats.cycles > cycles_before {
+                self.said.clear();
+                self.send(Report::Recovered);
+            }
             let now = instrument.pins().now();
             if now >= stats_due || stats.offset_is_known != offset_was_known {
                 stats_due = now + STATS_EVERY;
@@ -172,11 +191,18 @@ impl Worker {
             match backend::open(&self.config, now) {
                 Ok(pins) => {
                     *instrument.pins() = pins;
-                    self.send(Report::Reopened);
                     return;
                 }
-                Err(error) => self.send(Report::NotOpened(error)),
+                Err(error) => self.complain(error.to_string(), Report::NotOpened(error)),
             }
+        }
+    }
+
+    /// Says why the pins do not work, unless that was said last: the same reason every second would fill the log.
+    fn complain(&mut self, why: String, report: Report) {
+        if why != self.said {
+            self.said = why;
+            self.send(report);
         }
     }
 
@@ -221,5 +247,107 @@ impl Pins for Closed {
     }
     fn levels(&mut self) -> Result<Levels, PinsError> {
         Err(PinsError::Ended)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::pins::sim::{Scene, SimPins};
+    use std::sync::atomic::AtomicU32;
+
+    const CONFIG: &str = "[circuit]\nkind = \"two-capacitor\"\nc-a = \"2.2 uF\"\nc-b = \"680 nF\"\nv-th = \"1.1 V\"\n\
+                          r-c1 = \"2.32 kohm\"\nr-c2 = \"12.7 kohm\"\n[gpio]\nbackend = \"mock\"\n\
+                          [[channel]]\nid = \"x\"\n[mock]\nscene = \"SCENE\"\n";
+
+    fn config(scene: &str) -> (Config, Settings) {
+        let config = Config::parse(&CONFIG.replace("SCENE", scene), "test").unwrap();
+        let settings = Settings::new(&config).unwrap();
+        (config, settings)
+    }
+
+    /// Pins with a mistake in the program that shows at the last of so many waits for an edge.
+    struct Mistaken {
+        pins: SimPins,
+        waits: u32,
+        /// How many lines drive, for all to see.
+        driving: Arc<AtomicU32>,
+    }
+
+    impl Pins for Mistaken {
+        fn now(&mut self) -> Nanos {
+            self.pins.now()
+        }
+        fn drive(&mut self, on: Drives) -> Result<Bracket, PinsError> {
+            self.driving.store(on.count(), Ordering::SeqCst);
+            self.pins.drive(on)
+        }
+        fn arm(&mut self) -> Result<Armed, PinsError> {
+            self.pins.arm()
+        }
+        fn edge(&mut self, until: Nanos) -> Result<Option<Edge>, PinsError> {
+            self.waits -= 1;
+            assert!(self.waits > 0, "a panic that this test asks for, {} lines driving", self.driving());
+            self.pins.edge(until)
+        }
+        fn sleep_until(&mut self, at: Nanos) -> Result<(), PinsError> {
+            self.pins.sleep_until(at)
+        }
+        fn levels(&mut self) -> Result<Levels, PinsError> {
+            self.pins.levels()
+        }
+    }
+
+    impl Mistaken {
+        fn driving(&self) -> u32 {
+            self.driving.load(Ordering::SeqCst)
+        }
+    }
+
+    #[test]
+    fn a_panic_ends_the_measurement_with_every_line_released() {
+        let (config, settings) = config("ideal");
+        let driving = Arc::new(AtomicU32::new(u32::MAX));
+        let pins = SimPins::new(&Scene::builtin("ideal").unwrap(), None);
+        let pins = Mistaken { pins, waits: 20, driving: Arc::clone(&driving) };
+        let mut measuring = Measuring::start(Some(Box::new(pins)), config, settings).unwrap();
+        while !measuring.has_ended() {
+            thread::yield_now();
+        }
+        assert_eq!(driving.load(Ordering::SeqCst), 0);
+        assert!(matches!(measuring.next(), Some(Report::Realtime(_))));
+        assert!(
+            matches!(measuring.next(), Some(Report::Message(_))),
+            "what was measured before is still there"
+        );
+        measuring.stop();
+    }
+
+    #[test]
+    fn pins_that_are_missing_are_opened_by_and_by() {
+        let (config, settings) = config("pi4");
+        let mut measuring = Measuring::start(None, config, settings).unwrap();
+        let reading = loop {
+            match measuring.next() {
+                Some(Report::Message(Message::Reading(reading))) => break reading,
+                Some(Report::NotOpened(error)) => panic!("{error}"),
+                _ => thread::yield_now(),
+            }
+        };
+        assert_ne!(reading.status, crate::reading::Status::Fault(crate::reading::Fault::Pins));
+    }
+
+    #[test]
+    fn a_reason_is_told_once() {
+        let (config, settings) = config("nowhere.toml");
+        let mut measuring = Measuring::start(None, config, settings).unwrap();
+        let begin = measuring.beat();
+        // Two rounds of trying, each of ten naps.
+        while measuring.beat() < begin + 25 {
+            thread::sleep(Duration::from_millis(10));
+        }
+        assert!(matches!(measuring.next(), Some(Report::Realtime(_))));
+        assert!(matches!(measuring.next(), Some(Report::NotOpened(_))));
+        assert!(measuring.next().is_none());
     }
 }

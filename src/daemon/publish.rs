@@ -7,6 +7,7 @@ use super::measuring::Report;
 use crate::config::{Backend, Config};
 use crate::instrument::Message;
 use crate::reading::Fault;
+use crate::realtime::{self, Outcome};
 use crate::server::Server;
 use crate::settings::Settings;
 use crate::stats::Stats;
@@ -23,13 +24,24 @@ pub fn channels(settings: &Settings) -> Vec<ChannelInfo> {
     settings.channels.iter().map(info).collect()
 }
 
-/// The header of a tape, as a line.
-pub fn header(config: &Config, settings: &Settings) -> String {
-    Header::new(config, settings).to_line() + "\n"
+/// The header of a tape, as a line; `found`: the latency offset that a calibration has found, ns.
+pub fn header(config: &Config, settings: &Settings, found: Option<f64>) -> String {
+    let mut header = Header::new(config, settings);
+    header.offset_ns = header.offset_ns.or(found);
+    header.to_line() + "\n"
+}
+
+/// What the measuring thread has told about itself.
+#[derive(Debug, Default)]
+pub struct Told {
+    /// Its counters.
+    pub stats: Stats,
+    /// What became of the wishes of `[realtime]`; `None` before its first word.
+    pub realtime: Option<realtime::Report>,
 }
 
 /// Passes one result on. `to_wall`: from `CLOCK_MONOTONIC` to `CLOCK_REALTIME`.
-pub fn report(server: &mut Server, stats: &mut Stats, loaded: &Loaded, report: Report, to_wall: Nanos) {
+pub fn report(server: &mut Server, told: &mut Told, loaded: &Loaded, report: Report, to_wall: Nanos) {
     match report {
         Report::Message(Message::Reading(reading)) => {
             server.publish_reading(&reading, UnixTime((reading.at + to_wall).0));
@@ -40,16 +52,20 @@ pub fn report(server: &mut Server, stats: &mut Stats, loaded: &Loaded, report: R
                 server.publish_raw(record.through.channel(), record.start, &line);
             }
         }
-        Report::Stats(counted) => *stats = counted,
+        Report::Stats(counted) => told.stats = counted,
+        Report::Realtime(report) => {
+            log_realtime(&report);
+            told.realtime = Some(report);
+        }
         Report::Failed(error) => log::error!("{error}; trying again every second"),
         Report::NotOpened(error) => log::warn!("{error}"),
-        Report::Reopened => log::info!("the GPIO lines are back"),
+        Report::Recovered => log::info!("the GPIO lines work again"),
     }
 }
 
 /// The daemon's own fields of STATS.
-pub fn stats(stats: &Stats, config: &Config, uptime: Nanos) -> impl FnMut(&mut Object<'_>) + use<> {
-    let stats = *stats;
+pub fn stats(told: &Told, config: &Config, uptime: Nanos) -> impl FnMut(&mut Object<'_>) {
+    let Told { stats, realtime } = told;
     let backend = match config.gpio.backend {
         Backend::Chardev => "chardev",
         Backend::ChardevV1 => "chardev-v1",
@@ -77,6 +93,25 @@ pub fn stats(stats: &Stats, config: &Config, uptime: Nanos) -> impl FnMut(&mut O
             object.number("offset_u_ns", stats.offset.u_d_ns, 3);
             object.number("r_o_ohm", stats.offset.r_o_ohm.map(|r_o| r_o.0), 5);
             object.number("r_o_u_ohm", stats.offset.r_o_ohm.map(|r_o| r_o.1), 3);
+        }
+        if let Some(margin) = stats.spin_margin {
+            object.integer("spin_margin_ns", margin.0.unsigned_abs());
+        }
+        object.integer("blind_spots", stats.blind_spots as u64);
+        object.object("realtime", |object| {
+            for (key, outcome) in realtime.iter().flatten() {
+                object.text(key, &outcome.to_string());
+            }
+        });
+    }
+}
+
+fn log_realtime(report: &realtime::Report) {
+    for (key, outcome) in report {
+        match outcome {
+            Outcome::NotAsked => {}
+            Outcome::Granted => log::info!("realtime.{key}: granted"),
+            Outcome::Denied(why) => log::warn!("realtime.{key}: denied: {why}"),
         }
     }
 }

@@ -4,7 +4,7 @@
 
 use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM};
 use signal_hook::{flag, low_level};
-use std::io::{self, Read};
+use std::io::{self, Read, Write};
 use std::os::fd::{AsFd, BorrowedFd};
 use std::os::unix::net::UnixStream;
 use std::sync::Arc;
@@ -44,6 +44,18 @@ impl Signals {
         Ok(signals)
     }
 
+    /// No signal at all: the end comes from the other half, for a daemon that is a part of another program.
+    ///
+    /// # Errors
+    /// The system refuses a descriptor.
+    pub fn from_handle() -> io::Result<(Signals, StopHandle)> {
+        let (woken, waker) = UnixStream::pair()?;
+        woken.set_nonblocking(true)?;
+        let signals = Signals { woken, end: Arc::default(), reload: Arc::default() };
+        let handle = StopHandle { waker, end: Arc::clone(&signals.end) };
+        Ok((signals, handle))
+    }
+
     /// What was asked for, once.
     pub fn take(&mut self) -> Asked {
         let mut bytes = [0; 64];
@@ -52,6 +64,22 @@ impl Signals {
             end: self.end.swap(false, Ordering::SeqCst),
             reload: self.reload.swap(false, Ordering::SeqCst),
         }
+    }
+}
+
+/// Ends a daemon that runs on another thread.
+#[derive(Debug)]
+pub struct StopHandle {
+    waker: UnixStream,
+    end: Arc<AtomicBool>,
+}
+
+impl StopHandle {
+    /// Asks for the end, as SIGTERM would.
+    pub fn stop(mut self) {
+        self.end.store(true, Ordering::SeqCst);
+        // It fails only when the daemon has ended by itself.
+        let _ = self.waker.write(&[0]);
     }
 }
 

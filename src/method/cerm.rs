@@ -25,8 +25,8 @@ pub fn ratio<T: Number>(times: &Times<T>) -> T {
     (xa + xb - sum_c1) / (sum_c2 - sum_c1)
 }
 
-/// By how much the measured crossing of A (after the switch) misses the one that [`inferred`] predicts: a check of
-/// the switched discharge that (16)-(19) leave unused. Zero but for noise.
+/// By how much the measured crossing of A misses the one that [`inferred`] predicts, for a switch before that crossing: a
+/// check of the switched discharge that (16)-(19) leave unused. Zero but for noise.
 ///
 /// The part 1 - T_xA/T_i,xA of the way to A's threshold remains at the switch, and Rc2 goes it in that part of T_c2A.
 pub fn residual_a<T: Number>(times: &Times<T>) -> T {
@@ -34,4 +34,9 @@ pub fn residual_a<T: Number>(times: &Times<T>) -> T {
     let t_c2a = c2[0] - d;
     let [t_ixa, _] = inferred(times);
     (x[0] - d - on) - (t_c2a - at / t_ixa * t_c2a)
+}
+
+/// The same for a switch after A's crossing, which then ran through R_x alone.
+pub fn residual_a_before_switch<T: Number>(times: &Times<T>) -> T {
+    times.x[0] - times.d - inferred(times)[0]
 }

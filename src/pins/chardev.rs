@@ -16,7 +16,7 @@ use self::error::{as_io, while_running};
 use self::request::{Switching, charging, drive_request, inputs, released, sense_request, watching};
 use self::wait::{monotonic, readable, sleep_until};
 use self::wiring::Lines;
-use super::{Armed, Bracket, Drives, Edge, Levels, Pins, PinsError};
+use super::{Armed, Bracket, Drives, Edge, Levels, Particulars, Pins, PinsError};
 use crate::units::Nanos;
 use gpiocdev_uapi::v2::{self, LineConfig, LineValues};
 use nix::fcntl::{FcntlArg, OFlag, fcntl};
@@ -91,11 +91,6 @@ impl Chardev {
             edges: EdgeBuffer::default(),
             margin: SpinMargin::default(),
         })
-    }
-
-    /// How long before an instant sleeping turns into spinning now.
-    pub fn spin_margin(&self) -> SpinMargin {
-        self.margin
     }
 
     /// The sense lines that are to charge, when `on` drives and they are wired for it.
@@ -226,6 +221,10 @@ impl Pins for Chardev {
         v2::get_line_values(&self.sense_file, &mut values)
             .map_err(|error| while_running("GET_VALUES", SENSE_LINES, &self.chip, as_io(error)))?;
         Ok(Levels { a: values.get(0).unwrap_or(true), b: values.get(1).unwrap_or(true) })
+    }
+
+    fn particulars(&self) -> Particulars<'_> {
+        Particulars { spin_margin: Some(self.margin.get()), blind_spots: &[] }
     }
 }
 

@@ -4,7 +4,7 @@
 //! One request a line: an event line for each sense line, an output ([`CdevPin`]) for each sink and charger. v1
 //! (drivers/gpio/gpiolib-cdev.c, `lineevent_*` and `linehandle_*`) does not number events and cannot reconfigure
 //! an event line, so circuits whose sense lines charge are refused; what else it cannot see is told by
-//! [`ChardevV1::blind_spots`].
+//! [`Particulars::blind_spots`].
 
 use self::sense::{SenseLine, last_call, stamping_clock};
 use self::switches::{Switch, Switches};
@@ -14,7 +14,7 @@ use super::chardev::release::each_line;
 use super::chardev::to_be_driven;
 use super::chardev::wait::{SpinMargin, monotonic, readable, sleep_until};
 use super::chardev::wiring::{DriveLine, Line, Wiring};
-use super::{Armed, Bracket, Drives, Edge, Levels, Node, Pins, PinsError};
+use super::{Armed, Bracket, Drives, Edge, Levels, Node, Particulars, Pins, PinsError};
 use crate::units::Nanos;
 use gpio_cdev::{EventRequestFlags, LineHandle, LineRequestFlags};
 use linux_embedded_hal::CdevPin;
@@ -82,11 +82,6 @@ impl ChardevV1 {
             blind_spots,
             margin,
         })
-    }
-
-    /// What this backend cannot notice, in sentences.
-    pub fn blind_spots(&self) -> &[&'static str] {
-        &self.blind_spots
     }
 
     /// The sense line whose next edge is the earliest that is there.
@@ -178,6 +173,10 @@ impl Pins for ChardevV1 {
             }
         }
         Ok(levels)
+    }
+
+    fn particulars(&self) -> Particulars<'_> {
+        Particulars { spin_margin: Some(self.margin.get()), blind_spots: &self.blind_spots }
     }
 }
 

@@ -25,6 +25,8 @@ pub(super) struct Session {
     /// Wanted lines that were overwritten since the last one it got.
     lost: u64,
     subscription: Subscription,
+    /// The position in the ring that what is due comes before: older lines belong to what was announced before.
+    announced_at: u64,
     version_is_due: bool,
     tape_header_is_due: bool,
     /// May change the instrument: root, or the daemon's own user.
@@ -40,6 +42,7 @@ impl Session {
             cursor: hub.ring.next(),
             lost: 0,
             subscription: Subscription::default(),
+            announced_at: hub.ring.next(),
             version_is_due: true,
             tape_header_is_due: false,
             privileged,
@@ -69,11 +72,15 @@ impl Session {
         self.subscription.enable && self.subscription.raw
     }
 
-    pub fn announce_version(&mut self) {
+    /// Other channels, of which the line at position `at` is the first that may speak.
+    pub fn announce_version(&mut self, at: u64) {
+        self.announced_at = at;
         self.version_is_due = true;
     }
 
-    pub fn announce_tape_header(&mut self) {
+    /// Another tape, of which the line at position `at` is the first that may be.
+    pub fn announce_tape_header(&mut self, at: u64) {
+        self.announced_at = at;
         self.tape_header_is_due = self.wants_raw();
     }
 
@@ -119,9 +126,10 @@ impl Session {
 
     /// Does one thing that is due. Returns false when nothing is.
     fn compose(&mut self, hub: &Hub, stats: &mut dyn FnMut(&mut Object<'_>)) -> bool {
-        if std::mem::take(&mut self.version_is_due) {
+        let is_caught_up = self.cursor >= self.announced_at;
+        if is_caught_up && std::mem::take(&mut self.version_is_due) {
             self.output.extend_from_slice(&hub.version);
-        } else if std::mem::take(&mut self.tape_header_is_due) {
+        } else if is_caught_up && std::mem::take(&mut self.tape_header_is_due) {
             self.output.extend_from_slice(&hub.tape_header);
         } else if let Some(line) = self.input.next_line() {
             if !is_blank(&line) {
@@ -284,6 +292,27 @@ mod tests {
         answers(&mut session, &hub, &"{\"class\":\"POLL\"}\n".repeat(1000));
         answers(&mut session, &hub, &format!("{{\"x\":\"{}\"}}\n", "y".repeat(60_000)));
         assert!(session.output.capacity() <= KEPT_OUTPUT_BYTES && session.is_listening());
+    }
+
+    #[test]
+    fn a_slow_client_gets_old_lines_before_what_is_announced_after_them() {
+        let mut hub = hub(4);
+        let mut session = Session::new(&hub, false);
+        answers(&mut session, &hub, "");
+        (1..=2).for_each(|seq| publish(&mut hub, &mut session, seq));
+        hub.set_channels(&[ChannelInfo { id: "thumb".into(), unit: Unit::Ohm }]);
+        session.announce_version(hub.ring.next());
+        publish(&mut hub, &mut session, 3);
+        let classes = |stream: String| -> Vec<String> {
+            let lines = stream.lines().map(|line| serde_json::from_str::<serde_json::Value>(line).unwrap());
+            lines.map(|line| line["class"].as_str().unwrap().to_owned()).collect()
+        };
+        assert_eq!(classes(answers(&mut session, &hub, "")), ["READING", "READING", "VERSION", "READING"]);
+
+        session.announce_version(hub.ring.next());
+        (4..=9).for_each(|seq| publish(&mut hub, &mut session, seq));
+        let overtaken = classes(answers(&mut session, &hub, ""));
+        assert_eq!(overtaken, ["VERSION", "READING", "READING", "READING", "READING"]);
     }
 
     proptest! {

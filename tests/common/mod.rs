@@ -62,8 +62,14 @@ impl Bench {
     }
 
     pub fn instrument(&self) -> Instrument<SimPins> {
+        let (pins, settings) = self.parts();
+        Instrument::new(pins, settings)
+    }
+
+    /// What an instrument is made of.
+    pub fn parts(&self) -> (SimPins, Settings) {
         let config = Config::parse(&self.config, "bench").unwrap();
-        Instrument::new(SimPins::new(&self.scene, Some(self.seed)), Settings::new(&config).unwrap())
+        (SimPins::new(&self.scene, Some(self.seed)), Settings::new(&config).unwrap())
     }
 }
 

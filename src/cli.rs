@@ -1,0 +1,234 @@
+//! The command lines of both programs.
+//!
+//! For: arguments and their help texts, in one place, from which the man pages are made too. Must not know: what is
+//! done with them.
+
+use crate::reading::Method;
+use crate::replay::TapeOffset;
+use crate::units::Nanos;
+use clap::builder::PossibleValue;
+use clap::{Args, Parser, Subcommand, ValueEnum};
+use std::path::PathBuf;
+
+/// What to say to somebody without hardware.
+pub const NO_HARDWARE: &str = "Without hardware: `cermctl demo` shows live readings of a simulated circuit; a file with \
+                               [gpio] backend = \"mock\" and [mock] scene = \"pi4\" makes this daemon serve one.";
+
+/// Measures resistances by timing RC discharges over GPIO lines, and streams them on a unix socket.
+#[derive(Debug, Parser)]
+#[command(name = "cermd", version, after_help = NO_HARDWARE)]
+pub struct Cermd {
+    /// The configuration file
+    #[arg(long, value_name = "FILE")]
+    pub config: Option<PathBuf>,
+    /// Check the configuration, say what is found, and exit
+    #[arg(long)]
+    pub check: bool,
+    /// Make every line that the configuration names an input, and exit: for after a kill
+    #[arg(long, conflicts_with = "check")]
+    pub release_lines: bool,
+}
+
+/// Reads resistive sensors that cermd measures on GPIO lines, and looks after the instrument.
+#[derive(Debug, Parser)]
+#[command(name = "cermctl", version, after_help = "Nothing connected yet? Try `cermctl demo`.")]
+pub struct Cermctl {
+    /// What to do.
+    #[command(subcommand)]
+    pub verb: Verb,
+}
+
+/// What `cermctl` can do.
+#[derive(Debug, Subcommand)]
+pub enum Verb {
+    /// Show live readings of a simulated circuit: no hardware, no root, no daemon, no file left behind
+    Demo(Demo),
+    /// Show readings as they come, a live line per channel; survives a restart of the daemon
+    Watch(Watch),
+    /// Print the last reading of each channel
+    Get(Get),
+    /// Print what the daemon has counted and learned
+    Stats(Stats),
+    /// Say what is wrong with a configuration, and what to expect of it
+    Check(Check),
+    /// Write readings, or the timings of discharges, to a file
+    Record(Record),
+    /// Estimate again from the timings on a tape
+    Estimate(Estimate),
+}
+
+/// Where the daemon listens.
+#[derive(Debug, Args)]
+pub struct Connection {
+    /// The socket of the daemon
+    #[arg(long, value_name = "PATH", env = "CERMD_SOCKET", default_value = "/run/cermd/cermd.sock")]
+    pub socket: PathBuf,
+}
+
+/// `cermctl demo`.
+#[derive(Debug, Args)]
+pub struct Demo {
+    /// The simulated board: ideal, fpga-paper, pi-zero, pi4 or pi5, with a hand pressing an FSR 402; or a scene file
+    /// (*.toml) with its own sensors
+    #[arg(long, value_name = "NAME|FILE", default_value = "pi4")]
+    pub scene: String,
+    /// How long to measure
+    #[arg(long, value_name = "SECONDS", default_value = "10", value_parser = seconds)]
+    pub seconds: f64,
+    /// Of every random number [default: the scene's own]
+    #[arg(long, value_name = "NUMBER")]
+    pub seed: Option<u64>,
+    /// How to estimate [default: the best that the circuit allows]
+    #[arg(long)]
+    pub method: Option<Method>,
+}
+
+/// `cermctl watch`.
+#[derive(Debug, Args)]
+pub struct Watch {
+    /// Only these channels [default: all]
+    #[arg(value_name = "CHANNEL")]
+    pub channels: Vec<String>,
+    /// At most so many readings of each channel per second
+    #[arg(long, value_name = "HERTZ", value_parser = hertz)]
+    pub max_hz: Option<f64>,
+    /// The lines of the stream as they come
+    #[arg(long)]
+    pub json: bool,
+    #[command(flatten)]
+    #[expect(missing_docs, reason = "a text here would replace that of the verb")]
+    pub connection: Connection,
+}
+
+/// `cermctl get`.
+#[derive(Debug, Args)]
+pub struct Get {
+    /// Only these channels [default: all]
+    #[arg(value_name = "CHANNEL")]
+    pub channels: Vec<String>,
+    /// The lines of the stream as they come
+    #[arg(long)]
+    pub json: bool,
+    #[command(flatten)]
+    #[expect(missing_docs, reason = "a text here would replace that of the verb")]
+    pub connection: Connection,
+}
+
+/// `cermctl stats`.
+#[derive(Debug, Args)]
+pub struct Stats {
+    /// The line of the stream as it comes
+    #[arg(long)]
+    pub json: bool,
+    #[command(flatten)]
+    #[expect(missing_docs, reason = "a text here would replace that of the verb")]
+    pub connection: Connection,
+}
+
+/// `cermctl check`.
+#[derive(Debug, Args)]
+pub struct Check {
+    /// The configuration file
+    #[arg(long, value_name = "FILE")]
+    pub config: PathBuf,
+}
+
+/// `cermctl record`.
+#[derive(Debug, Args)]
+pub struct Record {
+    /// Only these channels [default: all]
+    #[arg(value_name = "CHANNEL")]
+    pub channels: Vec<String>,
+    /// Stop after so long [default: at Ctrl-C]
+    #[arg(long, value_name = "SECONDS", value_parser = seconds, conflicts_with = "count")]
+    pub seconds: Option<f64>,
+    /// Stop after so many readings, or discharges with --raw
+    #[arg(long, value_name = "NUMBER", value_parser = clap::value_parser!(u64).range(1..))]
+    pub count: Option<u64>,
+    /// How to write readings
+    #[arg(long, value_enum, default_value = "ndjson", conflicts_with = "raw")]
+    pub format: Format,
+    /// A tape: the timings of the discharges in the place of readings, for `cermctl estimate`
+    #[arg(long)]
+    pub raw: bool,
+    /// Where to write; an existing file is replaced [default: standard output]
+    #[arg(long, short, value_name = "FILE")]
+    pub output: Option<PathBuf>,
+    #[command(flatten)]
+    #[expect(missing_docs, reason = "a text here would replace that of the verb")]
+    pub connection: Connection,
+}
+
+/// How readings are written.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum Format {
+    /// The lines of the stream as they come
+    Ndjson,
+    /// A line of names, then one line per reading; what is not known is empty
+    Csv,
+}
+
+/// `cermctl estimate`.
+#[derive(Debug, Args)]
+pub struct Estimate {
+    /// The tape, or - for standard input
+    #[arg(value_name = "TAPE")]
+    pub tape: PathBuf,
+    /// How to estimate
+    #[arg(long)]
+    pub method: Method,
+    /// How late the kernel stamps a crossing: a duration such as "8 us", or auto for what the split calibration
+    /// discharges on the tape tell [default: what the tape says, or else auto]
+    #[arg(long, value_name = "DURATION|auto", value_parser = offset)]
+    pub offset: Option<TapeOffset>,
+}
+
+impl ValueEnum for Method {
+    fn value_variants<'a>() -> &'a [Method] {
+        &Method::ALL
+    }
+
+    fn to_possible_value(&self) -> Option<PossibleValue> {
+        Some(PossibleValue::new(self.as_str()))
+    }
+}
+
+fn seconds(text: &str) -> Result<f64, String> {
+    positive(text, 1e9).ok_or_else(|| "a number of seconds above 0, such as 2.5".to_owned())
+}
+
+fn hertz(text: &str) -> Result<f64, String> {
+    positive(text, 1e9).ok_or_else(|| "a number of hertz above 0, such as 10".to_owned())
+}
+
+fn positive(text: &str, limit: f64) -> Option<f64> {
+    text.parse().ok().filter(|value| *value > 0.0 && *value <= limit)
+}
+
+fn offset(text: &str) -> Result<TapeOffset, String> {
+    if text == "auto" {
+        return Ok(TapeOffset::Auto);
+    }
+    let d: Nanos = text.parse().map_err(|error| format!("{error}; or auto"))?;
+    Ok(TapeOffset::Given(d.as_ns()))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use clap::CommandFactory;
+
+    #[test]
+    fn the_parsers_are_consistent() {
+        Cermd::command().debug_assert();
+        Cermctl::command().debug_assert();
+    }
+
+    #[test]
+    fn the_help_names_every_board() {
+        let help = Cermctl::command().find_subcommand_mut("demo").unwrap().render_long_help().to_string();
+        for name in crate::pins::sim::Scene::builtin_names() {
+            assert!(help.contains(name), "{name}");
+        }
+    }
+}

@@ -1,0 +1,51 @@
+//! The verbs of `cermctl`, one file each.
+//!
+//! For: what a person sees: live lines, tables, files, errors as sentences. Must not know: how anything is measured; the
+//! [`demo`] alone starts an instrument.
+
+pub mod demo;
+mod error;
+mod estimate;
+mod get;
+mod interrupt;
+mod panel;
+mod record;
+mod stats;
+mod stream;
+mod terminal;
+mod text;
+mod watch;
+
+pub use error::CtlError;
+
+use crate::check;
+use crate::cli::{self, Verb};
+use std::io::Write;
+
+/// Does what was asked for.
+///
+/// # Errors
+/// A sentence for the person who asked.
+pub fn run(verb: Verb) -> Result<(), CtlError> {
+    match verb {
+        Verb::Demo(arguments) => demo::run(&arguments),
+        Verb::Watch(arguments) => watch::run(&arguments),
+        Verb::Get(arguments) => get::run(&arguments),
+        Verb::Stats(arguments) => stats::run(&arguments),
+        Verb::Check(arguments) => check(&arguments),
+        Verb::Record(arguments) => record::run(&arguments),
+        Verb::Estimate(arguments) => estimate::run(&arguments),
+    }
+}
+
+fn check(arguments: &cli::Check) -> Result<(), CtlError> {
+    let report = check::check(&arguments.config);
+    print(&report.to_string())?;
+    if report.is_usable() { Ok(()) } else { Err(CtlError::Unusable) }
+}
+
+/// To standard output.
+fn print(text: &str) -> Result<(), CtlError> {
+    let mut out = std::io::stdout().lock();
+    out.write_all(text.as_bytes()).and_then(|()| out.flush()).map_err(CtlError::Output)
+}

@@ -1,0 +1,126 @@
+//! The board of the demo: a scene, a configuration that fits it, and the truth about it.
+//!
+//! For: everything that only the one who imagines a circuit can know. Must not know: what was measured.
+
+use super::super::CtlError;
+use crate::circuit::{Circuit, NOMINAL_R_CHARGE, Network};
+use crate::cli;
+use crate::config::{Channel, Config, Force, Gpio, Measure, MethodName, Mock, Mode, Server};
+use crate::pins::Drives;
+use crate::pins::sim::network::line_index;
+use crate::pins::sim::{Kind, Scene, Sensor, SimPins};
+use crate::reading::Method;
+use crate::units::{Farad, Nanos, Newton, NewtonOhm, Ohm, Seconds};
+use std::cell::Cell;
+use std::path::{Path, PathBuf};
+
+/// The channels, as far as a hand has fingers.
+const FINGERS: [&str; 5] = ["thumb", "index", "middle", "ring", "little"];
+/// Alpha of F = alpha / R for the FSR 402 of the paper, N ohm.
+const FSR_402: NewtonOhm = NewtonOhm(13_346.46);
+
+/// A simulated board.
+#[derive(Debug)]
+pub struct Board {
+    pub config: Config,
+    pub title: String,
+    pub connected: String,
+    scene: Scene,
+    seed: Option<u64>,
+    /// When virtual time began.
+    pub epoch: Cell<Nanos>,
+}
+
+impl Board {
+    /// As the command line wants it; `socket`: where it is to be served.
+    pub fn new(arguments: &cli::Demo, socket: &Path) -> Result<Board, CtlError> {
+        let is_file = arguments.scene.ends_with(".toml");
+        let scene = if is_file {
+            Scene::load(Path::new(&arguments.scene))?
+        } else {
+            Scene::builtin(&arguments.scene)?.with_sensors(vec![hand()])?
+        };
+        let scene = match arguments.method {
+            Some(Method::Qerm) => scene.with_kind(Kind::SeriesCalibration)?,
+            _ => scene,
+        };
+        let connected = if is_file { "the sensors of the scene" } else { "a hand pressing an FSR 402" };
+        Ok(Board {
+            config: config(&scene, arguments, socket),
+            title: format!("board {}", arguments.scene),
+            connected: connected.to_owned(),
+            seed: arguments.seed,
+            scene,
+            epoch: Cell::new(Nanos::ZERO),
+        })
+    }
+
+    /// The circuit in virtual time. Two of them behave alike.
+    pub fn simulation(&self) -> SimPins {
+        SimPins::new(&self.scene, self.seed)
+    }
+
+    /// How late a crossing is stamped, ns, without the rare long delays: what a latency offset should be.
+    pub fn latency_ns(&self) -> f64 {
+        let stamps = self.scene.stamps.map_or(0.0, |stamps| stamps.mean.0);
+        let clock = self.scene.clock_period.map_or(0.0, |period| period.0 / 2.0);
+        (stamps + clock) * 1e9
+    }
+
+    /// Output resistance of the pin of Rc1, ohm.
+    pub fn r_o_ohm(&self) -> f64 {
+        self.scene.network().r_o[line_index(Drives::C1)]
+    }
+}
+
+fn hand() -> Sensor {
+    Sensor::Hand { alpha: FSR_402, peak: Newton(10.0), period: Seconds(3.0) }
+}
+
+fn config(scene: &Scene, arguments: &cli::Demo, socket: &Path) -> Config {
+    let channel = |index: usize| Channel {
+        id: FINGERS.get(index).map_or_else(|| format!("x{index}"), |name| (*name).to_owned()),
+        sink: None,
+        zero_ohm: 0.0,
+        force: Some(Force::Alpha(FSR_402)),
+    };
+    let method = arguments.method.map(|method| match method {
+        Method::Tpcm => MethodName::Tpcm,
+        Method::Qerm => MethodName::Qerm,
+        Method::Tcdic => MethodName::Tcdic,
+        Method::Cerm => MethodName::Cerm,
+        Method::Tracked => MethodName::Tracked,
+    });
+    Config {
+        circuit: circuit(scene),
+        gpio: Gpio::default(),
+        measure: Measure { method, ..Measure::default() },
+        channels: (0..scene.sensors.len().max(1)).map(channel).collect(),
+        realtime: Default::default(),
+        server: Server { socket: socket.to_owned(), mode: Mode(0o600) },
+        mock: Some(Mock { scene: arguments.scene.clone(), seed: arguments.seed }),
+        base: PathBuf::new(),
+    }
+}
+
+/// The nominal values that somebody with this board would write into the configuration.
+fn circuit(scene: &Scene) -> Circuit {
+    let circuit = &scene.circuit;
+    // A missing capacitor has been refused with the scene.
+    let farad = |c: Option<Farad>| c.unwrap_or(Farad(f64::NAN));
+    let network = match circuit.kind {
+        Kind::TwoCapacitor => Network::TwoCapacitor { c_a: farad(circuit.c_a), c_b: farad(circuit.c_b) },
+        Kind::OneCapacitor => Network::OneCapacitor { c: farad(circuit.c) },
+        Kind::SeriesCalibration => Network::SeriesCalibration { c: farad(circuit.c) },
+    };
+    let r_charge = circuit.r_p.map_or(0.0, |r_p| r_p.0) + circuit.r_o.0;
+    Circuit {
+        network,
+        r_c1: circuit.r_c1,
+        r_c2: circuit.r_c2,
+        v_dd: circuit.v_dd,
+        v_th: circuit.threshold.falling,
+        r_charge: if r_charge > 0.0 { Ohm(r_charge) } else { NOMINAL_R_CHARGE },
+        r_o: circuit.r_o,
+    }
+}

@@ -1,0 +1,90 @@
+//! What went wrong, as a sentence with a hint.
+//!
+//! For: the last line that a person sees of a verb that failed. Must not know: exit statuses.
+
+use crate::client::ClientError;
+use crate::daemon::DaemonError;
+use crate::pins::sim::SceneError;
+use crate::replay::ReplayError;
+use std::io;
+use std::path::PathBuf;
+
+/// Why a verb failed.
+#[derive(Debug, thiserror::Error)]
+pub enum CtlError {
+    /// No daemon that answers.
+    #[error("{0}{hint}", hint = elsewhere(.0))]
+    Client(#[from] ClientError),
+    /// The daemon refuses.
+    #[error("cermd: {0}")]
+    Refused(String),
+    /// No channel of this name.
+    #[error("no channel \"{wanted}\": there is {}", known.join(", "))]
+    NoChannel {
+        /// What was asked for.
+        wanted: String,
+        /// What there is.
+        known: Vec<String>,
+    },
+    /// Nothing was measured in time.
+    #[error("no reading of {0} yet: `cermctl stats` tells whether the instrument measures")]
+    NoReading(String),
+    /// The configuration has errors, which have been printed.
+    #[error("not usable as it is: see the findings above")]
+    Unusable,
+    /// A file cannot be read or written.
+    #[error("{}: {source}; {hint}", path.display(), hint = look_where(source))]
+    File {
+        /// Which.
+        path: PathBuf,
+        /// Why.
+        source: io::Error,
+    },
+    /// A tape is wrong.
+    #[error("{}: {source}", path.display())]
+    Tape {
+        /// Which.
+        path: PathBuf,
+        /// Where and why.
+        source: ReplayError,
+    },
+    /// A recording had to end.
+    #[error("the recording ends here: {0}")]
+    Ended(&'static str),
+    /// The scene of the demo.
+    #[error("--scene: {0}")]
+    Scene(#[from] SceneError),
+    /// The daemon inside the demo.
+    #[error("the simulated instrument: {0}")]
+    Daemon(#[from] DaemonError),
+    /// The system refuses something basic.
+    #[error("{0}: {1}")]
+    System(&'static str, io::Error),
+    /// Standard output is gone.
+    #[error("standard output: {0}")]
+    Output(io::Error),
+}
+
+/// Where else there are readings.
+fn elsewhere(error: &ClientError) -> &'static str {
+    match error {
+        ClientError::NoSocket(_) | ClientError::NobodyThere(_) => "; no hardware? try `cermctl demo`",
+        _ => "",
+    }
+}
+
+fn look_where(error: &io::Error) -> &'static str {
+    match error.kind() {
+        io::ErrorKind::NotFound => "is the path right, and is its directory there?",
+        io::ErrorKind::PermissionDenied => "this user may not; choose another place, or try sudo",
+        io::ErrorKind::InvalidData => "it must be text in UTF-8",
+        _ => "is it a file, and is there room?",
+    }
+}
+
+impl CtlError {
+    /// Whether the reader of our standard output has gone away, which is his right.
+    pub fn is_closed_pipe(&self) -> bool {
+        matches!(self, CtlError::Output(error) if error.kind() == io::ErrorKind::BrokenPipe)
+    }
+}

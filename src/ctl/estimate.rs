@@ -1,0 +1,31 @@
+//! `cermctl estimate`: from a tape to resistances and forces.
+//!
+//! For: one line for each discharge of a sensor. Must not know: the format of a tape, or the equations.
+
+use super::{CtlError, print};
+use crate::cli;
+use crate::replay::{self, TapeOffset};
+use std::io::Read;
+use std::path::Path;
+
+/// Prints the estimates, or says which line is wrong.
+pub fn run(arguments: &cli::Estimate) -> Result<(), CtlError> {
+    let path = &arguments.tape;
+    let is_stdin = path == Path::new("-");
+    let name = if is_stdin { Path::new("standard input") } else { path };
+    let mut text = String::new();
+    let read = if is_stdin {
+        std::io::stdin().lock().read_to_string(&mut text)
+    } else {
+        std::fs::File::open(path).and_then(|mut file| file.read_to_string(&mut text))
+    };
+    read.map_err(|source| CtlError::File { path: name.to_owned(), source })?;
+    let offset = arguments.offset.unwrap_or(TapeOffset::OfTape);
+    let estimates = replay::estimate(&text, arguments.method, offset)
+        .map_err(|source| CtlError::Tape { path: name.to_owned(), source })?;
+    for estimate in estimates {
+        // Numbers and texts always serialise.
+        print(&(serde_json::to_string(&estimate).unwrap_or_default() + "\n"))?;
+    }
+    Ok(())
+}

@@ -1,0 +1,287 @@
+//! The live lines of the channels.
+//!
+//! For: what `watch` and `demo` show of each reading. Must not know: terminals, or where readings come from. Time is that
+//! of the readings.
+
+use super::terminal::{Line, Style};
+use super::text::{bar, measured, rough, sparkline};
+use crate::wire::{ChannelInfo, ReadingLine, StatusName, Unit};
+use std::collections::VecDeque;
+
+/// Readings per second are counted over so long, ns.
+const RATE_WINDOW_NS: i64 = 2_000_000_000;
+/// A bar is full at so much until a reading is beyond it, newton.
+const FULL_N: f64 = 10.0;
+/// A bar of ohms is logarithmic, full at the first and empty at the second.
+const OHMS: [f64; 2] = [10.0, 1e6];
+/// A bar is not shown narrower than this.
+const NARROWEST_BAR: usize = 6;
+const WIDEST_BAR: usize = 30;
+
+/// One channel.
+#[derive(Debug)]
+struct Channel {
+    id: String,
+    unit: Unit,
+    last: Option<ReadingLine>,
+    /// Of the last readings.
+    stamps_ns: VecDeque<i64>,
+    full_n: f64,
+    /// One share for each slot of time, the newest last.
+    history: VecDeque<(i64, Option<f64>)>,
+}
+
+/// All channels.
+#[derive(Debug)]
+pub struct Panel {
+    channels: Vec<Channel>,
+    unicode: bool,
+}
+
+impl Panel {
+    /// Of these channels.
+    pub fn new<'a>(channels: impl Iterator<Item = &'a ChannelInfo>, unicode: bool) -> Panel {
+        let channel = |info: &ChannelInfo| Channel {
+            id: info.id.clone(),
+            unit: info.unit,
+            last: None,
+            stamps_ns: VecDeque::new(),
+            full_n: FULL_N,
+            history: VecDeque::new(),
+        };
+        Panel { channels: channels.map(channel).collect(), unicode }
+    }
+
+    /// Takes a reading; one of an unknown channel is passed over.
+    pub fn feed(&mut self, reading: &ReadingLine) {
+        if let Some(channel) = self.channels.iter_mut().find(|channel| channel.id == reading.channel) {
+            channel.feed(reading);
+        }
+    }
+
+    /// One line for each channel, in `width` columns.
+    pub fn lines(&self, width: usize) -> Vec<Line> {
+        let columns = Columns {
+            name: self.name_width(),
+            has_force: self.channels.iter().any(|channel| channel.unit == Unit::Newton),
+            width,
+        };
+        self.channels.iter().map(|channel| channel.line(&columns, self.unicode)).collect()
+    }
+
+    /// The last reading of a channel as a line of plain text that is kept.
+    pub fn plain(&self, id: &str) -> Line {
+        let channel = self.channels.iter().find(|channel| channel.id == id);
+        channel.map(|channel| channel.plain(self.unicode)).unwrap_or_default()
+    }
+
+    /// What each channel did in the last `seconds`, one line for each.
+    pub fn history(&self, seconds: f64, width: usize) -> Vec<Line> {
+        let name = self.name_width();
+        let label = format!(" last {seconds:.0} s");
+        let columns = width.saturating_sub(name + 3 + label.chars().count()).min(60);
+        let draw = |channel: &Channel| {
+            let slots = channel.slots((seconds * 1e9) as i64, columns);
+            Line::default()
+                .add(Style::Plain, format!(" {:name$} ", ""))
+                .add(Style::Bar, sparkline(slots.into_iter(), self.unicode))
+                .add(Style::Dim, label.clone())
+        };
+        self.channels.iter().map(draw).collect()
+    }
+
+    fn name_width(&self) -> usize {
+        self.channels.iter().map(|channel| channel.id.chars().count()).max().unwrap_or(0)
+    }
+}
+
+/// What the lines of all channels share.
+struct Columns {
+    name: usize,
+    has_force: bool,
+    width: usize,
+}
+
+impl Channel {
+    fn feed(&mut self, reading: &ReadingLine) {
+        let now = reading.t_mono_ns;
+        self.stamps_ns.push_back(now);
+        while self.stamps_ns.front().is_some_and(|first| now - first > RATE_WINDOW_NS) {
+            self.stamps_ns.pop_front();
+        }
+        while reading.f_n.is_some_and(|force| force > self.full_n) {
+            self.full_n *= 2.0;
+        }
+        self.last = Some(reading.clone());
+        self.history.push_back((now, self.share(reading)));
+        if self.history.len() > 10_000 {
+            self.history.pop_front();
+        }
+    }
+
+    /// How far the bar is filled; `None` where nothing is known.
+    fn share(&self, reading: &ReadingLine) -> Option<f64> {
+        match (reading.status, self.unit) {
+            (StatusName::Fault, _) => None,
+            (StatusName::Open, _) => Some(0.0),
+            (StatusName::Short, _) => Some(1.0),
+            (StatusName::Ok, Unit::Newton) => Some(reading.f_n? / self.full_n),
+            (StatusName::Ok, Unit::Ohm) => {
+                let [full, empty] = OHMS.map(f64::ln);
+                Some(((empty - reading.r_ohm?.max(1e-3).ln()) / (empty - full)).clamp(0.0, 1.0))
+            }
+        }
+    }
+
+    /// Readings per second.
+    fn rate(&self) -> Option<f64> {
+        let (first, last) = (self.stamps_ns.front()?, self.stamps_ns.back()?);
+        (last > first).then(|| (self.stamps_ns.len() - 1) as f64 * 1e9 / (last - first) as f64)
+    }
+
+    /// The greatest share in each of `columns` slots of the last `span_ns`; a slot without a reading is like the one
+    /// before it, one with nothing but faults is blank.
+    fn slots(&self, span_ns: i64, columns: usize) -> Vec<Option<f64>> {
+        let mut slots: Vec<Option<Option<f64>>> = vec![None; columns];
+        let newest = self.history.back().map_or(0, |(at, _)| *at);
+        for (at, share) in self.history.iter().rev() {
+            let back = ((newest - at) as f64 / span_ns as f64 * columns as f64) as usize;
+            let Some(slot) = columns.checked_sub(back + 1).and_then(|index| slots.get_mut(index)) else {
+                break;
+            };
+            *slot = Some(match (slot.flatten(), *share) {
+                (Some(old), Some(new)) => Some(f64::max(old, new)),
+                (old, new) => old.or(new),
+            });
+        }
+        let mut shown: Option<f64> = None;
+        slots
+            .into_iter()
+            .map(|slot| {
+                shown = slot.unwrap_or(shown);
+                shown
+            })
+            .collect()
+    }
+
+    /// Force, resistance and status in words.
+    fn words(&self, unicode: bool) -> (String, String, Style, &'static str) {
+        let Some(reading) = &self.last else {
+            return (String::new(), String::new(), Style::Dim, "waiting");
+        };
+        let bound = |sign: &str, value: Option<f64>, unit| {
+            value.map(|value| format!("{sign} {}", rough(value, unit))).unwrap_or_default()
+        };
+        match reading.status {
+            StatusName::Ok => {
+                let force = reading.f_n.map(|force| measured(force, reading.f_u_n, "N", unicode));
+                let ohms = reading.r_ohm.map(|ohms| measured(ohms, reading.r_u_ohm, "ohm", unicode));
+                (force.unwrap_or_default(), ohms.unwrap_or_default(), Style::Good, "ok")
+            }
+            StatusName::Open => {
+                let words = (bound("<", reading.f_max_n, "N"), bound(">", reading.r_min_ohm, "ohm"));
+                (words.0, words.1, Style::Dim, "open")
+            }
+            StatusName::Short => {
+                let words = (bound(">", reading.f_min_n, "N"), bound("<", reading.r_max_ohm, "ohm"));
+                (words.0, words.1, Style::Notable, "short")
+            }
+            StatusName::Fault => {
+                (String::new(), reading.fault.clone().unwrap_or_default(), Style::Bad, "fault")
+            }
+        }
+    }
+
+    fn line(&self, columns: &Columns, unicode: bool) -> Line {
+        let Columns { name, has_force, width } = *columns;
+        let (force, ohms, style, status) = self.words(unicode);
+        let force = if has_force { format!("{force:>19}  ") } else { String::new() };
+        let ohms = format!("{ohms:>21}  ");
+        let status = format!("{status:<7}");
+        let rate = self.rate().map_or_else(|| " ".repeat(7), |rate| format!("{rate:>5.1}/s"));
+        let fixed = name + 3 + force.chars().count() + ohms.chars().count() + status.len() + rate.len() + 2;
+        let room = width.saturating_sub(fixed).min(WIDEST_BAR);
+        let line = Line::default()
+            .add(Style::Bold, format!(" {:name$}  ", self.id))
+            .add(Style::Bold, force)
+            .add(Style::Plain, ohms);
+        let share = self.last.as_ref().and_then(|reading| self.share(reading)).unwrap_or(0.0);
+        let line = if room >= NARROWEST_BAR {
+            let (full, empty) = bar(share, room, unicode);
+            line.add(Style::Bar, full).add(Style::Dim, empty).add(Style::Plain, "  ")
+        } else {
+            line
+        };
+        line.add(style, status).add(Style::Dim, rate)
+    }
+
+    fn plain(&self, unicode: bool) -> Line {
+        let (force, ohms, _, status) = self.words(unicode);
+        let time = self.last.as_ref().and_then(|reading| reading.time.get(11..23)).unwrap_or_default();
+        let rate = self.rate().map(|rate| format!("{rate:.1}/s")).unwrap_or_default();
+        let pieces = [time, &self.id, &force, &ohms, status, &rate];
+        let kept: Vec<&str> = pieces.into_iter().filter(|piece| !piece.is_empty()).collect();
+        Line::default().add(Style::Plain, kept.join("  "))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::wire::ServerMessage;
+
+    fn reading(at_ms: i64, rest: &str) -> ReadingLine {
+        let line = format!(
+            r#"{{"class":"READING","channel":"thumb","seq":1,"time":"2026-11-21T03:40:00.123456789Z","t_mono_ns":{},{rest},"lost":0}}"#,
+            at_ms * 1_000_000
+        );
+        match ServerMessage::parse(line.as_bytes()).unwrap() {
+            ServerMessage::Reading(reading) => *reading,
+            other => panic!("{other:?}"),
+        }
+    }
+
+    const FULL: &str = r#""status":"ok","r_ohm":1334.6,"r_u_ohm":2.5,"f_n":10.0,"f_u_n":0.02"#;
+    const HALF: &str = r#""status":"ok","r_ohm":2669.2,"r_u_ohm":2.5,"f_n":5.0,"f_u_n":0.01"#;
+    const OPEN: &str = r#""status":"open","r_min_ohm":63000.0,"f_max_n":0.21"#;
+    const FAULT: &str = r#""status":"fault","fault":"missed-edge""#;
+
+    fn panel(readings: &[(i64, &str)]) -> Panel {
+        let info = ChannelInfo { id: "thumb".to_owned(), unit: Unit::Newton };
+        let mut panel = Panel::new([info].iter(), true);
+        readings.iter().for_each(|(at_ms, rest)| panel.feed(&reading(*at_ms, rest)));
+        panel
+    }
+
+    #[test]
+    fn each_state_has_its_words() {
+        let plain = |rest| panel(&[(0, rest)]).plain("thumb");
+        let is = |line: Line, text: &str| assert_eq!(line.text(), text);
+        is(plain(HALF), "03:40:00.123  thumb  5.000 ± 0.010 N  2669.2 ± 2.5 ohm  ok");
+        is(plain(OPEN), "03:40:00.123  thumb  < 0.210 N  > 63000 ohm  open");
+        is(plain(FAULT), "03:40:00.123  thumb  missed-edge  fault");
+        is(
+            panel(&[(0, OPEN), (100, OPEN), (200, OPEN)]).plain("thumb"),
+            "03:40:00.123  thumb  < 0.210 N  > 63000 ohm  open  10.0/s",
+        );
+    }
+
+    #[test]
+    fn the_history_repeats_silence_and_leaves_faults_blank() {
+        let panel = panel(&[(0, OPEN), (1000, FULL), (3000, FAULT), (4000, HALF)]);
+        assert_eq!(
+            panel.channels[0].slots(5_000_000_000, 5),
+            [Some(0.0), Some(1.0), Some(1.0), None, Some(0.5)]
+        );
+        // The first reading is past.
+        assert_eq!(panel.channels[0].slots(4_000_000_000, 4), [Some(1.0), Some(1.0), None, Some(0.5)]);
+    }
+
+    #[test]
+    fn a_narrow_terminal_loses_the_bar_first() {
+        let panel = panel(&[(0, HALF)]);
+        assert!(panel.lines(90)[0].text().contains('█'));
+        let narrow = panel.lines(60)[0].text();
+        assert!(!narrow.contains('█') && narrow.contains("ok"), "{narrow}");
+    }
+}

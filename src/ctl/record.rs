@@ -1,0 +1,141 @@
+//! `cermctl record`: readings, or the timings they were made of, into a file.
+//!
+//! For: whole lines whatever ends the recording, and losses that are said. Must not know: what is done with the file.
+
+mod csv;
+
+use super::CtlError;
+use super::interrupt::Interrupt;
+use super::stream::{Next, Stream, is_wanted};
+use crate::cli::{self, Format};
+use crate::tape::Header;
+use crate::wire::{ErrorCode, ReadingLine, ServerMessage};
+use std::fs::File;
+use std::io::{self, Write};
+use std::time::{Duration, Instant};
+
+/// Records until the time, the count or Ctrl-C.
+pub fn run(arguments: &cli::Record) -> Result<(), CtlError> {
+    let interrupt = Interrupt::new()?;
+    let mut stream = Stream::connect(&arguments.connection.socket, &arguments.channels)?;
+    if arguments.raw || !arguments.channels.is_empty() {
+        stream.watch(&arguments.channels, None, arguments.raw)?;
+    }
+    let mut recording = Recording::begin(arguments)?;
+    let outcome = recording.go_on(&mut stream, &interrupt);
+    if recording.lost > 0 {
+        let what = if arguments.raw { "discharges" } else { "readings" };
+        eprintln!("cermctl: {} {what} were lost: the output takes them too slowly", recording.lost);
+    }
+    outcome
+}
+
+struct Recording<'a> {
+    arguments: &'a cli::Record,
+    out: Box<dyn Write>,
+    until: Option<Instant>,
+    header: Option<Header>,
+    /// Readings or discharges so far.
+    count: u64,
+    lost: u64,
+}
+
+impl<'a> Recording<'a> {
+    fn begin(arguments: &'a cli::Record) -> Result<Recording<'a>, CtlError> {
+        let out: Box<dyn Write> = match &arguments.output {
+            Some(path) => {
+                Box::new(File::create(path).map_err(|source| CtlError::File { path: path.clone(), source })?)
+            }
+            None => Box::new(io::stdout().lock()),
+        };
+        let until = arguments.seconds.map(|seconds| Instant::now() + Duration::from_secs_f64(seconds));
+        let mut recording = Recording { arguments, out, until, header: None, count: 0, lost: 0 };
+        if !arguments.raw && arguments.format == Format::Csv {
+            recording.write(&csv::header())?;
+        }
+        Ok(recording)
+    }
+
+    fn go_on(&mut self, stream: &mut Stream, interrupt: &Interrupt) -> Result<(), CtlError> {
+        while !self.is_over(interrupt) {
+            match stream.next()? {
+                Next::Line(_, ServerMessage::Error { code, message }) if code == ErrorCode::Lost.as_str() => {
+                    self.lose(&message);
+                }
+                Next::Line(_, ServerMessage::Error { message, .. }) => {
+                    return Err(CtlError::Refused(message));
+                }
+                Next::Line(line, ServerMessage::Reading(reading)) if !self.arguments.raw => {
+                    self.reading(&line, &reading)?;
+                }
+                Next::Line(line, ServerMessage::Other { class }) if self.arguments.raw => {
+                    self.of_tape(&line, &class)?;
+                }
+                Next::Line(..) | Next::Quiet => {}
+                Next::Ended => return Err(CtlError::Ended("cermd closed the connection")),
+            }
+        }
+        Ok(())
+    }
+
+    fn is_over(&self, interrupt: &Interrupt) -> bool {
+        interrupt.is_set()
+            || self.until.is_some_and(|until| Instant::now() >= until)
+            || self.arguments.count.is_some_and(|count| self.count >= count)
+    }
+
+    fn reading(&mut self, line: &[u8], reading: &ReadingLine) -> Result<(), CtlError> {
+        // Measured before the daemon knew what is wanted.
+        if !is_wanted(&self.arguments.channels, &reading.channel) {
+            return Ok(());
+        }
+        self.count += 1;
+        self.lost += reading.lost;
+        match self.arguments.format {
+            Format::Ndjson => self.write(&String::from_utf8_lossy(line)),
+            Format::Csv => self.write(&csv::row(reading)),
+        }
+    }
+
+    /// A header, or a discharge under it. A daemon that has just found its latency offset sends a second header: the
+    /// first one stays, for this tape holds the discharges that the offset was found from.
+    fn of_tape(&mut self, line: &[u8], class: &str) -> Result<(), CtlError> {
+        let text = String::from_utf8_lossy(line);
+        match (class, &self.header) {
+            ("TAPE", None) => {
+                let header = Header::parse(&text);
+                self.header =
+                    Some(header.map_err(|_| CtlError::Ended("cermd sent a header of another release"))?);
+                self.write(&text)
+            }
+            ("TAPE", Some(header)) => {
+                let same = Header::parse(&text).is_ok_and(|mut new| {
+                    new.offset_ns = header.offset_ns;
+                    new == *header
+                });
+                if same { Ok(()) } else { Err(CtlError::Ended("the configuration of cermd has changed")) }
+            }
+            ("DISCHARGE", Some(_)) => {
+                self.count += 1;
+                self.write(&text)
+            }
+            _ => Ok(()),
+        }
+    }
+
+    /// "N lines of the tape were lost here".
+    fn lose(&mut self, message: &str) {
+        let digits: String = message.chars().take_while(char::is_ascii_digit).collect();
+        self.lost += digits.parse().unwrap_or(1);
+    }
+
+    /// One line in one call, so that a process that is killed leaves no half line.
+    fn write(&mut self, line: &str) -> Result<(), CtlError> {
+        let line = format!("{line}\n");
+        let written = self.out.write_all(line.as_bytes()).and_then(|()| self.out.flush());
+        written.map_err(|source| match &self.arguments.output {
+            Some(path) => CtlError::File { path: path.clone(), source },
+            None => CtlError::Output(source),
+        })
+    }
+}

@@ -1,0 +1,140 @@
+//! `cermctl stats`: what the daemon has counted and learned.
+//!
+//! For: STATS as a table for people. Must not know: which fields there are; names and units are in their keys.
+
+use super::stream::{Next, Stream};
+use super::terminal::Terminal;
+use super::text::measured;
+use super::{CtlError, print};
+use crate::cli;
+use crate::client::ClientError;
+use crate::wire::{Request, ServerMessage};
+use serde_json::{Map, Value};
+use std::time::{Duration, Instant};
+
+/// The daemon answers well within this.
+const PATIENCE: Duration = Duration::from_secs(2);
+
+/// Prints.
+pub fn run(arguments: &cli::Stats) -> Result<(), CtlError> {
+    let mut stream = Stream::connect(&arguments.connection.socket, &[])?;
+    stream.request(&Request::Stats)?;
+    let since = Instant::now();
+    loop {
+        match stream.next()? {
+            Next::Line(line, ServerMessage::Stats(_)) if arguments.json => {
+                return print(&(String::from_utf8_lossy(&line) + "\n"));
+            }
+            Next::Line(_, ServerMessage::Stats(stats)) => {
+                return print(&table(&stats, Terminal::new().unicode()));
+            }
+            Next::Line(_, ServerMessage::Error { message, .. }) => return Err(CtlError::Refused(message)),
+            Next::Line(..) | Next::Quiet => {}
+            Next::Ended => return Err(ClientError::Closed.into()),
+        }
+        if since.elapsed() > PATIENCE {
+            return Err(ClientError::TimedOut(PATIENCE).into());
+        }
+    }
+}
+
+/// The fields that are known, in the order in which a person asks; later releases have more.
+const ORDER: [&str; 16] = [
+    "backend",
+    "method",
+    "uptime_s",
+    "clients",
+    "published",
+    "lost",
+    "cycles",
+    "readings",
+    "ok",
+    "open",
+    "short",
+    "faults",
+    "retried",
+    "offset_known",
+    "offset_ns",
+    "r_o_ohm",
+];
+
+/// One line for each field that says something.
+fn table(stats: &Map<String, Value>, unicode: bool) -> String {
+    let known = ORDER.into_iter().filter_map(|key| stats.get_key_value(key));
+    let fields = known.chain(stats.iter().filter(|(key, _)| !ORDER.contains(&key.as_str())));
+    let rows: Vec<_> = fields.filter_map(|(key, value)| row(stats, key, value, unicode)).collect();
+    let width = rows.iter().map(|(name, _)| name.len()).max().unwrap_or(0);
+    rows.iter().map(|(name, value)| format!("{name:width$}  {value}\n")).collect()
+}
+
+fn row(stats: &Map<String, Value>, key: &str, value: &Value, unicode: bool) -> Option<(String, String)> {
+    let (stem, unit) = unit_of(key);
+    // An uncertainty stands beside its value.
+    if stem.ends_with("_u") {
+        return None;
+    }
+    let text = match value {
+        Value::Object(counts) => {
+            let counts = counts.iter().filter(|(_, count)| count.as_u64() != Some(0));
+            let named: Vec<String> = counts.map(|(name, count)| format!("{count} {name}")).collect();
+            if named.is_empty() { "none".to_owned() } else { named.join(", ") }
+        }
+        Value::Bool(flag) => (if *flag { "yes" } else { "no" }).to_owned(),
+        Value::String(text) => text.clone(),
+        Value::Number(number) => match unit {
+            Some((unit, scale)) => {
+                let u = key.strip_prefix(stem).map(|suffix| format!("{stem}_u{suffix}"));
+                let u = u.and_then(|key| stats.get(&key)).and_then(Value::as_f64);
+                measured(number.as_f64()? * scale, u.map(|u| u * scale), unit, unicode)
+            }
+            None => number.to_string(),
+        },
+        other => other.to_string(),
+    };
+    Some((name(stem), text))
+}
+
+/// A key without its unit, and the unit that is shown with what it takes to get there.
+fn unit_of(key: &str) -> (&str, Option<(&'static str, f64)>) {
+    const UNITS: [(&str, &str, f64); 5] =
+        [("_ns", "us", 1e-3), ("_us", "us", 1.0), ("_s", "s", 1.0), ("_ohm", "ohm", 1.0), ("_n", "N", 1.0)];
+    let found = UNITS
+        .iter()
+        .find_map(|(suffix, unit, scale)| key.strip_suffix(suffix).map(|stem| (stem, Some((*unit, *scale)))));
+    found.unwrap_or((key, None))
+}
+
+fn name(stem: &str) -> String {
+    match stem {
+        "offset" => "latency offset".to_owned(),
+        "offset_known" => "latency offset known".to_owned(),
+        "r_o" => "pin resistance".to_owned(),
+        "retried" => "calibrations retried".to_owned(),
+        "lost" => "readings lost by clients".to_owned(),
+        "published" => "readings published".to_owned(),
+        other => other.replace('_', " "),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn units_and_uncertainties_come_from_the_keys() {
+        let stats = serde_json::json!({
+            "backend": "mock", "uptime_s": 12.3456, "readings": 7, "faults": {"missed-edge": 0, "no-charge": 2},
+            "offset_known": true, "offset_ns": 8012.3, "offset_u_ns": 110, "r_o_ohm": 40.61, "new_field": [1],
+        });
+        insta::assert_snapshot!(table(stats.as_object().unwrap(), false), @r"
+        backend               mock
+        uptime                12.35 s
+        readings              7
+        faults                2 no-charge
+        latency offset known  yes
+        latency offset        8.01 +- 0.11 us
+        pin resistance        40.61 ohm
+        new field             [1]
+        ");
+    }
+}

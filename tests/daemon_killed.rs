@@ -1,0 +1,51 @@
+//! A daemon that is killed: what its clients see, and how soon the next one serves.
+
+#![allow(clippy::unwrap_used, clippy::panic, reason = "a test that cannot go on has failed")]
+
+#[path = "daemon/process.rs"]
+mod process;
+
+use nix::sys::signal::Signal;
+use process::{Home, config};
+use rand::{RngExt, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+use std::time::{Duration, Instant};
+
+const SEED: u64 = 20;
+const KILLS: usize = 20;
+const CLIENTS: usize = 4;
+
+/// From start to the first reading at a client. One second is promised; a machine that tests other things at the same
+/// time gets more.
+const AT_MOST: Duration = Duration::from_secs(5);
+
+#[test]
+fn whole_lines_before_the_kill_and_readings_soon_after_the_next_start() {
+    let home = Home::new(&config(&["thumb", "index"], "offset = \"8 us\""));
+    let mut rng = ChaCha8Rng::seed_from_u64(SEED);
+    let (mut lines, mut times) = (0, Vec::new());
+    for _ in 0..KILLS {
+        let started = Instant::now();
+        let daemon = home.start();
+        home.connect().next_of("READING");
+        times.push(started.elapsed());
+        let clients: Vec<_> = (0..CLIENTS)
+            .map(|_| {
+                let mut stream = home.connect();
+                std::thread::spawn(move || stream.drain())
+            })
+            .collect();
+        std::thread::sleep(Duration::from_micros(rng.random_range(0..100_000)));
+        daemon.signal(Signal::SIGKILL);
+        daemon.end();
+        // Every one of them was a whole line of JSON, or drain() has panicked.
+        lines += clients.into_iter().map(|client| client.join().unwrap()).sum::<usize>();
+    }
+    times.sort();
+    let (median, most) = (times[KILLS / 2], times[KILLS - 1]);
+    println!(
+        "{KILLS} kills, seed {SEED}: {lines} whole lines; serves after {median:.1?}, at most {most:.1?}"
+    );
+    assert!(lines > KILLS, "the clients have hardly read anything");
+    assert!(most < AT_MOST, "serves after {most:?}");
+}
