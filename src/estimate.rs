@@ -281,20 +281,17 @@ impl Estimator {
     /// would have.
     fn covariances(&self, late: [f64; 2], u_switch_ns: f64) -> Option<Covariances<'_>> {
         let (c1, c2) = self.calibration()?;
-        // A scatter that was measured holds all of a switch's uncertainty; brackets bound each of its two instants.
         let offset = self.offset();
         let at = offset.switch_ns.map_or(u_switch_ns, |bound| bound.min(u_switch_ns));
-        let noise = self.noise();
-        let late = noise.covariance(late)?;
-        let u_d_ns = offset.u_d_ns;
+        let (noise, u_d_ns) = (self.noise(), offset.u_d_ns);
         Some(match self.tracker() {
             Some(tracker) => Covariances {
-                crossings: [Covariance::default(), Covariance::default(), late],
+                crossings: [Covariance::default(), Covariance::default(), noise.covariance(late)?],
                 single: [at * at, 0.0],
                 tracker: Some(tracker),
             },
             None => Covariances {
-                crossings: [noise.covariance(c1)?, noise.covariance(c2)?, late],
+                crossings: noise.covariances([c1, c2, late])?,
                 single: [at * at, u_d_ns * u_d_ns],
                 tracker: None,
             },

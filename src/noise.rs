@@ -219,34 +219,53 @@ impl Noise {
 
     /// The covariance of the crossings of a discharge whose nodes cross at `times` ns; `None` until known.
     pub fn covariance(&self, times: [f64; 2]) -> Option<Covariance> {
+        self.covariances([times]).map(|[covariance]| covariance)
+    }
+
+    /// The same for several discharges at once, which costs little more than for one.
+    pub fn covariances<const N: usize>(&self, discharges: [[f64; 2]; N]) -> Option<[Covariance; N]> {
         if !self.is_known() {
             return None;
         }
         let [v1, v2] = [&self.c1, &self.c2].map(|spread| spread.covariance().at_least(self.quantisation));
-        let node = |node: usize| variance_at(times[node], self.point(node, v1, v2), self.quantisation);
-        let (aa, bb) = (node(0), node(1));
+        let law = |node: usize| {
+            let points = [(self.c1.time[node], v1.node(node)), (self.c2.time[node], v2.node(node))];
+            Law::through(points, self.quantisation)
+        };
+        let (law_a, law_b) = (law(0), law(1));
         // What is shared does not depend on the resistor; each tells it the better the less noise it has of its own.
         let (w1, w2) = (1.0 / (v1.aa * v1.bb), 1.0 / (v2.aa * v2.bb));
         let shared = (w1 * v1.ab + w2 * v2.ab) / (w1 + w2);
-        // A shared start cannot be more uncertain than either crossing.
-        let ab = shared.clamp(0.0, aa.min(bb));
-        Some(Covariance { aa, bb, ab })
-    }
-
-    fn point(&self, node: usize, v1: Covariance, v2: Covariance) -> [(f64, f64); 2] {
-        [(self.c1.time[node], v1.node(node)), (self.c2.time[node], v2.node(node))]
+        Some(discharges.map(|[a_ns, b_ns]| {
+            let (aa, bb) = (law_a.at(a_ns), law_b.at(b_ns));
+            // A shared start cannot be more uncertain than either crossing.
+            Covariance { aa, bb, ab: shared.clamp(0.0, aa.min(bb)) }
+        }))
     }
 }
 
-/// sigma²(T) = L² + k² T² through two points (T, sigma²), weighted alike, L² at least the quantisation, k² at least zero.
-fn variance_at(time: f64, [(t1, v1), (t2, v2)]: [(f64, f64); 2], quantisation: f64) -> f64 {
-    let k2 = ((v2 - v1) / (t2 * t2 - t1 * t1)).max(0.0);
-    let constant = if k2 > 0.0 { v1 - k2 * t1 * t1 } else { (v1 + v2) / 2.0 };
-    if constant >= quantisation {
-        return constant + k2 * time * time;
+/// sigma²(T) = L² + k² T², ns².
+#[derive(Debug, Clone, Copy)]
+struct Law {
+    l2: f64,
+    k2: f64,
+}
+
+impl Law {
+    /// Through two points (T, sigma²), weighted alike, L² at least the quantisation, k² at least zero.
+    fn through([(t1, v1), (t2, v2)]: [(f64, f64); 2], quantisation: f64) -> Law {
+        let k2 = ((v2 - v1) / (t2 * t2 - t1 * t1)).max(0.0);
+        let l2 = if k2 > 0.0 { v1 - k2 * t1 * t1 } else { (v1 + v2) / 2.0 };
+        if l2 >= quantisation {
+            return Law { l2, k2 };
+        }
+        // The higher resistor shows the proportional part best.
+        Law { l2: quantisation, k2: (v2 - quantisation).max(0.0) / (t2 * t2) }
     }
-    // The higher resistor shows the proportional part best.
-    quantisation + (v2 - quantisation).max(0.0) * (time / t2).powi(2)
+
+    fn at(self, time: f64) -> f64 {
+        self.l2 + self.k2 * time * time
+    }
 }
 
 #[cfg(test)]

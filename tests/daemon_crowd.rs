@@ -5,6 +5,7 @@
 #[path = "daemon/process.rs"]
 mod process;
 
+use nix::errno::Errno;
 use nix::poll::{PollFd, PollFlags, PollTimeout, poll};
 use nix::sys::resource::{Resource, getrlimit, setrlimit};
 use process::{Home, PATIENCE, Stream, config};
@@ -88,7 +89,11 @@ fn only_the_client_that_stalls_loses_readings() {
         let ready: Vec<bool> = {
             let mut fds: Vec<PollFd> =
                 readers.iter().map(|reader| PollFd::new(reader.socket.as_fd(), PollFlags::POLLIN)).collect();
-            assert_ne!(poll(&mut fds, PollTimeout::try_from(PATIENCE).unwrap()).unwrap(), 0, "silence");
+            match poll(&mut fds, PollTimeout::try_from(PATIENCE).unwrap()) {
+                Ok(0) => panic!("silence"),
+                Err(Errno::EINTR) => continue,
+                result => result.unwrap(),
+            };
             fds.iter().map(|fd| fd.any() == Some(true)).collect()
         };
         readers.iter_mut().zip(ready).filter(|(_, ready)| *ready).for_each(|(reader, _)| reader.read());

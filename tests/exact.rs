@@ -128,8 +128,8 @@ fn error_of_unfinished_charge(r_x: f64, residual: f64) -> f64 {
 }
 
 /// What every discharge finds alike (the cases above charge from empty, for as little as 3 time constants) cancels
-/// altogether. What the discharge before left behind does not: on the `pi4` circuit it is a thirtieth of the residual or less, and with
-/// the 1e-4 that are charged to by default 3.5 mohm at 100 ohm.
+/// altogether. What the discharge before left behind does not: on the `pi4` circuit it is a thirtieth of the residual or
+/// less, and with the 1e-4 that are charged to by default 3.5 mohm at 100 ohm.
 #[test]
 fn an_unfinished_charge_cancels_but_for_a_thirtieth_of_what_is_left() {
     for residual in [1e-2, 1e-3, 1e-4] {

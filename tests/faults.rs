@@ -1,6 +1,6 @@
 //! Whatever goes wrong below, what comes out above is a sound reading or a named fault.
 //!
-//! 100,000 readings as a rule; `CERMD_READINGS=1000000 cargo test --release --test faults` for a long run, `CERMD_SEED`
+//! 100,000 readings as a rule; `CERMD_READINGS=1000000 cargo test --test faults` for a long run, `CERMD_SEED`
 //! for another one.
 
 #![allow(clippy::unwrap_used, clippy::panic, reason = "a test that cannot go on has failed")]

@@ -275,7 +275,7 @@ fn a_report_of_a_refusal() {
        |
     24 | rate = 20
        | ^^^^
-    unknown field `rate`, expected one of `method`, `rate-hz`, `charge-time`, `settle-time`, `deadline`, `offset`, `t-l`, `switch-fraction`
+    unknown field `rate`, expected one of `method`, `rate-hz`, `charge-time`, `settle-time`, `deadline`, `offset`, `resolution`, `calibration`, `t-l`, `switch-fraction`
     "#);
 }
 

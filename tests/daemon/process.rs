@@ -234,8 +234,10 @@ pub mod notify {
         pub fn wait_for(&self, line: &str) -> String {
             loop {
                 let mut bytes = [0; 4096];
-                let length =
-                    self.socket.recv(&mut bytes).unwrap_or_else(|error| panic!("no {line}: {error}"));
+                let length = match self.socket.recv(&mut bytes) {
+                    Err(error) if error.kind() == std::io::ErrorKind::Interrupted => continue,
+                    result => result.unwrap_or_else(|error| panic!("no {line}: {error}")),
+                };
                 let message = String::from_utf8(bytes[..length].to_vec()).unwrap();
                 self.seen.borrow_mut().push(message.clone());
                 if message.lines().any(|found| found == line) {
