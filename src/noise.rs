@@ -9,7 +9,7 @@
 //! sigma^2(T) = L^2 + (k T)^2
 //! ```
 //!
-//! Two resistors give the two unknowns, per node. What the crossings of one discharge share (the instant of the start)
+//! Two resistors give the unknowns: k of each node, and L of both. What the crossings of one discharge share (the instant of the start)
 //! is a covariance. Variances come from successive differences, so that drift is not taken for noise.
 
 /// Covariance of the crossings of A and B in one discharge, ns².
@@ -228,11 +228,7 @@ impl Noise {
             return None;
         }
         let [v1, v2] = [&self.c1, &self.c2].map(|spread| spread.covariance().at_least(self.quantisation));
-        let law = |node: usize| {
-            let points = [(self.c1.time[node], v1.node(node)), (self.c2.time[node], v2.node(node))];
-            Law::through(points, self.quantisation)
-        };
-        let (law_a, law_b) = (law(0), law(1));
+        let [law_a, law_b] = Law::through([(self.c1.time, v1), (self.c2.time, v2)], self.quantisation);
         // What is shared does not depend on the resistor; each tells it the better the less noise it has of its own.
         let (w1, w2) = (1.0 / (v1.aa * v1.bb), 1.0 / (v2.aa * v2.bb));
         let shared = (w1 * v1.ab + w2 * v2.ab) / (w1 + w2);
@@ -252,15 +248,24 @@ struct Law {
 }
 
 impl Law {
-    /// Through two points (T, sigma²), weighted alike, L² at least the quantisation, k² at least zero.
-    fn through([(t1, v1), (t2, v2)]: [(f64, f64); 2], quantisation: f64) -> Law {
-        let k2 = ((v2 - v1) / (t2 * t2 - t1 * t1)).max(0.0);
-        let l2 = if k2 > 0.0 { v1 - k2 * t1 * t1 } else { (v1 + v2) / 2.0 };
-        if l2 >= quantisation {
-            return Law { l2, k2 };
+    /// Of both nodes, through their variances at two times. L is the same for both: one kernel stamps them. L² is at least
+    /// the quantisation, k² at least zero.
+    fn through([(t1, v1), (t2, v2)]: [([f64; 2], Covariance); 2], quantisation: f64) -> [Law; 2] {
+        let (mut sum, mut weight) = (0.0, 0.0);
+        for node in (0..2).filter(|node| t2[*node] > t1[*node]) {
+            // What v2 says of the proportional part at t1; the rest of v1 is constant.
+            let share = (t1[node] / t2[node]).powi(2);
+            let l2 = (v1.node(node) - share * v2.node(node)) / (1.0 - share);
+            // A variance is known to a constant part of itself.
+            let doubt = (v1.node(node).powi(2) + (share * v2.node(node)).powi(2)) / (1.0 - share).powi(2);
+            sum += l2 / doubt;
+            weight += 1.0 / doubt;
         }
-        // The higher resistor shows the proportional part best.
-        Law { l2: quantisation, k2: (v2 - quantisation).max(0.0) / (t2 * t2) }
+        let l2 = if weight > 0.0 { (sum / weight).max(quantisation) } else { quantisation };
+        [0, 1].map(|node| {
+            let k2 = (v2.node(node) - l2).max(0.0) / (t2[node] * t2[node]);
+            Law { l2, k2: if k2.is_finite() { k2 } else { 0.0 } }
+        })
     }
 
     fn at(self, time: f64) -> f64 {

@@ -299,7 +299,7 @@ impl Tracker {
         if normalised > GATE * GATE * self.nodes as f64 {
             return None;
         }
-        if course.switch.is_some() {
+        if rows[0].by_switch != 0.0 {
             // As it would scatter if the switch did not.
             let steady = quadratic(&self.covariance, &states[0]) + self.observation(&course, 0.0)?.aa;
             self.scatter.add(innovation[0], steady, rows[0].by_switch);

@@ -47,8 +47,8 @@ fn explore() {
 
 #[test]
 fn runs() {
-    for (scene, r) in [("pi4", 100.0), ("fpga-paper", 100.0)] {
-        for seed in 0..40 {
+    for (scene, r) in [("pi4", 300.0), ("pi-zero", 300.0)] {
+        for seed in 0..24 {
             let mut i = Bench::new(scene, Method::Tracked, r, seed, "").instrument();
             settle(&mut i);
             read(&mut i, 40, |_| {});
@@ -57,11 +57,11 @@ fn runs() {
             let e = i.cycle().estimator();
             let t = e.tracker().unwrap();
             let sw = cermd::record::Switch {
-                at_ns: 0.9 * t.state()[1] * (r + 40.0),
-                on_ns: 0.9 * t.state()[1] * (r + 40.0),
+                at_ns: 0.8 * t.state()[1] * (r + 40.0),
+                on_ns: 0.8 * t.state()[1] * (r + 40.0),
                 to: cermd::record::Through::C2,
             };
-            let f = e.foresee(r, Some(sw), 0.3).unwrap();
+            let f = e.foresee(r, Some(sw), 2.0e3).unwrap();
             println!(
                 "{scene} {seed:2} mean {:7.3} sd {:6.3} u {:6.3} bound {:6.3} calpart {:6.3} walk {:.1e} d {:?} ro {:?} sw {:?} cov {:.2} {:?}",
                 all.mean(),
