@@ -57,6 +57,8 @@ pub enum Judgement {
     Outlier,
 }
 
+/// The largest share of a crossing's variance that both crossings have in common.
+const SHARED: f64 = 0.5;
 /// Discharges taken before anything is said about noise.
 const WARM_UP: usize = 16;
 /// An outlier is farther from the running mean than so many sigma.
@@ -234,8 +236,9 @@ impl Noise {
         let shared = (w1 * v1.ab + w2 * v2.ab) / (w1 + w2);
         Some(discharges.map(|[a_ns, b_ns]| {
             let (aa, bb) = (law_a.at(a_ns), law_b.at(b_ns));
-            // A shared start cannot be more uncertain than either crossing.
-            Covariance { aa, bb, ab: shared.clamp(0.0, aa.min(bb)) }
+            // Each crossing is stamped by an interrupt of its own: what they share is never most of their variance, however
+            // few discharges say so. More would make the difference of two crossings look exact.
+            Covariance { aa, bb, ab: shared.max(0.0).min(SHARED * aa.min(bb)) }
         }))
     }
 }

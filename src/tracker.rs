@@ -17,7 +17,7 @@ use crate::record::{Record, Through};
 use crate::units::Nanos;
 
 /// Rounds (R_1, R_2, split) from which the first state is found.
-pub const FIRST_ROUNDS: usize = 16;
+pub const FIRST_ROUNDS: usize = 32;
 /// An innovation beyond so many sigma is rejected.
 const GATE: f64 = 4.0;
 /// So many rejections in a row are a step.
