@@ -431,19 +431,8 @@ impl Gain {
     }
 
     fn posterior(&self, p: &Matrix) -> Matrix {
-        let mut posterior = *p;
-        for i in 0..4 {
-            for j in 0..4 {
-                posterior[i][j] -= self.of[i][0] * self.hp[0][j] + self.of[i][1] * self.hp[1][j];
-            }
-        }
+        let taken = |i: usize, j: usize| self.of[i][0] * self.hp[0][j] + self.of[i][1] * self.hp[1][j];
         // Rounding must not make it asymmetric.
-        for i in 0..4 {
-            for j in 0..i {
-                let mean = (posterior[i][j] + posterior[j][i]) / 2.0;
-                (posterior[i][j], posterior[j][i]) = (mean, mean);
-            }
-        }
-        posterior
+        std::array::from_fn(|i| std::array::from_fn(|j| p[i][j] - (taken(i, j) + taken(j, i)) / 2.0))
     }
 }
