@@ -62,11 +62,18 @@ impl<P: Pins> Bench<'_, P> {
             crate::circuit::Network::SeriesCalibration { .. } => Through::C12,
             _ => Through::C2,
         };
-        let c2 = self.calibration(second)?;
+        // After a failure, the other resistor tells whether it is the resistor's wire or a node.
+        let c2 = if c1.is_some() || self.findings.iter().any(|finding| finding.key == "gpio.sink-c1") {
+            self.calibration(second)?
+        } else {
+            None
+        };
         let (Some(c1), Some(c2)) = (c1, c2) else { return Ok(()) };
         if !self.resistors(&c1, &c2) {
             return Ok(());
         }
+        self.times(&c1, "Rc1", self.config.circuit.r_c1);
+        self.times(&c2, second_name(second), self.config.circuit.r_second());
         for channel in 0..self.config.channels.len() {
             self.sensor(channel, &c1, &c2)?;
         }
@@ -158,8 +165,7 @@ impl<P: Pins> Bench<'_, P> {
         let circuit = &self.config.circuit;
         let (key, name, r) = match through {
             Through::C1 => ("gpio.sink-c1", "Rc1", circuit.r_c1),
-            Through::C12 => ("gpio.sink-c2", "Rc1 + Rc2", circuit.r_second()),
-            _ => ("gpio.sink-c2", "Rc2", circuit.r_second()),
+            second => ("gpio.sink-c2", second_name(second), circuit.r_second()),
         };
         let timeout = PATIENCE * self.config.discharge(circuit.r_second()).0;
         let record = match self.discharge(through, Nanos::from_seconds(timeout))? {
@@ -184,13 +190,6 @@ impl<P: Pins> Bench<'_, P> {
         }
         if self.lacks_capacitor(&record, name, r) || !self.order(&record, name) {
             return Ok(None);
-        }
-        for (node, letter) in self.nodes() {
-            let measured = if node == Node::A { record.a_ns } else { record.b_ns };
-            let predicted = self.config.circuit.crossing(node, r);
-            if let (Some(ns), Some(predicted)) = (measured, predicted) {
-                self.time(node, letter, name, Seconds(ns * 1e-9), predicted);
-            }
         }
         Ok(Some(record))
     }
@@ -238,6 +237,16 @@ impl<P: Pins> Bench<'_, P> {
             }
         }
         false
+    }
+
+    fn times(&mut self, record: &Record, name: &str, r: Ohm) {
+        for (node, letter) in self.nodes() {
+            let measured = if node == Node::A { record.a_ns } else { record.b_ns };
+            let predicted = self.config.circuit.crossing(node, r);
+            if let (Some(ns), Some(predicted)) = (measured, predicted) {
+                self.time(node, letter, name, Seconds(ns * 1e-9), predicted);
+            }
+        }
     }
 
     /// A crossing has to come about when the capacitors promise it.
@@ -316,6 +325,10 @@ impl<P: Pins> Bench<'_, P> {
         });
         Ok(())
     }
+}
+
+fn second_name(through: Through) -> &'static str {
+    if through == Through::C12 { "Rc1 + Rc2" } else { "Rc2" }
 }
 
 fn fault_reason(fault: Fault, name: &str) -> String {
