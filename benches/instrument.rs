@@ -28,6 +28,7 @@ const PLAN: Plan = Plan {
     charge: Nanos(10_000_000),
     settle: Nanos(20_000),
     timeout: Nanos(50_000_000),
+    limit: None,
     widest_bracket: Nanos::MAX,
     single_call: None,
 };

@@ -75,6 +75,11 @@ pub struct Measure {
     /// The latency offset d of the crossings, 0 to 1 ms. Default: `auto` for `cerm` and `qerm`; in the other
     /// methods it cancels, and is 0.
     pub offset: Option<Offset>,
+    /// Period of the clock that stamps crossings, 1 ns to 1 ms. Default: 1 ns, as Linux counts.
+    pub resolution: Option<Nanos>,
+    /// Where the calibration of `tpcm`, `tcdic` and `cerm` comes from; that of `tracked` is tracked. Default:
+    /// `each-reading`.
+    pub calibration: Option<Calibration>,
     /// Time limit T_L of eq. (19): a discharge whose T_xA is below it is finished through Rc2; 0 or above. Default: where the
     /// predicted uncertainties of both branches cross.
     pub t_l: Option<Nanos>,
@@ -106,9 +111,19 @@ impl MethodName {
             MethodName::Qerm => Some(Method::Qerm),
             MethodName::Tcdic => Some(Method::Tcdic),
             MethodName::Cerm => Some(Method::Cerm),
-            MethodName::Tracked => None,
+            MethodName::Tracked => Some(Method::Tracked),
         }
     }
+}
+
+/// How often the calibration discharges are taken.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Calibration {
+    /// Anew for each reading.
+    EachReading,
+    /// As often as they pay; in between, the calibration is followed.
+    Tracked,
 }
 
 /// Where the latency offset d comes from.

@@ -1,16 +1,22 @@
 //! Which discharges a reading needs, in which order, and what each of them is planned to do.
 //!
-//! For: the calibration discharges, the split one while the offset is being found, one x discharge per channel, and
-//! the choice between a full and a switched one. Must not know: pins, clocks, clients.
+//! For: the calibration discharges, the split ones by which the offset is found, one x discharge per channel. Must not
+//! know: pins, clocks, clients.
 //!
-//! All channels share one pair of calibration discharges per cycle:
+//! All channels share one pair of capacitors and one calibration. With a calibration of its own for each reading, a cycle
+//! is
 //!
 //! ```text
 //! R_1, R_2, [R_1 then R_2: split], x of channel 0, x of channel 1, ...
 //! ```
 //!
 //! With `offset = "auto"`, readings flow from the first cycle on, by full discharges (in whose equations d cancels);
-//! switched ones begin when the offset is known. From then on, a split discharge now and then keeps following it.
+//! switched ones begin when the offset is known. From then on, a split discharge now and then keeps following it. With a
+//! tracked calibration, cycles begin like that, too; once the state is known, a cycle has only those calibration
+//! discharges that pay.
+
+mod calls;
+mod plan;
 
 use crate::discharge::{Outcome, Plan};
 use crate::estimate::Estimator;
@@ -19,7 +25,10 @@ use crate::reading::{Branch, Fault, Method, Reading, Status};
 use crate::record::{Record, Through};
 use crate::settings::{OffsetSource, Settings};
 use crate::stats::Stats;
+use crate::tracker::Kind;
 use crate::units::Nanos;
+use calls::CallGate;
+use plan::Memory;
 
 /// A calibration discharge that came to nothing is taken again so many times.
 const RETRIES: u32 = 2;
@@ -29,8 +38,9 @@ const ROUNDS: usize = 64;
 const WINDOW: usize = 8 * ROUNDS;
 /// Once the offset is known, one cycle in so many has a split discharge.
 const FOLLOW_EVERY: u64 = 8;
-/// A switched discharge must promise so much less variance than the branch in use, or the branch stays: no chatter.
-const HYSTERESIS: f64 = 0.8;
+/// Calibration discharges in one cycle of a tracked calibration at the most: more would take longer than the readings
+/// that they improve.
+const CALIBRATIONS_PER_CYCLE: u32 = 1;
 
 /// What is to be done next.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -43,19 +53,9 @@ pub enum Next {
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Step {
-    First,
-    Second,
-    Split,
+    Start,
+    Calibrate(Kind),
     Sensor(usize),
-}
-
-/// What is remembered of a channel for the plan of its next discharge.
-#[derive(Debug, Clone, Copy, Default)]
-struct Memory {
-    /// The last ratio; `None` after anything but a number.
-    ratio: Option<f64>,
-    inferred: bool,
-    u_switch_ns: f64,
 }
 
 /// The order of discharges, and all that is learned from them.
@@ -68,6 +68,9 @@ pub struct Cycle {
     calls: CallGate,
     step: Step,
     retries: u32,
+    /// Calibration discharges of this cycle, and cycles since the last one.
+    calibrations: u32,
+    idle_cycles: u32,
     /// Why this cycle has no calibration.
     failed: Option<Fault>,
     /// When the share of the next reading began.
@@ -78,20 +81,24 @@ pub struct Cycle {
 impl Cycle {
     /// A cycle that has learned nothing yet.
     pub fn new(settings: Settings) -> Cycle {
-        let [r1, r2] = settings.r_ohm;
-        let (offset, split) = match settings.offset {
-            OffsetSource::Given(d_ns) => (Offset::given(d_ns), None),
-            OffsetSource::Auto => {
-                (Offset::default(), Some(SplitCalibration::new(r1, r2, settings.nodes(), WINDOW)))
-            }
+        let ([r1, r2], nodes, method) = (settings.r_ohm, settings.nodes(), settings.method);
+        let (estimator, split) = match settings.offset {
+            _ if settings.tracked => (Estimator::tracked(method, r1, r2, nodes), None),
+            OffsetSource::Given(d_ns) => (Estimator::new(method, r1, r2, nodes, Offset::given(d_ns)), None),
+            OffsetSource::Auto => (
+                Estimator::new(method, r1, r2, nodes, Offset::default()),
+                Some(SplitCalibration::new(r1, r2, nodes, WINDOW)),
+            ),
         };
         Cycle {
-            estimator: Estimator::new(settings.method, r1, r2, settings.nodes(), offset),
+            estimator: estimator.with_resolution(settings.resolution.as_ns()),
             split,
             memory: vec![Memory::default(); settings.channels.len()],
             calls: CallGate::default(),
-            step: Step::First,
+            step: Step::Start,
             retries: 0,
+            calibrations: 0,
+            idle_cycles: 0,
             failed: None,
             began: Nanos::ZERO,
             stats: Stats::default(),
@@ -104,6 +111,7 @@ impl Cycle {
         let mut stats = self.stats;
         stats.offset = self.estimator.offset();
         stats.offset_is_known = self.offset_is_known();
+        stats.tracking = self.estimator.tracker().map(|tracker| tracker.counts());
         stats
     }
 
@@ -113,12 +121,15 @@ impl Cycle {
     }
 
     fn offset_is_known(&self) -> bool {
+        if self.settings.tracked {
+            return self.estimator.tracker().is_some();
+        }
         self.split.as_ref().is_none_or(|split| split.taken() >= ROUNDS)
     }
 
     /// Whether a cycle is about to begin.
     pub fn is_at_start(&self) -> bool {
-        self.step == Step::First && self.retries == 0
+        self.step == Step::Start
     }
 
     /// Ends the cycle: every channel that has not been read gets this fault.
@@ -131,102 +142,75 @@ impl Cycle {
 
     /// What to do next, `now` being the time.
     pub fn next(&mut self, now: Nanos) -> Next {
-        if self.is_at_start() {
+        if self.step == Step::Start {
             self.began = now;
+            self.calibrations = 0;
+            self.estimator.advance(now);
+            self.step = self.next_calibration(None);
         }
-        if let (Step::Sensor(channel), Some(fault)) = (self.step, self.failed) {
-            return Next::Report(self.report(channel, Status::Fault(fault), now, now));
-        }
-        Next::Discharge(self.plan())
-    }
-
-    fn plan(&self) -> Plan {
-        let settings = &self.settings;
-        let (through, switch) = match self.step {
-            Step::First => (Through::C1, None),
-            Step::Second => (settings.second(), None),
-            Step::Split => (Through::C1, self.split_time().map(|after| (after, settings.second()))),
-            Step::Sensor(channel) => {
-                (settings.sensor(channel), self.switch_time(channel).map(|after| (after, settings.second())))
-            }
-        };
-        Plan {
-            through,
-            switch,
-            chargers: settings.chargers,
-            last: settings.last,
-            charge: settings.charge,
-            settle: settings.settle,
-            timeout: settings.deadline,
-            widest_bracket: self.calls.widest(),
-            single_call: self.calls.single(),
+        match self.step {
+            Step::Sensor(channel) => match self.failed {
+                Some(fault) => Next::Report(self.report(channel, Status::Fault(fault), now, now)),
+                None => Next::Discharge(self.sensor_plan(channel)),
+            },
+            Step::Calibrate(kind) => Next::Discharge(self.calibration_plan(kind)),
+            Step::Start => Next::Discharge(self.calibration_plan(Kind::First)),
         }
     }
 
-    fn split_time(&self) -> Option<Nanos> {
-        let (c1, _) = self.estimator.calibration()?;
-        Some(Nanos((SplitCalibration::FRACTION * c1[0]) as i64))
-    }
-
-    /// When to switch from the sensor to R_2, if the next x discharge of a channel is to be switched at all.
-    fn switch_time(&self, channel: usize) -> Option<Nanos> {
-        let settings = &self.settings;
-        if !matches!(settings.method, Method::Cerm | Method::Qerm) || !self.offset_is_known() {
-            return None;
+    /// The calibration discharge that follows `last` in this cycle, or the first sensor.
+    fn next_calibration(&self, last: Option<Kind>) -> Step {
+        if self.estimator.tracker().is_some() {
+            let may = self.calibrations < CALIBRATIONS_PER_CYCLE;
+            return self.wanted().filter(|_| may).map_or(Step::Sensor(0), Step::Calibrate);
         }
-        let memory = &self.memory[channel];
-        let ratio = memory.ratio?;
-        let (c1, c2) = self.estimator.calibration()?;
-        let x_ns = c1[0] + ratio * (c2[0] - c1[0]);
-        let d_ns = self.estimator.offset().d_ns;
-        let wanted = match settings.t_l {
-            Some(t_l) => x_ns - d_ns < t_l.as_ns(),
-            None => self.is_switch_better(ratio, memory),
-        };
-        let a_ns = if settings.method == Method::Qerm { self.estimator.parallel_ns(x_ns)? } else { x_ns };
-        let after = settings.switch_fraction * (a_ns - d_ns);
-        (wanted && after >= 1.0).then_some(Nanos(after as i64))
+        match last {
+            None => Step::Calibrate(Kind::First),
+            Some(Kind::First) => Step::Calibrate(Kind::Second),
+            Some(Kind::Second) if self.is_split_due() => Step::Calibrate(Kind::Split),
+            Some(Kind::Second | Kind::Split) => Step::Sensor(0),
+        }
     }
 
-    fn is_switch_better(&self, ratio: f64, memory: &Memory) -> bool {
-        let predicted = self.estimator.predict(ratio, self.settings.switch_fraction, memory.u_switch_ns);
-        predicted.is_some_and(|[direct, inferred]| {
-            let (of_inferred, of_direct) =
-                if memory.inferred { (HYSTERESIS, 1.0) } else { (1.0, HYSTERESIS) };
-            inferred * of_inferred < direct * of_direct
-        })
+    fn is_split_due(&self) -> bool {
+        if self.settings.tracked {
+            return true;
+        }
+        self.split.is_some() && (!self.offset_is_known() || self.stats.cycles % FOLLOW_EVERY == 0)
     }
 
     /// Takes the outcome of the discharge that [`Cycle::next`] asked for, `now` being the time; answers a reading when
     /// it was a sensor's.
     pub fn done(&mut self, outcome: &Outcome, now: Nanos) -> Option<Reading> {
-        if let (Step::First, Some(call)) = (self.step, outcome.start_call) {
+        let is_plain = matches!(self.step, Step::Calibrate(Kind::First | Kind::Second));
+        if let (true, Some(call)) = (is_plain, outcome.start_call) {
             self.calls.add(call);
         }
         match self.step {
-            Step::First => self.calibrated(outcome, Step::Second),
-            Step::Second => {
-                let due = !self.offset_is_known() || self.stats.cycles % FOLLOW_EVERY == 0;
-                let after = if self.split.is_some() && due { Step::Split } else { Step::Sensor(0) };
-                self.calibrated(outcome, after);
-            }
-            Step::Split => self.split_done(outcome),
+            Step::Calibrate(Kind::Split) if !self.settings.tracked => self.split_done(outcome),
+            Step::Calibrate(kind) => self.calibrated(kind, outcome),
             Step::Sensor(channel) => return Some(self.sensor_done(channel, outcome, now)),
+            Step::Start => {}
         }
         None
     }
 
-    fn calibrated(&mut self, outcome: &Outcome, next: Step) {
+    fn calibrated(&mut self, kind: Kind, outcome: &Outcome) {
+        let tracks = self.estimator.tracker().is_some();
         let result = outcome.result.and_then(|record| self.estimator.calibrate(&record));
-        let Err(fault) = result else {
+        let is_spike = matches!(result, Err(Fault::LatencyOutlier | Fault::CalibrationStep));
+        // A tracked calibration can do without one of its discharges, and knows what it does not know.
+        if result.is_ok() || (is_spike && tracks) || (kind == Kind::Split && !tracks) {
             self.retries = 0;
-            self.step = next;
+            self.calibrations += 1;
+            self.idle_cycles = 0;
+            self.step = self.next_calibration(Some(kind));
             return;
-        };
+        }
         self.stats.retried += 1;
         self.retries += 1;
         if self.retries > RETRIES {
-            self.fail(if fault == Fault::LatencyOutlier { fault } else { Fault::NoCalibration });
+            self.fail(if is_spike { Fault::LatencyOutlier } else { Fault::NoCalibration });
         }
     }
 
@@ -253,21 +237,7 @@ impl Cycle {
             }
             Err(fault) => (Status::Fault(*fault), now),
         };
-        let [r1, r2] = self.settings.r_ohm;
-        let zero_ohm = settings.zero_ohm;
-        let memory = &mut self.memory[channel];
-        match status {
-            Status::Ok { branch, r_ohm, .. } => {
-                memory.ratio = Some((r_ohm.value + zero_ohm - r1) / (r2 - r1));
-                memory.inferred = branch == Branch::Inferred;
-            }
-            // One spike says nothing about the sensor.
-            Status::Fault(Fault::LatencyOutlier | Fault::WideBracket) => {}
-            Status::Short { .. } | Status::Open { .. } | Status::Fault(_) => memory.ratio = None,
-        }
-        if let Ok(record) = &outcome.result {
-            memory.u_switch_ns = record.u_switch_ns;
-        }
+        self.memory[channel].take(&status, outcome.result.ok(), settings.zero_ohm, &self.estimator);
         self.report(channel, status, middle, now)
     }
 
@@ -284,10 +254,11 @@ impl Cycle {
         self.began = now;
         self.step = Step::Sensor(channel + 1);
         if channel + 1 == self.settings.channels.len() {
-            self.step = Step::First;
+            self.step = Step::Start;
             self.retries = 0;
             self.failed = None;
             self.stats.cycles += 1;
+            self.idle_cycles = self.idle_cycles.saturating_add(1);
         }
         reading
     }
@@ -297,36 +268,4 @@ impl Cycle {
 fn middle_of(record: &Record) -> Nanos {
     let end = record.b_ns.or(record.a_ns).unwrap_or(record.waited_ns);
     record.start + Nanos((end / 2.0) as i64)
-}
-
-/// Follows how long a call takes that switches one line, to tell an interrupted one from a usual one, and to place the
-/// moment at which the line moves.
-#[derive(Debug, Clone, Copy, Default)]
-struct CallGate {
-    /// The median, ns.
-    single_ns: Option<f64>,
-}
-
-impl CallGate {
-    fn single(&self) -> Option<Nanos> {
-        self.single_ns.map(|single| Nanos(single as i64))
-    }
-
-    /// A call longer than this was interrupted: the line may have moved anywhere in it. A call for two lines takes less
-    /// than two calls.
-    fn widest(&self) -> Nanos {
-        self.single_ns.map_or(Nanos::MAX, |single| Nanos((4.0 * single + 2000.0) as i64))
-    }
-
-    /// Steps towards each value, not by it: a long call moves the median no more than a short one. The steps are small
-    /// beside the calls, and so are they beside the jitter of crossings.
-    fn add(&mut self, call: Nanos) {
-        let call = call.as_ns();
-        self.single_ns = Some(match self.single_ns {
-            None => call,
-            Some(single) if (call - single).abs() <= 0.01 * single => single,
-            Some(single) if call > single => (single * 1.01).max(1.0),
-            Some(single) => single / 1.01,
-        });
-    }
 }

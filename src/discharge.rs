@@ -24,8 +24,10 @@ pub struct Plan {
     pub charge: Nanos,
     /// How long to leave everything floating between charge and start.
     pub settle: Nanos,
-    /// The longest wait for the last crossing, from the start.
+    /// The longest wait for the last crossing, from the start (or from the switch to `limit`).
     pub timeout: Nanos,
+    /// What finishes a discharge that was not switched and has not ended by then; `None`: nothing.
+    pub limit: Option<Through>,
     /// The longest call that still tells when a line was switched.
     pub widest_bracket: Nanos,
     /// How long a call for one line usually takes; `None`: not known yet.
@@ -87,6 +89,7 @@ enum Phase {
     BeforeSwitch,
     Switching,
     Crossing,
+    Limiting,
     TimedOut,
     Stopping,
 }
@@ -97,7 +100,8 @@ pub struct Discharge {
     plan: Plan,
     phase: Phase,
     start: Bracket,
-    switch: Option<Bracket>,
+    switch: Option<(Bracket, Through)>,
+    wait_until: Nanos,
     crossings: [Option<Nanos>; 2],
     seqno: u32,
     line_seqno: [u32; 2],
@@ -113,6 +117,7 @@ impl Discharge {
             phase: Phase::Charging,
             start: Bracket::default(),
             switch: None,
+            wait_until: Nanos::ZERO,
             crossings: [None; 2],
             seqno: 0,
             line_seqno: [0; 2],
@@ -147,12 +152,16 @@ impl Discharge {
             (Phase::Arming, Event::Armed(armed)) => self.armed(armed),
             (Phase::Starting, Event::Drove(bracket)) => self.started(bracket),
             (Phase::BeforeSwitch, Event::Slept) => self.make_switch(),
-            (Phase::Switching, Event::Drove(bracket)) => self.switched(bracket),
+            (Phase::Switching, Event::Drove(bracket)) => match self.plan.switch {
+                Some((_, to)) => self.switched(bracket, to),
+                None => self.stop(Some(Fault::Pins)),
+            },
             (Phase::Crossing, Event::Edge(Some(edge))) => self.crossed(edge),
-            (Phase::Crossing, Event::Edge(None)) => {
-                self.phase = Phase::TimedOut;
-                Action::ReadLevels
-            }
+            (Phase::Crossing, Event::Edge(None)) => self.waited_long(),
+            (Phase::Limiting, Event::Drove(bracket)) => match self.plan.limit {
+                Some(to) => self.switched(bracket, to),
+                None => self.stop(Some(Fault::Pins)),
+            },
             (Phase::TimedOut, Event::Levels(levels)) => self.timed_out(levels),
             (Phase::Stopping, Event::Drove(_)) => Action::Done,
             _ => self.stop(Some(Fault::Pins)),
@@ -188,6 +197,7 @@ impl Discharge {
 
     fn started(&mut self, bracket: Bracket) -> Action {
         self.start = bracket;
+        self.wait_until = bracket.before + self.plan.timeout;
         if bracket.width() > self.plan.widest_bracket {
             return self.stop(Some(Fault::WideBracket));
         }
@@ -210,8 +220,9 @@ impl Discharge {
         }
     }
 
-    fn switched(&mut self, bracket: Bracket) -> Action {
-        self.switch = Some(bracket);
+    fn switched(&mut self, bracket: Bracket, to: Through) -> Action {
+        self.switch = Some((bracket, to));
+        self.wait_until = bracket.after + self.plan.timeout;
         if bracket.width() > self.plan.widest_bracket {
             return self.stop(Some(Fault::WideBracket));
         }
@@ -220,7 +231,20 @@ impl Discharge {
 
     fn wait(&mut self) -> Action {
         self.phase = Phase::Crossing;
-        Action::WaitEdge(self.start.before + self.plan.timeout)
+        Action::WaitEdge(self.wait_until)
+    }
+
+    fn waited_long(&mut self) -> Action {
+        match self.plan.limit {
+            Some(to) if self.switch.is_none() => {
+                self.phase = Phase::Limiting;
+                Action::Drive(to.drives())
+            }
+            _ => {
+                self.phase = Phase::TimedOut;
+                Action::ReadLevels
+            }
+        }
     }
 
     /// Sequence numbers follow on or something was lost: `edge_irq_handler` and `edge_irq_thread` of
@@ -244,7 +268,7 @@ impl Discharge {
     }
 
     fn timed_out(&mut self, levels: Levels) -> Action {
-        self.waited = self.start.before + self.plan.timeout;
+        self.waited = self.wait_until;
         let missed = |node: Node| self.crossings[node.index()].is_none() && !levels.of(node);
         let any = missed(Node::A) || (self.plan.last == Node::B && missed(Node::B));
         self.stop(any.then_some(Fault::MissedEdge))
@@ -266,19 +290,23 @@ impl Discharge {
         let between_ns = |call: Bracket, lines: u32| {
             if lines > 1 { (call.width().as_ns() - single_ns).max(0.0) } else { 0.0 }
         };
+        let switch = self.switch.map(|(call, to)| {
+            let (from, on) = (self.plan.through.drives(), to.drives());
+            let lines = from.without(on).count() + on.without(from).count();
+            let at_ns = (call.before - self.start.before).as_ns();
+            Switch { at_ns, on_ns: at_ns + between_ns(call, lines), to }
+        });
+        // The time that one line takes: it may move anywhere in it, at the start and at the switch.
+        let slot_ns =
+            switch.map(|switch| switch.on_ns - switch.at_ns).filter(|slot| *slot > 0.0).unwrap_or(single_ns);
         Record {
             through: self.plan.through,
             start: self.start.before,
             second_ns: between_ns(self.start, self.plan.through.drives().count()),
-            switch: self.switch.zip(self.plan.switch).map(|(call, (_, to))| {
-                let (from, on) = (self.plan.through.drives(), to.drives());
-                let lines = from.without(on).count() + on.without(from).count();
-                let at_ns = (call.before - self.start.before).as_ns();
-                Switch { at_ns, on_ns: at_ns + between_ns(call, lines), to }
-            }),
+            switch,
             a_ns,
             b_ns,
-            u_switch_ns: single_ns / 12f64.sqrt(),
+            u_switch_ns: slot_ns / 6f64.sqrt(),
             waited_ns: if self.waited == Nanos::ZERO { 0.0 } else { since_start(self.waited) },
         }
     }

@@ -4,11 +4,17 @@
 //! reading. Must not know: in which order discharges are taken, by whom, or when.
 
 use crate::force::Force;
+use crate::method::tracked::{self, Observed, Solution};
 use crate::method::{Number, Times, cerm, dual, qerm, tcdic, tpcm};
 use crate::noise::{Covariance, Judgement, Noise};
 use crate::offset::Offset;
 use crate::reading::{Branch, Fault, Measured, Method, Status};
-use crate::record::{Record, Through};
+use crate::record::{Record, Switch, Through};
+use crate::tracker::Tracker;
+use crate::units::Nanos;
+use covariances::Covariances;
+
+mod covariances;
 
 /// Two crossings that disagree by more sigma than this cannot both be right.
 const GATE: f64 = 5.0;
@@ -35,13 +41,41 @@ pub struct Estimator {
     noise: Noise,
     c1: Option<[f64; 2]>,
     c2: Option<[f64; 2]>,
+    /// With it, c1 and c2 are only used until it is ready.
+    tracker: Option<Tracker>,
 }
 
 impl Estimator {
     /// For calibration resistors `r1_ohm` < `r2_ohm` (Rc1 and Rc2, or Rc1 and Rc1 + Rc2), in a circuit with one or two
     /// `nodes`.
     pub fn new(method: Method, r1_ohm: f64, r2_ohm: f64, nodes: usize, offset: Offset) -> Estimator {
-        Estimator { method, r1_ohm, r2_ohm, nodes, offset, noise: Noise::default(), c1: None, c2: None }
+        let noise = Noise::new(1.0);
+        Estimator { method, r1_ohm, r2_ohm, nodes, offset, noise, c1: None, c2: None, tracker: None }
+    }
+
+    /// The same, with a calibration that is followed instead of taken anew for each reading.
+    pub fn tracked(method: Method, r1_ohm: f64, r2_ohm: f64, nodes: usize) -> Estimator {
+        let tracker = Some(Tracker::new([r1_ohm, r2_ohm], nodes, 1.0));
+        Estimator { tracker, ..Estimator::new(method, r1_ohm, r2_ohm, nodes, Offset::default()) }
+    }
+
+    /// For a clock that stamps crossings with this period instead of 1 ns. Forgets what was learned.
+    pub fn with_resolution(self, resolution_ns: f64) -> Estimator {
+        let r_ohm = [self.r1_ohm, self.r2_ohm];
+        let tracker = self.tracker.map(|_| Tracker::new(r_ohm, self.nodes, resolution_ns));
+        Estimator { noise: Noise::new(resolution_ns), tracker, ..self }
+    }
+
+    /// The tracked calibration, once there is one.
+    pub fn tracker(&self) -> Option<&Tracker> {
+        self.tracker.as_ref().filter(|tracker| tracker.is_ready())
+    }
+
+    /// Lets the tracked calibration grow older.
+    pub fn advance(&mut self, now: Nanos) {
+        if let Some(tracker) = self.tracker.as_mut().filter(|tracker| tracker.is_ready()) {
+            tracker.advance(now);
+        }
     }
 
     /// The method.
@@ -56,7 +90,9 @@ impl Estimator {
 
     /// The offset in force.
     pub fn offset(&self) -> Offset {
-        self.offset
+        let Some(tracker) = self.tracker() else { return self.offset };
+        let (d_ns, u_d_ns) = tracker.d_ns();
+        Offset { d_ns, u_d_ns, r_o_ohm: Some(tracker.r_o_ohm()), switch_ns: tracker.switch_ns() }
     }
 
     /// Puts another offset in force.
@@ -66,12 +102,18 @@ impl Estimator {
 
     /// What is known about noise.
     pub fn noise(&self) -> &Noise {
-        &self.noise
+        self.tracker().map_or(&self.noise, Tracker::noise)
     }
 
     /// The crossings of the calibration discharges in force.
     pub fn calibration(&self) -> Option<([f64; 2], [f64; 2])> {
-        self.c1.zip(self.c2)
+        match self.tracker() {
+            Some(tracker) => {
+                let [c1, c2] = tracker.calibration().map(|crossings| crossings.map(|crossing| crossing.ns));
+                Some((c1, c2))
+            }
+            None => self.c1.zip(self.c2),
+        }
     }
 
     /// Takes a calibration discharge.
@@ -80,13 +122,19 @@ impl Estimator {
     /// [`Fault::NoCalibration`] if a crossing is missing, [`Fault::LatencyOutlier`] if it is late beyond the others.
     /// The calibration in force stays.
     pub fn calibrate(&mut self, record: &Record) -> Result<(), Fault> {
+        if let Some(tracker) = &mut self.tracker {
+            tracker.add(record)?;
+            if tracker.is_ready() || record.switch.is_some() {
+                return Ok(());
+            }
+        }
         let times = self.crossings(record).ok_or(Fault::NoCalibration)?;
         let (slot, judgement) = match record.through {
-            Through::C1 => (&mut self.c1, self.noise.add_c1(times)),
-            Through::C2 | Through::C12 => (&mut self.c2, self.noise.add_c2(times)),
+            Through::C1 => (&mut self.c1, self.noise.add_c1(times, [0.0; 2])),
+            Through::C2 | Through::C12 => (&mut self.c2, self.noise.add_c2(times, [0.0; 2])),
             Through::X(_) | Through::XWithC12(_) => return Err(Fault::NoCalibration),
         };
-        if judgement == Judgement::Outlier {
+        if judgement == Judgement::Outlier && self.tracker.is_none() {
             return Err(Fault::LatencyOutlier);
         }
         *slot = Some(times);
@@ -103,6 +151,11 @@ impl Estimator {
     /// # Errors
     /// The fault that keeps it from being a number.
     pub fn estimate(&self, record: &Record) -> Result<Estimate, Fault> {
+        if let Some(tracker) = self.tracker().filter(|_| self.method == Method::Tracked) {
+            let solution = tracked::solve(tracker, &self.observed(record)?)?;
+            let r_ohm = Measured { value: solution.r_ohm, u: Some(solution.variance.sqrt()) };
+            return Ok(Estimate { branch: solution.branch, r_ohm });
+        }
         let (times, branch) = self.times(record)?;
         let ratio = self.checked_ratio(&times, branch, record.u_switch_ns)?;
         let span = self.r2_ohm - self.r1_ohm;
@@ -116,10 +169,26 @@ impl Estimator {
         }
     }
 
+    fn observed(&self, record: &Record) -> Result<Observed, Fault> {
+        self.last_crossing(record).ok_or(Fault::MissedEdge)?;
+        let switch = record.switch.map(|switch| (switch, self.ohm_after(switch)));
+        Ok(Observed { crossings: [record.a_ns, record.b_ns], switch, u_switch_ns: record.u_switch_ns })
+    }
+
+    fn ohm_after(&self, switch: Switch) -> f64 {
+        if switch.to == Through::C1 { self.r1_ohm } else { self.r2_ohm }
+    }
+
+    /// What an x discharge through `r_ohm` would tell, switched as given or not at all.
+    pub fn foresee(&self, r_ohm: f64, switch: Option<Switch>, u_switch_ns: f64) -> Option<Solution> {
+        let switch = switch.map(|switch| (switch, self.ohm_after(switch)));
+        tracked::predict(self.tracker()?, r_ohm, switch, u_switch_ns)
+    }
+
     /// The times of an estimate, and which equation is to be used.
     fn times(&self, record: &Record) -> Result<(Times<f64>, Branch), Fault> {
         let (c1, c2) = self.calibration().ok_or(Fault::NoCalibration)?;
-        let ordered = (0..self.nodes).all(|node| c2[node] > c1[node] && c1[node] > self.offset.d_ns);
+        let ordered = (0..self.nodes).all(|node| c2[node] > c1[node] && c1[node] > self.offset().d_ns);
         let nodes_ordered = self.nodes == 1 || (c1[1] > c1[0] && c2[1] > c2[0]);
         if !ordered || !nodes_ordered {
             return Err(Fault::Implausible);
@@ -127,7 +196,7 @@ impl Estimator {
         let last = self.last_crossing(record).ok_or(Fault::MissedEdge)?;
         let switch =
             record.switch.map_or((f64::INFINITY, f64::INFINITY), |switch| (switch.at_ns, switch.on_ns));
-        let branch = if last - self.offset.d_ns > switch.1 { Branch::Inferred } else { Branch::Direct };
+        let branch = if last - self.offset().d_ns > switch.1 { Branch::Inferred } else { Branch::Direct };
         let (at, on) = if branch == Branch::Inferred { switch } else { (0.0, 0.0) };
         let on = if self.method == Method::Qerm { record.second_ns } else { on };
         // An inferred estimate can do without the crossing of A; 0 is never looked at then.
@@ -137,20 +206,21 @@ impl Estimator {
         };
         let x = [a, if self.nodes == 2 { record.b_ns.unwrap_or(0.0) } else { 0.0 }];
         let known = match self.method {
-            Method::Tpcm | Method::Tcdic => branch == Branch::Direct,
+            Method::Tpcm | Method::Tcdic | Method::Tracked => branch == Branch::Direct,
             Method::Qerm | Method::Cerm => at > 0.0 || branch == Branch::Direct,
         };
-        if !known || x[0] < 0.0 || x[1] < 0.0 || last <= self.offset.d_ns {
+        if !known || x[0] < 0.0 || x[1] < 0.0 || last <= self.offset().d_ns {
             return Err(Fault::Implausible);
         }
-        Ok((Times { c1, c2, x, at, on, d: self.offset.d_ns }, branch))
+        Ok((Times { c1, c2, x, at, on, d: self.offset().d_ns }, branch))
     }
 
     /// The crossing that ends the discharge as far as the method looks at it.
     fn last_crossing(&self, record: &Record) -> Option<f64> {
         match self.method {
             Method::Tpcm | Method::Qerm => record.a_ns,
-            Method::Tcdic | Method::Cerm => record.b_ns,
+            Method::Tracked if self.nodes == 1 => record.a_ns,
+            Method::Tcdic | Method::Cerm | Method::Tracked => record.b_ns,
         }
     }
 
@@ -171,6 +241,9 @@ impl Estimator {
     fn ratio<T: Number>(&self, times: &Times<T>, branch: Branch) -> T {
         match (self.method, branch) {
             (Method::Tpcm, _) => tpcm::ratio(times, 0),
+            // Until the tracked calibration is there.
+            (Method::Tracked, _) if self.nodes == 1 => tpcm::ratio(times, 0),
+            (Method::Tracked, _) => tcdic::ratio(times),
             (Method::Qerm, Branch::Direct) => qerm::ratio_direct(times),
             (Method::Qerm, Branch::Inferred) => qerm::ratio(times),
             (Method::Tcdic, _) | (Method::Cerm, Branch::Direct) => tcdic::ratio(times),
@@ -206,16 +279,22 @@ impl Estimator {
 
     /// The covariances of all times; `late` are the crossings that a discharge only through the resistor that ran last
     /// would have.
-    fn covariances(&self, late: [f64; 2], u_switch_ns: f64) -> Option<Covariances> {
+    fn covariances(&self, late: [f64; 2], u_switch_ns: f64) -> Option<Covariances<'_>> {
         let (c1, c2) = self.calibration()?;
-        // A scatter that was measured holds all of a switch's uncertainty; brackets bound each of its two instants.
-        let (at, on) = match self.offset.switch_ns {
-            Some(scatter) => (scatter, 0.0),
-            None => (u_switch_ns, u_switch_ns),
-        };
-        Some(Covariances {
-            crossings: self.noise.covariances([c1, c2, late])?,
-            single: [at * at, on * on, self.offset.u_d_ns * self.offset.u_d_ns],
+        let offset = self.offset();
+        let at = offset.switch_ns.map_or(u_switch_ns, |bound| bound.min(u_switch_ns));
+        let (noise, u_d_ns) = (self.noise(), offset.u_d_ns);
+        Some(match self.tracker() {
+            Some(tracker) => Covariances {
+                crossings: [Covariance::default(), Covariance::default(), noise.covariance(late)?],
+                single: [at * at, 0.0],
+                tracker: Some(tracker),
+            },
+            None => Covariances {
+                crossings: noise.covariances([c1, c2, late])?,
+                single: [at * at, u_d_ns * u_d_ns],
+                tracker: None,
+            },
         })
     }
 
@@ -223,7 +302,7 @@ impl Estimator {
     /// switched at `fraction` of the time in which A crosses (for QERM: in which x and c12 together cross).
     pub fn predict(&self, ratio: f64, fraction: f64, u_switch_ns: f64) -> Option<[f64; 2]> {
         let (c1, c2) = self.calibration()?;
-        let d = self.offset.d_ns;
+        let d = self.offset().d_ns;
         let full = [0, 1].map(|node| c1[node] + ratio * (c2[node] - c1[node]));
         let last = self.nodes - 1;
         let node_a = if self.method == Method::Qerm { self.parallel_ns(full[0])? } else { full[0] };
@@ -253,7 +332,7 @@ impl Estimator {
     /// d included in both.
     pub fn parallel_ns(&self, x_ns: f64) -> Option<f64> {
         let (_, c2) = self.calibration()?;
-        let d = self.offset.d_ns;
+        let d = self.offset().d_ns;
         Some(d + 1.0 / (1.0 / (x_ns - d) + 1.0 / (c2[0] - d)))
     }
 
@@ -269,6 +348,20 @@ impl Estimator {
         (r_ohm.is_finite() && r_ohm > 0.0).then_some(r_ohm)
     }
 
+    /// The lower bound of a resistance that a discharge finished at its deadline cannot tell from an open circuit.
+    fn beyond(&self, record: &Record) -> Option<f64> {
+        let tracker = self.tracker().filter(|_| self.method == Method::Tracked)?;
+        let observed = self.observed(record).ok()?;
+        let (switch, _) = observed.switch.filter(|(switch, _)| switch.to == Through::C1)?;
+        let last_ns = self.last_crossing(record)?;
+        if last_ns - tracker.d_ns().0 <= switch.on_ns {
+            return None;
+        }
+        let (siemens, u) = tracked::conductance(tracker, &observed)?;
+        let r_min_ohm = 1.0 / (siemens.max(0.0) + COVERAGE * u) - tracker.r_o_ohm().0;
+        (siemens <= COVERAGE * u && r_min_ohm > 0.0 && r_min_ohm.is_finite()).then_some(r_min_ohm)
+    }
+
     /// What is known about the sensor after an x discharge.
     pub fn status(&self, record: &Record, zero_ohm: f64, force: Option<&Force>) -> Status {
         let at_bound = |r_ohm: f64| force.and_then(|force| force.at_bound(r_ohm));
@@ -279,6 +372,10 @@ impl Estimator {
                 }
                 _ => Status::Fault(Fault::Implausible),
             };
+        }
+        if let Some(r_min_ohm) = self.beyond(record) {
+            let r_min_ohm = (r_min_ohm - zero_ohm).max(0.0);
+            return Status::Open { r_min_ohm, f_max_n: at_bound(r_min_ohm) };
         }
         let estimate = match self.estimate(record) {
             Ok(estimate) => estimate,
@@ -294,24 +391,6 @@ impl Estimator {
             None if r_ohm.value <= 0.0 => Status::Fault(Fault::Implausible),
             _ => Status::Ok { branch: estimate.branch, r_ohm, f_n: force.and_then(|force| force.at(r_ohm)) },
         }
-    }
-}
-
-/// The covariance matrix of all [`Times`], block by block.
-struct Covariances {
-    /// Of the crossings through R_1, R_2 and the sensor.
-    crossings: [Covariance; 3],
-    /// Variances of `at`, `on` and `d`.
-    single: [f64; 3],
-}
-
-impl Covariances {
-    /// Law of propagation: g^T C g for a gradient in the order of [`Times::to_array`].
-    fn of(&self, by: &[f64; 9]) -> f64 {
-        let crossings =
-            self.crossings.iter().enumerate().map(|(i, block)| block.of(by[2 * i], by[2 * i + 1]));
-        let single = self.single.iter().enumerate().map(|(i, variance)| by[6 + i] * by[6 + i] * variance);
-        crossings.sum::<f64>() + single.sum::<f64>()
     }
 }
 

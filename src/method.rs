@@ -21,6 +21,7 @@ pub mod dual;
 pub mod qerm;
 pub mod tcdic;
 pub mod tpcm;
+pub mod tracked;
 
 use std::ops::{Add, Div, Mul, Sub};
 

@@ -9,7 +9,7 @@
 //! sigma^2(T) = L^2 + (k T)^2
 //! ```
 //!
-//! Two resistors give the two unknowns, per node. What the crossings of one discharge share (the instant of the start)
+//! Two resistors give the unknowns: k of each node, and L of both. What the crossings of one discharge share (the instant of the start)
 //! is a covariance. Variances come from successive differences, so that drift is not taken for noise.
 
 /// Covariance of the crossings of A and B in one discharge, ns².
@@ -33,6 +33,10 @@ impl Covariance {
         if node == 0 { self.aa } else { self.bb }
     }
 
+    fn at_least(self, variance: f64) -> Covariance {
+        Covariance { aa: self.aa.max(variance), bb: self.bb.max(variance), ab: self.ab }
+    }
+
     fn add_outer(&mut self, d: [f64; 2]) {
         self.aa += d[0] * d[0];
         self.bb += d[1] * d[1];
@@ -53,6 +57,8 @@ pub enum Judgement {
     Outlier,
 }
 
+/// The largest share of a crossing's variance that both crossings have in common.
+const SHARED: f64 = 0.5;
 /// Discharges taken before anything is said about noise.
 const WARM_UP: usize = 16;
 /// An outlier is farther from the running mean than so many sigma.
@@ -61,14 +67,15 @@ const GATE: f64 = 5.0;
 const STEP: u32 = 3;
 /// Differences remembered, about.
 const MEMORY: f64 = 2048.0;
-/// Stamps are whole nanoseconds: the variance of their rounding, eq. (4), ns².
-const ROUNDING_NS2: f64 = 1.0 / 12.0;
 
 /// The spread of the crossings of one calibration resistor.
 #[derive(Debug, Clone)]
 struct Spread {
     warm_up: [[f64; 2]; WARM_UP],
     seen: usize,
+    /// Of the times: what their noise goes by.
+    time: [f64; 2],
+    /// Of the times less what was expected.
     mean: [f64; 2],
     last: [f64; 2],
     sum: Covariance,
@@ -80,6 +87,7 @@ impl Spread {
     const NEW: Spread = Spread {
         warm_up: [[0.0; 2]; WARM_UP],
         seen: 0,
+        time: [0.0; 2],
         mean: [0.0; 2],
         last: [0.0; 2],
         sum: Covariance { aa: 0.0, bb: 0.0, ab: 0.0 },
@@ -87,36 +95,43 @@ impl Spread {
         outliers_in_row: 0,
     };
 
-    fn add(&mut self, times: [f64; 2]) -> Judgement {
+    fn add(&mut self, times: [f64; 2], expected: [f64; 2], quantisation: f64) -> Judgement {
+        let away = [times[0] - expected[0], times[1] - expected[1]];
         if self.seen < WARM_UP {
-            self.warm_up[self.seen] = times;
+            self.warm_up[self.seen] = away;
             self.seen += 1;
             if self.seen == WARM_UP {
                 self.begin();
             }
             return Judgement::Regular;
         }
-        if self.is_outlier(times) {
+        if self.is_outlier(away, quantisation) {
             self.outliers_in_row += 1;
             if self.outliers_in_row < STEP {
                 return Judgement::Outlier;
             }
-            self.mean = times;
-            self.last = times;
+            self.mean = away;
+            self.last = away;
         }
         self.outliers_in_row = 0;
-        self.sum.add_outer([times[0] - self.last[0], times[1] - self.last[1]]);
+        self.time = times;
+        self.sum.add_outer([away[0] - self.last[0], away[1] - self.last[1]]);
         self.weight += 1.0;
         if self.weight > MEMORY {
             let keep = 1.0 - 1.0 / MEMORY;
             self.sum = self.sum.scaled(keep);
             self.weight *= keep;
         }
-        for (node, time) in times.into_iter().enumerate() {
-            self.mean[node] += (time - self.mean[node]) / WARM_UP as f64;
+        for (node, away) in away.into_iter().enumerate() {
+            self.mean[node] += (away - self.mean[node]) / WARM_UP as f64;
         }
-        self.last = times;
+        self.last = away;
         Judgement::Regular
+    }
+
+    /// From now on something else is expected, namely what comes.
+    fn expect_what_comes(&mut self) {
+        (self.mean, self.last) = ([0.0; 2], [0.0; 2]);
     }
 
     /// After the warm-up: differences that are outliers by the median of their absolute values are left out.
@@ -144,12 +159,13 @@ impl Spread {
             self.mean[node] = (times[WARM_UP / 2 - 1] + times[WARM_UP / 2]) / 2.0;
             self.last[node] = self.mean[node];
         }
+        self.time = self.mean;
     }
 
-    fn is_outlier(&self, times: [f64; 2]) -> bool {
-        let variance = self.covariance();
+    fn is_outlier(&self, away: [f64; 2], quantisation: f64) -> bool {
+        let variance = self.covariance().at_least(quantisation);
         // The running mean has a variance of its own: 1/(2 x 16 - 1) of a single time's.
-        (0..2).any(|node| (times[node] - self.mean[node]).abs() > GATE * (1.04 * variance.node(node)).sqrt())
+        (0..2).any(|node| (away[node] - self.mean[node]).abs() > GATE * (1.04 * variance.node(node)).sqrt())
     }
 
     /// Half the mean square of successive differences, which has two degrees of freedom for three of them. With few of
@@ -157,10 +173,7 @@ impl Spread {
     fn covariance(&self) -> Covariance {
         let freedom = (self.weight * 2.0 / 3.0).max(1.0);
         let student = (1.0 + 1.3 / freedom).powi(2);
-        let mut covariance = self.sum.scaled(0.5 * student / self.weight.max(1.0));
-        covariance.aa += ROUNDING_NS2;
-        covariance.bb += ROUNDING_NS2;
-        covariance
+        self.sum.scaled(0.5 * student / self.weight.max(1.0))
     }
 
     fn is_known(&self) -> bool {
@@ -173,23 +186,32 @@ impl Spread {
 pub struct Noise {
     c1: Spread,
     c2: Spread,
-}
-
-impl Default for Noise {
-    fn default() -> Noise {
-        Noise { c1: Spread::NEW, c2: Spread::NEW }
-    }
+    /// Of one time by the clock that counts it, eq. (4), ns².
+    quantisation: f64,
 }
 
 impl Noise {
-    /// Takes the crossings of a discharge through the lower calibration resistor, ns.
-    pub fn add_c1(&mut self, times: [f64; 2]) -> Judgement {
-        self.c1.add(times)
+    /// Nothing is known yet. `resolution_ns`: period of the clock that stamps crossings. A spread cannot show
+    /// quantisation where the noise is smaller: the same count comes each time.
+    pub fn new(resolution_ns: f64) -> Noise {
+        Noise { c1: Spread::NEW, c2: Spread::NEW, quantisation: resolution_ns * resolution_ns / 12.0 }
+    }
+
+    /// Takes the crossings of a discharge through the lower calibration resistor, ns. `expected`: what is known to
+    /// change in them; only the rest is looked at.
+    pub fn add_c1(&mut self, times: [f64; 2], expected: [f64; 2]) -> Judgement {
+        self.c1.add(times, expected, self.quantisation)
     }
 
     /// The same for the higher one.
-    pub fn add_c2(&mut self, times: [f64; 2]) -> Judgement {
-        self.c2.add(times)
+    pub fn add_c2(&mut self, times: [f64; 2], expected: [f64; 2]) -> Judgement {
+        self.c2.add(times, expected, self.quantisation)
+    }
+
+    /// From now on, `expected` is what the crossings are on average.
+    pub fn expect_what_comes(&mut self) {
+        self.c1.expect_what_comes();
+        self.c2.expect_what_comes();
     }
 
     /// Whether enough discharges have been seen.
@@ -207,18 +229,16 @@ impl Noise {
         if !self.is_known() {
             return None;
         }
-        let (v1, v2) = (self.c1.covariance(), self.c2.covariance());
-        let law = |node: usize| {
-            Law::through((self.c1.mean[node], v1.node(node)), (self.c2.mean[node], v2.node(node)))
-        };
-        let (law_a, law_b) = (law(0), law(1));
+        let [v1, v2] = [&self.c1, &self.c2].map(|spread| spread.covariance().at_least(self.quantisation));
+        let [law_a, law_b] = Law::through([(self.c1.time, v1), (self.c2.time, v2)], self.quantisation);
         // What is shared does not depend on the resistor; each tells it the better the less noise it has of its own.
         let (w1, w2) = (1.0 / (v1.aa * v1.bb), 1.0 / (v2.aa * v2.bb));
         let shared = (w1 * v1.ab + w2 * v2.ab) / (w1 + w2);
         Some(discharges.map(|[a_ns, b_ns]| {
             let (aa, bb) = (law_a.at(a_ns), law_b.at(b_ns));
-            // A shared start cannot be more uncertain than either crossing.
-            Covariance { aa, bb, ab: shared.clamp(0.0, aa.min(bb)) }
+            // Each crossing is stamped by an interrupt of its own: what they share is never most of their variance, however
+            // few discharges say so. More would make the difference of two crossings look exact.
+            Covariance { aa, bb, ab: shared.max(0.0).min(SHARED * aa.min(bb)) }
         }))
     }
 }
@@ -231,15 +251,24 @@ struct Law {
 }
 
 impl Law {
-    /// Through two points (T, sigma²), both coefficients at least zero, weighted alike.
-    fn through((t1, v1): (f64, f64), (t2, v2): (f64, f64)) -> Law {
-        let k2 = ((v2 - v1) / (t2 * t2 - t1 * t1)).max(0.0);
-        let l2 = if k2 > 0.0 { v1 - k2 * t1 * t1 } else { (v1 + v2) / 2.0 };
-        if l2 >= 0.0 {
-            return Law { l2, k2 };
+    /// Of both nodes, through their variances at two times. L is the same for both: one kernel stamps them. L² is at least
+    /// the quantisation, k² at least zero.
+    fn through([(t1, v1), (t2, v2)]: [([f64; 2], Covariance); 2], quantisation: f64) -> [Law; 2] {
+        let (mut sum, mut weight) = (0.0, 0.0);
+        for node in (0..2).filter(|node| t2[*node] > t1[*node]) {
+            // What v2 says of the proportional part at t1; the rest of v1 is constant.
+            let share = (t1[node] / t2[node]).powi(2);
+            let l2 = (v1.node(node) - share * v2.node(node)) / (1.0 - share);
+            // A variance is known to a constant part of itself.
+            let doubt = (v1.node(node).powi(2) + (share * v2.node(node)).powi(2)) / (1.0 - share).powi(2);
+            sum += l2 / doubt;
+            weight += 1.0 / doubt;
         }
-        // No constant part: through the origin, by the higher resistor, which shows the proportional part best.
-        Law { l2: 0.0, k2: v2 / (t2 * t2) }
+        let l2 = if weight > 0.0 { (sum / weight).max(quantisation) } else { quantisation };
+        [0, 1].map(|node| {
+            let k2 = (v2.node(node) - l2).max(0.0) / (t2[node] * t2[node]);
+            Law { l2, k2: if k2.is_finite() { k2 } else { 0.0 } }
+        })
     }
 
     fn at(self, time: f64) -> f64 {
@@ -261,7 +290,7 @@ mod tests {
     fn learned(seed: u64, count: usize, spikes: bool) -> Noise {
         let mut rng = ChaCha8Rng::seed_from_u64(seed);
         let mut normal = move || -> f64 { StandardNormal.sample(&mut rng) };
-        let mut noise = Noise::default();
+        let mut noise = Noise::new(1.0);
         for round in 0..count {
             let drift = 1.0 + 1e-6 * round as f64;
             let mut crossings = |times: [f64; 2]| {
@@ -270,8 +299,8 @@ mod tests {
                 times.map(|t| t * drift + start + LATENCY * normal() + TRIGGER * t * normal() + spike)
             };
             let (c1, c2) = (crossings([1.1e6, 1.3e6]), crossings([6.2e6, 7.4e6]));
-            noise.add_c1(c1);
-            noise.add_c2(c2);
+            noise.add_c1(c1, [0.0; 2]);
+            noise.add_c2(c2, [0.0; 2]);
         }
         noise
     }
@@ -304,20 +333,20 @@ mod tests {
     fn a_spike_is_an_outlier_and_a_step_is_followed() {
         let mut noise = learned(3, 100, false);
         let away = [1.1e6 + 60_000.0, 1.3e6 + 60_000.0];
-        assert_eq!(noise.add_c1(away), Judgement::Outlier);
-        assert_eq!(noise.add_c1([1.1e6 * 1.0001, 1.3e6 * 1.0001]), Judgement::Regular);
-        assert_eq!(noise.add_c1(away), Judgement::Outlier);
-        assert_eq!(noise.add_c1(away), Judgement::Outlier);
-        assert_eq!(noise.add_c1(away), Judgement::Regular);
-        assert_eq!(noise.add_c1(away), Judgement::Regular);
+        assert_eq!(noise.add_c1(away, [0.0; 2]), Judgement::Outlier);
+        assert_eq!(noise.add_c1([1.1e6 * 1.0001, 1.3e6 * 1.0001], [0.0; 2]), Judgement::Regular);
+        assert_eq!(noise.add_c1(away, [0.0; 2]), Judgement::Outlier);
+        assert_eq!(noise.add_c1(away, [0.0; 2]), Judgement::Outlier);
+        assert_eq!(noise.add_c1(away, [0.0; 2]), Judgement::Regular);
+        assert_eq!(noise.add_c1(away, [0.0; 2]), Judgement::Regular);
     }
 
     #[test]
     fn a_silent_circuit_still_has_the_rounding_of_stamps() {
-        let mut noise = Noise::default();
+        let mut noise = Noise::new(1.0);
         for _ in 0..50 {
-            noise.add_c1([1e6, 1.2e6]);
-            noise.add_c2([6e6, 7e6]);
+            noise.add_c1([1e6, 1.2e6], [0.0; 2]);
+            noise.add_c2([6e6, 7e6], [0.0; 2]);
         }
         let found = noise.covariance([1e5, 2e5]).unwrap();
         assert!((found.aa - 1.0 / 12.0).abs() < 1e-12 && found.ab == 0.0, "{found:?}");

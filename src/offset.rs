@@ -18,6 +18,7 @@
 
 use crate::noise::{Covariance, Noise};
 use crate::record::Record;
+use crate::tracker::SwitchScatter;
 
 /// What the split calibration found; each uncertainty is 1 sigma.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -28,7 +29,7 @@ pub struct Offset {
     pub u_d_ns: f64,
     /// Output resistance of a calibration pin, ohm; `None` for a given offset.
     pub r_o_ohm: Option<(f64, f64)>,
-    /// Scatter of the instant of a switch, ns; `None` if it was not measured.
+    /// Scatter of the instant of a switch at the most, ns; `None` if it was not measured.
     pub switch_ns: Option<f64>,
 }
 
@@ -120,7 +121,7 @@ impl SplitCalibration {
     /// The result so far; `None` for fewer than four rounds.
     ///
     /// The scatter of switch instants is what remains of the scatter of D, given s, when the noise of its crossings is
-    /// taken away.
+    /// taken away, and as much more as that cannot tell.
     pub fn result(&mut self) -> Option<Offset> {
         if self.rounds.len() < 4 {
             return None;
@@ -133,12 +134,11 @@ impl SplitCalibration {
         let r_o = mean_and_uncertainty(kept.clone().map(|round| round.r_o_ohm))?;
         let slope = (self.r2_ohm + r_o.0) / (self.r1_ohm + r_o.0);
         let known = kept.filter_map(|round| Some((round.big_d_ns - slope * round.s_ns, round.variance?)));
-        let switch_ns = mean_and_uncertainty(known.clone().map(|(misfit, _)| misfit)).map(|(_, u_misfit)| {
-            let count = known.clone().count() as f64;
-            let crossings = known.map(|(_, variance)| variance).sum::<f64>() / count;
-            (u_misfit * u_misfit * count - crossings).max(0.0).sqrt() / slope
-        });
-        Some(Offset { d_ns, u_d_ns, r_o_ohm: Some(r_o), switch_ns })
+        let mut scatter = SwitchScatter::default();
+        if let Some((mean, _)) = mean_and_uncertainty(known.clone().map(|(misfit, _)| misfit)) {
+            known.for_each(|(misfit, variance)| scatter.add(misfit - mean, variance, slope));
+        }
+        Some(Offset { d_ns, u_d_ns, r_o_ohm: Some(r_o), switch_ns: scatter.bound_ns() })
     }
 }
 

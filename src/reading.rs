@@ -26,11 +26,13 @@ pub enum Method {
     Tcdic,
     /// Compact error reduction: eq. (16)-(19).
     Cerm,
+    /// Tracked calibration, one discharge per reading.
+    Tracked,
 }
 
 impl Method {
     /// Every method.
-    pub const ALL: [Method; 4] = [Method::Tpcm, Method::Qerm, Method::Tcdic, Method::Cerm];
+    pub const ALL: [Method; 5] = [Method::Tpcm, Method::Qerm, Method::Tcdic, Method::Cerm, Method::Tracked];
 
     /// The name in configuration, stream and command line.
     pub fn as_str(self) -> &'static str {
@@ -39,6 +41,7 @@ impl Method {
             Method::Qerm => "qerm",
             Method::Tcdic => "tcdic",
             Method::Cerm => "cerm",
+            Method::Tracked => "tracked",
         }
     }
 }
@@ -79,6 +82,8 @@ pub enum Fault {
     LatencyOutlier,
     /// A calibration discharge did not end in time.
     NoCalibration,
+    /// The calibration has changed suddenly; it is being found again.
+    CalibrationStep,
     /// The times do not fit the law of the circuit (order or denominators).
     Implausible,
     /// The GPIO lines could not be used.
@@ -87,7 +92,7 @@ pub enum Fault {
 
 impl Fault {
     /// Every fault.
-    pub const ALL: [Fault; 9] = [
+    pub const ALL: [Fault; 10] = [
         Fault::NoCharge,
         Fault::MissedEdge,
         Fault::LostEvent,
@@ -95,6 +100,7 @@ impl Fault {
         Fault::WideBracket,
         Fault::LatencyOutlier,
         Fault::NoCalibration,
+        Fault::CalibrationStep,
         Fault::Implausible,
         Fault::Pins,
     ];
@@ -109,6 +115,7 @@ impl Fault {
             Fault::WideBracket => "wide-bracket",
             Fault::LatencyOutlier => "latency-outlier",
             Fault::NoCalibration => "no-calibration",
+            Fault::CalibrationStep => "calibration-step",
             Fault::Implausible => "implausible",
             Fault::Pins => "pins",
         }

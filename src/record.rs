@@ -56,7 +56,7 @@ pub struct Record {
     pub a_ns: Option<f64>,
     /// The crossing of node B.
     pub b_ns: Option<f64>,
-    /// 1-sigma type-B uncertainty of a switch instant from the width of the calls' brackets, ns. 0: exact.
+    /// 1-sigma type-B uncertainty of the time from start to switch, from how long a call takes for a line, ns. 0: exact.
     pub u_switch_ns: f64,
     /// When the last wait ended: a node that had not crossed was still above its threshold then.
     pub waited_ns: f64,

@@ -86,18 +86,22 @@ pub fn estimate(text: &str, method: Method, offset: TapeOffset) -> Result<Vec<Es
     let new = |offset| Estimator::new(method, r1, r2, nodes, offset);
     let offset = match (offset, header.offset_ns) {
         (TapeOffset::Given(d_ns), _) | (TapeOffset::OfTape, Some(d_ns)) => Offset::given(d_ns),
-        // It cancels in the equations of these.
-        _ if matches!(method, Method::Tpcm | Method::Tcdic) => Offset::default(),
+        // It cancels in the equations of these, or is part of what is tracked.
+        _ if matches!(method, Method::Tpcm | Method::Tcdic | Method::Tracked) => Offset::default(),
         _ => split_offset(new(Offset::default()), [r1, r2], nodes, &entries)
             .ok_or(ReplayError::Offset(method.as_str()))?,
     };
-    let mut estimator = new(offset);
+    let mut estimator = match method {
+        Method::Tracked => Estimator::tracked(method, r1, r2, nodes),
+        _ => new(offset),
+    };
     let mut estimates = Vec::new();
     for entry in &entries {
         match (entry.record.through.channel(), entry.record.switch) {
             (Some(channel), _) => estimates.push(line(&estimator, &header, channel, entry)),
             // The calibration in force stays when a discharge is of no use.
             (None, None) => drop(estimator.calibrate(&entry.record)),
+            (None, Some(_)) if method == Method::Tracked => drop(estimator.calibrate(&entry.record)),
             (None, Some(_)) => {}
         }
     }
@@ -127,9 +131,10 @@ fn nodes_of(method: Method, kind: Kind) -> Result<usize, ReplayError> {
     let refuse = |kind, hint| Err(ReplayError::Method { method: method.as_str(), kind, hint });
     match (method, kind) {
         (Method::Tpcm, _) | (Method::Qerm, Kind::SeriesCalibration) => Ok(1),
-        (Method::Tcdic | Method::Cerm, Kind::TwoCapacitor) => Ok(2),
-        (_, Kind::TwoCapacitor) => refuse("two-capacitor", "take tpcm, tcdic or cerm"),
-        (_, Kind::OneCapacitor) => refuse("one-capacitor", "take tpcm"),
+        (Method::Tracked, Kind::OneCapacitor) => Ok(1),
+        (Method::Tcdic | Method::Cerm | Method::Tracked, Kind::TwoCapacitor) => Ok(2),
+        (_, Kind::TwoCapacitor) => refuse("two-capacitor", "take tpcm, tcdic, cerm or tracked"),
+        (_, Kind::OneCapacitor) => refuse("one-capacitor", "take tpcm or tracked"),
         (_, Kind::SeriesCalibration) => refuse("series-calibration", "take tpcm or qerm"),
     }
 }

@@ -51,8 +51,12 @@ pub struct Settings {
     pub deadline: Nanos,
     /// From the start of one cycle to the next; `None`: at once.
     pub period: Option<Nanos>,
-    /// The latency offset.
+    /// The latency offset, where the calibration is not tracked.
     pub offset: OffsetSource,
+    /// Period of the clock that stamps crossings.
+    pub resolution: Nanos,
+    /// The calibration is followed over many readings instead of taken anew for each.
+    pub tracked: bool,
     /// T_L of eq. (19); `None`: where the predicted uncertainties cross.
     pub t_l: Option<Nanos>,
     /// The planned switch comes at this fraction of the predicted T_xA.
@@ -107,6 +111,8 @@ impl Settings {
                 config::Offset::Auto => OffsetSource::Auto,
                 config::Offset::Fixed(d) => OffsetSource::Given(d.as_ns()),
             },
+            resolution: config.measure.resolution.unwrap_or(Nanos(1)),
+            tracked: config.is_tracked(),
             t_l: config.measure.t_l,
             switch_fraction: config.switch_fraction(),
             channels: channels.collect::<Result<_, _>>()?,
@@ -130,7 +136,7 @@ impl Settings {
     pub fn sensor(&self, channel: usize) -> Through {
         match self.method {
             Method::Qerm => Through::XWithC12(channel),
-            Method::Tpcm | Method::Tcdic | Method::Cerm => Through::X(channel),
+            Method::Tpcm | Method::Tcdic | Method::Cerm | Method::Tracked => Through::X(channel),
         }
     }
 }

@@ -4,6 +4,7 @@
 
 use crate::offset::Offset;
 use crate::reading::{Fault, Status};
+use crate::tracker::Counts;
 use crate::units::Nanos;
 
 /// Counts since the start.
@@ -27,6 +28,8 @@ pub struct Stats {
     pub offset: Offset,
     /// Whether it is given or found, not still being found.
     pub offset_is_known: bool,
+    /// What a tracked calibration has counted.
+    pub tracking: Option<Counts>,
     /// How long before an instant the backend turns from sleeping to spinning, if it does.
     pub spin_margin: Option<Nanos>,
     /// How many kinds of trouble the backend cannot notice.

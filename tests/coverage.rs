@@ -14,6 +14,8 @@ use std::fmt::Write;
 
 const INSTRUMENTS: u64 = 100;
 const READINGS: usize = 100;
+/// Readings that may be faults: spikes of latency, of which the boards have 1 % or so.
+const MISSING: usize = 200;
 /// Cycles that each instrument has run before the first reading counts: it has just found its offset.
 const BEFORE: usize = 30;
 
@@ -55,7 +57,7 @@ fn check(scene: &str) {
             );
             writeln!(table, "{row}").unwrap();
             let missing = INSTRUMENTS as usize * READINGS - all.count();
-            if !(0.93..=upper).contains(&all.coverage()) || missing > 100 {
+            if !(0.93..=upper).contains(&all.coverage()) || missing > MISSING {
                 writeln!(failures, "{row}, seeds 0..{INSTRUMENTS}, {missing} without a number").unwrap();
             }
         }

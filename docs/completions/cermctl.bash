@@ -128,7 +128,7 @@ _cermctl() {
                     return 0
                     ;;
                 --method)
-                    COMPREPLY=($(compgen -W "tpcm qerm tcdic cerm" -- "${cur}"))
+                    COMPREPLY=($(compgen -W "tpcm qerm tcdic cerm tracked" -- "${cur}"))
                     return 0
                     ;;
                 *)
@@ -146,7 +146,7 @@ _cermctl() {
             fi
             case "${prev}" in
                 --method)
-                    COMPREPLY=($(compgen -W "tpcm qerm tcdic cerm" -- "${cur}"))
+                    COMPREPLY=($(compgen -W "tpcm qerm tcdic cerm tracked" -- "${cur}"))
                     return 0
                     ;;
                 --offset)

@@ -41,7 +41,8 @@ complete -c cermctl -n "__fish_cermctl_using_subcommand demo" -l seed -d 'Of eve
 complete -c cermctl -n "__fish_cermctl_using_subcommand demo" -l method -d 'How to estimate [default: the best that the circuit allows]' -r -f -a "tpcm\t''
 qerm\t''
 tcdic\t''
-cerm\t''"
+cerm\t''
+tracked\t''"
 complete -c cermctl -n "__fish_cermctl_using_subcommand demo" -s h -l help -d 'Print help'
 complete -c cermctl -n "__fish_cermctl_using_subcommand watch" -l max-hz -d 'At most so many readings of each channel per second' -r
 complete -c cermctl -n "__fish_cermctl_using_subcommand watch" -l socket -d 'The socket of the daemon' -r -F
@@ -68,7 +69,8 @@ complete -c cermctl -n "__fish_cermctl_using_subcommand record" -s h -l help -d 
 complete -c cermctl -n "__fish_cermctl_using_subcommand estimate" -l method -d 'How to estimate' -r -f -a "tpcm\t''
 qerm\t''
 tcdic\t''
-cerm\t''"
+cerm\t''
+tracked\t''"
 complete -c cermctl -n "__fish_cermctl_using_subcommand estimate" -l offset -d 'How late the kernel stamps a crossing: a duration such as "8 us", or auto for what the split calibration discharges on the tape tell [default: what the tape says, or else auto]' -r
 complete -c cermctl -n "__fish_cermctl_using_subcommand estimate" -s h -l help -d 'Print help'
 complete -c cermctl -n "__fish_cermctl_using_subcommand help; and not __fish_seen_subcommand_from demo watch get stats check lines record estimate help" -f -a "demo" -d 'Show live readings of a simulated circuit: no hardware, no root, no daemon, no file left behind'

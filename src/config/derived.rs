@@ -3,7 +3,7 @@
 //! For: the values that the instrument runs with. Must not know: whether they were given or derived, afterwards.
 //! Every value here is meaningful only for a configuration without error findings.
 
-use super::{Config, Offset};
+use super::{Calibration, Config, Offset};
 use crate::circuit::Network;
 use crate::pins::Node;
 use crate::reading::Method;
@@ -27,6 +27,11 @@ impl Config {
             (None, Network::SeriesCalibration { .. }) => Some(Method::Qerm),
             (None, Network::OneCapacitor { .. }) => Some(Method::Tpcm),
         }
+    }
+
+    /// Whether the calibration is followed instead of taken anew for each reading.
+    pub fn is_tracked(&self) -> bool {
+        self.method() == Some(Method::Tracked) || self.measure.calibration == Some(Calibration::Tracked)
     }
 
     /// The node whose crossing ends a discharge: B where the method times it.

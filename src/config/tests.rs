@@ -134,7 +134,7 @@ fn the_method_follows_the_circuit() {
     assert_eq!(one("one-capacitor", "").offset(), Offset::Fixed(Nanos::ZERO));
     assert_eq!(one("series-calibration", "").method(), Some(Method::Qerm));
     assert_eq!(one("series-calibration", "").offset(), Offset::Auto);
-    assert_eq!(one("one-capacitor", "[measure]\nmethod = \"tracked\"").method(), None);
+    assert_eq!(one("one-capacitor", "[measure]\nmethod = \"tracked\"").method(), Some(Method::Tracked));
     // TPCM in the circuit with two capacitors times node A only, and so does its deadline.
     let tpcm = parse(&format!("{MINIMAL}[measure]\nmethod = \"tpcm\""));
     assert_eq!(Some(tpcm.discharge(Ohm(1e3))), tpcm.circuit.crossing(crate::pins::Node::A, Ohm(1e3)));
@@ -275,7 +275,7 @@ fn a_report_of_a_refusal() {
        |
     24 | rate = 20
        | ^^^^
-    unknown field `rate`, expected one of `method`, `rate-hz`, `charge-time`, `settle-time`, `deadline`, `offset`, `t-l`, `switch-fraction`
+    unknown field `rate`, expected one of `method`, `rate-hz`, `charge-time`, `settle-time`, `deadline`, `offset`, `resolution`, `calibration`, `t-l`, `switch-fraction`
     "#);
 }
 

@@ -100,6 +100,7 @@ fn plan(switch: Option<(Nanos, Through)>) -> Plan {
         charge: Nanos(1_000_000),
         settle: Nanos(100_000),
         timeout: Nanos(5_000_000),
+        limit: None,
         widest_bracket: Nanos(3000),
         single_call: None,
     }
@@ -214,4 +215,39 @@ fn every_line_is_released_after_an_error_or_a_panic_anywhere() {
             "panic at {step}"
         );
     }
+}
+
+#[test]
+fn a_discharge_that_does_not_end_is_finished_through_another_resistor() {
+    let deadline = START_BEFORE + 5_000_000;
+    let mut pins = Script::new(&[]);
+    pins.levels = Levels { a: true, b: true };
+    let limited = Plan { limit: Some(Through::C1), ..plan(None) };
+    let (mut discharge, mut action) = Discharge::new(limited);
+    let mut waits = 0;
+    while action != Action::Done {
+        action = discharge.handle(match action {
+            Action::Arm => Event::Armed(pins.arm().unwrap()),
+            Action::Drive(on) => Event::Drove(pins.drive(on).unwrap()),
+            Action::Sleep(at) => {
+                pins.sleep_until(at).unwrap();
+                Event::Slept
+            }
+            Action::WaitEdge(until) => {
+                waits += 1;
+                if waits == 2 {
+                    let at = |ns| Nanos(deadline + ns);
+                    pins.edges.push_back(Edge { node: Node::A, at: at(50_000), seqno: 11, line_seqno: 5 });
+                    pins.edges.push_back(Edge { node: Node::B, at: at(60_000), seqno: 12, line_seqno: 0 });
+                }
+                Event::Edge(pins.edge(until).unwrap())
+            }
+            Action::ReadLevels => Event::Levels(pins.levels().unwrap()),
+            Action::Done => unreachable!(),
+        });
+    }
+    let record = discharge.result().unwrap();
+    assert_eq!(record.switch, Some(Switch { at_ns: 5_000_000.0, on_ns: 5_000_500.0, to: Through::C1 }));
+    assert_eq!((record.a_ns, record.b_ns), (Some(5_049_500.0), Some(5_059_500.0)));
+    assert_eq!(pins.on, Drives::NONE);
 }

@@ -155,7 +155,7 @@ fn bad_tapes_say_which_line() {
         assert!(complaint.starts_with(&begin) && complaint.lines().count() == 1, "{wanted}: {complaint}");
     }
     estimate("qerm", &[], TAPE).assert().code(1).stderr(
-        "cermctl: standard input: qerm does not work on a two-capacitor tape; take tpcm, tcdic or cerm\n",
+        "cermctl: standard input: qerm does not work on a two-capacitor tape; take tpcm, tcdic, cerm or tracked\n",
     );
     let mut binary = ctl(&["estimate", "--method", "cerm", "-"]);
     binary.write_stdin(vec![0xff, 0xfe]).assert().code(1);

@@ -51,8 +51,9 @@ impl Bench {
     pub fn with_kind(name: &str, kind: Kind, method: Method, r_ohm: f64, seed: u64, measure: &str) -> Bench {
         let scene = Scene::builtin(name).unwrap().with_kind(kind).unwrap();
         let scene = scene.with_sensors(vec![Sensor::Constant(Ohm(r_ohm))]).unwrap();
+        let resolution = if name == "fpga-paper" { "resolution = \"20 ns\"" } else { "" };
         let config = format!(
-            "[circuit]\n{}\nr-c1 = \"2.32 kohm\"\nr-c2 = \"12.7 kohm\"\n[measure]\nmethod = \"{}\"\n{measure}\n\
+            "[circuit]\n{}\nr-c1 = \"2.32 kohm\"\nr-c2 = \"12.7 kohm\"\n[measure]\nmethod = \"{}\"\n{resolution}\n{measure}\n\
              [[channel]]\nid = \"x\"\n[mock]\nscene = \"{name}\"\n",
             circuit_of(name, kind),
             method.as_str()

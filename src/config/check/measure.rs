@@ -2,7 +2,7 @@
 
 use super::Findings;
 use crate::circuit::Network;
-use crate::config::{Config, Measure, MethodName, Offset};
+use crate::config::{Calibration, Config, Measure, MethodName, Offset};
 use crate::reading::Method;
 use crate::units::{Nanos, Seconds};
 
@@ -16,6 +16,7 @@ const LARGEST_SWITCH_FRACTION: f64 = 1.3;
 pub fn check(config: &Config, findings: &mut Findings) {
     let measure = &config.measure;
     method(measure.method, config.circuit.network, findings);
+    calibration(measure, config.circuit.network, findings);
     if measure.t_l.is_some() && config.method().is_some_and(|method| method != Method::Cerm) {
         findings.warning("measure.t-l", "not used: only \"cerm\" has it", "method = \"cerm\", or without it");
     }
@@ -42,9 +43,26 @@ pub fn check(config: &Config, findings: &mut Findings) {
     }
 }
 
+fn calibration(measure: &Measure, network: Network, findings: &mut Findings) {
+    let series = matches!(network, Network::SeriesCalibration { .. });
+    if series && measure.calibration == Some(Calibration::Tracked) {
+        let reason = "a tracked calibration does not know the circuit with series calibration";
+        findings.error("measure.calibration", reason, "\"each-reading\"");
+    }
+    if measure.method == Some(MethodName::Tracked) && measure.calibration == Some(Calibration::EachReading) {
+        let reason = "not used: method \"tracked\" has a tracked calibration";
+        findings.warning("measure.calibration", reason, "without it, or method = \"cerm\"");
+    }
+    if measure.resolution.is_some_and(|resolution| resolution < Nanos(1) || resolution > Nanos(1_000_000)) {
+        findings.error("measure.resolution", "not between 1 ns and 1 ms", "\"1 ns\"");
+    }
+}
+
 fn method(method: Option<MethodName>, network: Network, findings: &mut Findings) {
     let (remedy, reason) = match (method, network) {
-        (Some(MethodName::Tracked), _) => ("\"cerm\"", "\"tracked\" is not yet available"),
+        (Some(MethodName::Tracked), Network::SeriesCalibration { .. }) => {
+            ("\"qerm\", or another circuit", "\"tracked\" does not know the circuit with series calibration")
+        }
         (Some(MethodName::Cerm | MethodName::Tcdic), Network::OneCapacitor { .. }) => {
             ("\"tpcm\", or another circuit", "this method needs kind = \"two-capacitor\"")
         }

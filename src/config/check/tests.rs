@@ -194,7 +194,12 @@ fn the_simulated_circuit() {
 
 #[test]
 fn methods() {
-    one(&[("\"cerm\"", "\"tracked\"")], "error: measure.method: \"tracked\" is not yet available");
+    assert_eq!(complaints(&config(&[("\"cerm\"", "\"tracked\"")])), Vec::<String>::new());
+    one(
+        &[("\"cerm\"", "\"tracked\"\ncalibration = \"each-reading\"")],
+        "warning: measure.calibration: not used",
+    );
+    one_measure("resolution = \"0 s\"", "error: measure.resolution: not between");
     one(&[("\"cerm\"", "\"qerm\"")], "error: measure.method: \"qerm\" needs kind = \"series-calibration\"");
     one(&SERIES, "error: measure.method: this method needs kind = \"two-capacitor\"");
     let one_capacitor = [SERIES[0].0, "\"one-capacitor\""];

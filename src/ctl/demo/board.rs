@@ -89,6 +89,7 @@ fn config(scene: &Scene, arguments: &cli::Demo, socket: &Path) -> Config {
         Method::Qerm => MethodName::Qerm,
         Method::Tcdic => MethodName::Tcdic,
         Method::Cerm => MethodName::Cerm,
+        Method::Tracked => MethodName::Tracked,
     });
     Config {
         circuit: circuit(scene),

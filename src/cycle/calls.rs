@@ -1,0 +1,68 @@
+//! How long the calls take that switch lines.
+//!
+//! For: telling an interrupted call from a usual one. Must not know: what is switched.
+
+use crate::units::Nanos;
+
+/// Calls whose median is the first value.
+const FIRST: usize = 5;
+
+/// Follows how long a call takes that switches one line, to tell an interrupted one from a usual one, and to place the
+/// moment at which the line moves.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct CallGate {
+    first_ns: [f64; FIRST],
+    seen: usize,
+    /// The median, ns.
+    single_ns: f64,
+}
+
+impl CallGate {
+    /// How long a call for one line usually takes; `None` until a few have been seen.
+    pub fn single(&self) -> Option<Nanos> {
+        (self.seen >= FIRST).then_some(Nanos(self.single_ns as i64))
+    }
+
+    /// A call longer than this was interrupted: the line may have moved anywhere in it. A call for two lines takes less
+    /// than two calls.
+    pub fn widest(&self) -> Nanos {
+        if self.seen < FIRST { Nanos::MAX } else { Nanos((4.0 * self.single_ns + 2000.0) as i64) }
+    }
+
+    /// Takes a call for one line. Once there is a median, it steps towards each value, not by it: a long call moves it no
+    /// more than a short one. The steps are small beside the jitter of crossings.
+    pub fn add(&mut self, call: Nanos) {
+        let call_ns = call.as_ns();
+        if self.seen < FIRST {
+            self.first_ns[self.seen] = call_ns;
+            self.seen += 1;
+            if self.seen == FIRST {
+                self.first_ns.sort_unstable_by(f64::total_cmp);
+                self.single_ns = self.first_ns[FIRST / 2];
+            }
+            return;
+        }
+        let step_ns = (0.01 * self.single_ns).max(1.0);
+        self.single_ns += (call_ns - self.single_ns).clamp(-step_ns, step_ns);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_long_first_call_and_long_calls_now_and_then_change_little() {
+        let mut calls = CallGate::default();
+        assert_eq!((calls.single(), calls.widest()), (None, Nanos::MAX));
+        for index in 0..1000 {
+            calls.add(Nanos(if index % 50 == 0 { 40_000 } else { 1100 + index % 7 * 10 }));
+        }
+        let single = calls.single().unwrap();
+        assert!((1100..1170).contains(&single.0), "{single}");
+        assert!(calls.widest() < Nanos(7000));
+        // Another kernel, another processor clock: it follows.
+        (0..1000).for_each(|_| calls.add(Nanos(2300)));
+        assert!((2290..=2300).contains(&calls.single().unwrap().0));
+    }
+}

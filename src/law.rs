@@ -1,0 +1,132 @@
+//! When a node crosses, as a function of everything that it depends on.
+//!
+//! For: the crossing times of one discharge, with their partial derivatives, for tracking a calibration and for
+//! estimating by least squares. Must not know: voltages, capacitors, noise.
+//!
+//! A discharge through R (and from a switch on through N) advances by t/(R+Ro) in the time t; a node crosses when the
+//! sum reaches its g:
+//!
+//! ```text
+//! T = d + g (R+Ro)                               when it crosses before the switch
+//! T = d + on + (g - at/(R+Ro)) (N+Ro)            after it
+//! ```
+
+use crate::record::Switch;
+
+/// What a calibration has to know: progress g of A and B at the threshold (ns/ohm), Ro (ohm), d (ns).
+pub type State = [f64; 4];
+/// The index of Ro in a [`State`].
+pub const R_O: usize = 2;
+/// The index of d in a [`State`].
+pub const D: usize = 3;
+
+/// The resistors of a discharge.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Course {
+    /// What it starts through, ohm.
+    pub first_ohm: f64,
+    /// When it was switched, and what it goes on through, ohm.
+    pub switch: Option<(Switch, f64)>,
+}
+
+/// A crossing and what it depends on.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Crossing {
+    /// As it would be stamped, d included, ns since the start.
+    pub ns: f64,
+    /// By the state.
+    pub by_state: State,
+    /// By the first resistor, ns/ohm.
+    pub by_first: f64,
+    /// By the instant of the switch (both its ends), without a unit.
+    pub by_switch: f64,
+}
+
+impl Course {
+    /// When `node` (0 for A, 1 for B) crosses.
+    pub fn crossing(&self, state: &State, node: usize) -> Crossing {
+        let (g, r_o, d) = (state[node], state[R_O], state[D]);
+        let first = self.first_ohm + r_o;
+        let mut by_state = [0.0; 4];
+        by_state[D] = 1.0;
+        match self.switch {
+            Some((switch, next_ohm)) if switch.at_ns < g * first => {
+                let next = next_ohm + r_o;
+                let done = switch.at_ns / first;
+                by_state[node] = next;
+                by_state[R_O] = g - done + done * next / first;
+                let by_first = done * next / first;
+                Crossing {
+                    ns: d + switch.on_ns + (g - done) * next,
+                    by_state,
+                    by_first,
+                    by_switch: 1.0 - next / first,
+                }
+            }
+            _ => {
+                by_state[node] = first;
+                by_state[R_O] = g;
+                Crossing { ns: d + g * first, by_state, by_first: g, by_switch: 0.0 }
+            }
+        }
+    }
+
+    /// Both nodes' crossings if each were through the resistor that it crosses in alone: what their noise goes by, ns.
+    pub fn late_ns(&self, state: &State) -> [f64; 2] {
+        [0, 1].map(|node| {
+            let first = state[node] * (self.first_ohm + state[R_O]);
+            match self.switch {
+                Some((switch, next_ohm)) if switch.at_ns < first => state[node] * (next_ohm + state[R_O]),
+                _ => first,
+            }
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::record::Through;
+    use proptest::prelude::*;
+
+    proptest! {
+        #[test]
+        fn progress_at_the_crossing_is_g_and_derivatives_are_slopes(
+            state in (100.0..2000.0f64, 1.05..2.0f64, 10.0..100.0f64, 0.0..20_000.0f64)
+                .prop_map(|(g, factor, r_o, d)| [g, g * factor, r_o, d]),
+            first_ohm in 10.0..1e5f64,
+            next_ohm in 100.0..20_000.0f64,
+            fraction in prop::option::of(0.01..0.95f64),
+            gap in 0.0..1000.0f64,
+            node in 0usize..2,
+        ) {
+            let at_ns = fraction.map(|fraction| fraction * state[node] * (first_ohm + state[R_O]));
+            let switch = at_ns.map(|at_ns| (Switch { at_ns, on_ns: at_ns + gap, to: Through::C2 }, next_ohm));
+            let course = Course { first_ohm, switch };
+            let crossing = course.crossing(&state, node);
+            let t = crossing.ns - state[D];
+            let progress = match switch {
+                None => t / (first_ohm + state[R_O]),
+                Some((s, next)) => s.at_ns / (first_ohm + state[R_O]) + (t - s.on_ns) / (next + state[R_O]),
+            };
+            prop_assert!((progress / state[node] - 1.0).abs() < 1e-9);
+
+            let slope = |of: &dyn Fn(f64) -> f64, scale: f64| (of(1e-6 * scale) - of(-1e-6 * scale)) / (2e-6 * scale);
+            for index in 0..4 {
+                let moved = |by: f64| { let mut s = state; s[index] += by; course.crossing(&s, node).ns };
+                let found = slope(&moved, state[index].max(1.0));
+                // The difference of two long times has their rounding.
+                let rounding = 1e-15 * crossing.ns / (1e-6 * state[index].max(1.0));
+                let close = (found - crossing.by_state[index]).abs() < 1e-5 * (1.0 + found.abs()) + rounding;
+                prop_assert!(close, "{index}: {found} {crossing:?}");
+            }
+            let by_first = slope(&|by| Course { first_ohm: first_ohm + by, switch }.crossing(&state, node).ns, first_ohm);
+            prop_assert!((by_first - crossing.by_first).abs() < 1e-5 * (1.0 + by_first.abs()));
+            let by_switch = slope(&|by| {
+                let switch = switch.map(|(s, next)| (Switch { at_ns: s.at_ns + by, on_ns: s.on_ns + by, ..s }, next));
+                Course { first_ohm, switch }.crossing(&state, node).ns
+            }, 1e6);
+            prop_assert!((by_switch - crossing.by_switch).abs() < 1e-5 * (1.0 + by_switch.abs()));
+        }
+    }
+}

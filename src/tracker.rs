@@ -1,0 +1,438 @@
+//! The calibration followed while measuring: g_A, g_B, Ro and d in a small Kalman filter.
+//!
+//! For: what is known of the state, how well, and which calibration discharge would teach most. Must not know: the
+//! sensor, the order of discharges, or the method.
+//!
+//! The state walks at random (process noise per root second) and is observed by plain and split calibration discharges
+//! through the [law](crate::law). Innovations beyond the gate are rejected and counted; several in a row are a step, and
+//! the covariance is opened again. The noise of crossings is learned from the calibration discharges themselves
+//! ([`Noise`]); how fast g drifts is learned from the innovations: their normalised square is 1 on average when the walk is
+//! as fast as the state.
+
+use crate::law::{Course, D, R_O, State};
+use crate::noise::{Covariance, Judgement, Noise};
+use crate::offset::SplitCalibration;
+use crate::reading::Fault;
+use crate::record::{Record, Through};
+use crate::units::Nanos;
+
+/// Rounds (R_1, R_2, split) from which the first state is found.
+pub const FIRST_ROUNDS: usize = 32;
+/// An innovation beyond so many sigma is rejected.
+const GATE: f64 = 4.0;
+/// So many rejections in a row are a step.
+const STEP: u32 = 3;
+/// How fast Ro walks, ohm per root second: the temperature of a board changes in minutes.
+const WALK_R_O: f64 = 0.02;
+/// How fast d walks, per root second, in parts of its jitter: what makes the latency jitter makes its mean wander.
+const WALK_D: f64 = 0.02;
+/// How slowly and how fast g may walk, relative, per root second.
+const WALK_G: [f64; 2] = [2e-6, 2e-3];
+/// How much one innovation changes the speed of the walk.
+const LEARN: f64 = 0.02;
+
+/// The kinds of calibration discharge.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Kind {
+    /// Through R_1.
+    First,
+    /// Through R_2.
+    Second,
+    /// Through R_1, then through R_2.
+    Split,
+}
+
+impl Kind {
+    /// Every kind.
+    pub const ALL: [Kind; 3] = [Kind::First, Kind::Second, Kind::Split];
+}
+
+/// A symmetric 4 x 4 covariance.
+pub type Matrix = [[f64; 4]; 4];
+
+/// v^T M v.
+pub fn quadratic(matrix: &Matrix, v: &State) -> f64 {
+    bilinear(matrix, v, v)
+}
+
+/// u^T M v.
+pub fn bilinear(matrix: &Matrix, u: &State, v: &State) -> f64 {
+    (0..4).map(|i| u[i] * (0..4).map(|j| matrix[i][j] * v[j]).sum::<f64>()).sum()
+}
+
+/// What has been counted.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct Counts {
+    /// Calibration discharges used.
+    pub used: u64,
+    /// Rejected by the gate.
+    pub rejected: u64,
+    /// Steps of the calibration.
+    pub steps: u64,
+}
+
+/// The filter.
+#[derive(Debug, Clone)]
+pub struct Tracker {
+    r_ohm: [f64; 2],
+    nodes: usize,
+    noise: Noise,
+    state: State,
+    covariance: Matrix,
+    at: Nanos,
+    walk_g: f64,
+    rejected_in_row: u32,
+    counts: Counts,
+    scatter: SwitchScatter,
+    split: SplitCalibration,
+    rounds: Vec<[Record; 3]>,
+    round: [Option<Record>; 3],
+    ready: bool,
+}
+
+impl Tracker {
+    /// Knows nothing yet. `r_ohm`: R_1 < R_2; one or two `nodes`; `resolution_ns`: period of the clock that stamps.
+    pub fn new(r_ohm: [f64; 2], nodes: usize, resolution_ns: f64) -> Tracker {
+        Tracker {
+            r_ohm,
+            nodes,
+            noise: Noise::new(resolution_ns),
+            state: [0.0; 4],
+            covariance: [[0.0; 4]; 4],
+            at: Nanos::ZERO,
+            walk_g: 1e-4,
+            rejected_in_row: 0,
+            counts: Counts::default(),
+            scatter: SwitchScatter::default(),
+            split: SplitCalibration::new(r_ohm[0], r_ohm[1], nodes, FIRST_ROUNDS),
+            rounds: Vec::with_capacity(FIRST_ROUNDS),
+            round: [None; 3],
+            ready: false,
+        }
+    }
+
+    /// How many nodes there are.
+    pub fn nodes(&self) -> usize {
+        self.nodes
+    }
+
+    /// Whether there is a state.
+    pub fn is_ready(&self) -> bool {
+        self.ready
+    }
+
+    /// g_A, g_B, Ro, d.
+    pub fn state(&self) -> &State {
+        &self.state
+    }
+
+    /// How well it is known.
+    pub fn covariance(&self) -> &Matrix {
+        &self.covariance
+    }
+
+    /// The noise of crossings.
+    pub fn noise(&self) -> &Noise {
+        &self.noise
+    }
+
+    /// Calibration discharges used and rejected.
+    pub fn counts(&self) -> Counts {
+        self.counts
+    }
+
+    /// An upper bound of the scatter of a switch's instant, ns; `None` until there is one.
+    pub fn switch_ns(&self) -> Option<f64> {
+        self.scatter.bound_ns()
+    }
+
+    /// Takes a calibration discharge.
+    ///
+    /// # Errors
+    /// [`Fault::NoCalibration`] if a crossing is missing, [`Fault::LatencyOutlier`] if it is rejected,
+    /// [`Fault::CalibrationStep`] if it is the one after which the filter opens again.
+    pub fn add(&mut self, record: &Record) -> Result<(), Fault> {
+        let kind = kind_of(record).ok_or(Fault::NoCalibration)?;
+        let times = self.times(record).ok_or(Fault::NoCalibration)?;
+        if self.ready {
+            return self.update(kind, record, times);
+        }
+        let judgement = self.learn_noise(kind, times, [0.0; 2]);
+        if judgement == Judgement::Outlier {
+            return Err(Fault::LatencyOutlier);
+        }
+        self.round[kind as usize] = Some(*record);
+        if let [Some(first), Some(second), Some(split)] = self.round {
+            self.round = [None; 3];
+            self.rounds.push([first, second, split]);
+        }
+        if self.rounds.len() >= FIRST_ROUNDS && self.noise.is_known() {
+            self.begin();
+        }
+        Ok(())
+    }
+
+    fn times(&self, record: &Record) -> Option<[f64; 2]> {
+        Some([record.a_ns?, if self.nodes == 2 { record.b_ns? } else { 0.0 }])
+    }
+
+    fn learn_noise(&mut self, kind: Kind, times: [f64; 2], expected: [f64; 2]) -> Judgement {
+        match kind {
+            Kind::First => self.noise.add_c1(times, expected),
+            Kind::Second => self.noise.add_c2(times, expected),
+            Kind::Split => Judgement::Regular,
+        }
+    }
+
+    /// The first state by closed form from the mean of the first rounds; its covariance by letting the filter see them
+    /// all, starting from almost no knowledge.
+    fn begin(&mut self) {
+        let [r1, r2] = self.r_ohm;
+        let rounds = std::mem::take(&mut self.rounds);
+        let mut slope = [0.0; 2];
+        for [first, second, split] in &rounds {
+            let (Some(c1), Some(c2)) = (self.times(first), self.times(second)) else { continue };
+            self.split.add(c1, c2, split, &self.noise);
+            for node in 0..2 {
+                slope[node] += (c2[node] - c1[node]) / (r2 - r1) / rounds.len() as f64;
+            }
+        }
+        let offset = self.split.result();
+        if let Some((offset, (r_o_ohm, _))) = offset.and_then(|offset| Some((offset, offset.r_o_ohm?))) {
+            self.state = [slope[0], slope[1], r_o_ohm, offset.d_ns];
+            self.open();
+            self.at = rounds[0][0].start;
+            for record in rounds.iter().flatten() {
+                self.advance(record.start);
+                // One that the gate rejects is one less.
+                let _ = self.times(record).map(|times| self.correct(record, times));
+            }
+            self.noise.expect_what_comes();
+            self.ready = true;
+        }
+        self.rounds = rounds;
+        self.rounds.clear();
+    }
+
+    /// As little knowledge as physics leaves: g to 5 %, Ro to 50 ohm, d to 50 us.
+    fn open(&mut self) {
+        self.covariance = [[0.0; 4]; 4];
+        let sigma = [0.05 * self.state[0], 0.05 * self.state[1], 50.0, 50_000.0];
+        for (index, sigma) in sigma.into_iter().enumerate() {
+            self.covariance[index][index] = sigma * sigma;
+        }
+    }
+
+    fn update(&mut self, kind: Kind, record: &Record, times: [f64; 2]) -> Result<(), Fault> {
+        self.advance(record.start);
+        let course = self.course(record).ok_or(Fault::NoCalibration)?;
+        let expected = [0, 1].map(|node| course.crossing(&self.state, node).ns);
+        if let Some(normalised) = self.correct(record, times) {
+            self.learn_noise(kind, times, expected);
+            let faster = (LEARN * (normalised / self.nodes as f64 - 1.0)).clamp(-LEARN, 4.0 * LEARN);
+            self.walk_g = (self.walk_g * faster.exp()).clamp(WALK_G[0], WALK_G[1]);
+            self.rejected_in_row = 0;
+            self.counts.used += 1;
+            return Ok(());
+        }
+        self.counts.rejected += 1;
+        self.rejected_in_row += 1;
+        if self.rejected_in_row < STEP {
+            return Err(Fault::LatencyOutlier);
+        }
+        self.rejected_in_row = 0;
+        self.counts.steps += 1;
+        self.open();
+        self.correct(record, times);
+        Err(Fault::CalibrationStep)
+    }
+
+    /// The walk since the last discharge.
+    pub fn advance(&mut self, now: Nanos) {
+        let seconds = (now - self.at).as_seconds().clamp(0.0, 3600.0);
+        self.at = now;
+        // A crossing without delay has no other noise than latency.
+        let jitter_ns = self.noise.covariance([0.0; 2]).map_or(0.0, |noise| noise.aa.sqrt());
+        let walk = [self.walk_g * self.state[0], self.walk_g * self.state[1], WALK_R_O, WALK_D * jitter_ns];
+        for (index, walk) in walk.into_iter().enumerate() {
+            self.covariance[index][index] += walk * walk * seconds;
+        }
+    }
+
+    /// The resistors of a calibration discharge.
+    fn course(&self, record: &Record) -> Option<Course> {
+        let ohm = |through| match through {
+            Through::C1 => Some(self.r_ohm[0]),
+            Through::C2 | Through::C12 => Some(self.r_ohm[1]),
+            Through::X(_) | Through::XWithC12(_) => None,
+        };
+        let switch = match record.switch {
+            Some(switch) => Some((switch, ohm(switch.to)?)),
+            None => None,
+        };
+        Some(Course { first_ohm: ohm(record.through)?, switch })
+    }
+
+    /// The covariance of what is observed of a discharge, its noise and its switch. B of a circuit without it is so
+    /// uncertain that it tells nothing.
+    pub fn observation(&self, course: &Course, u_switch_ns: f64) -> Option<Covariance> {
+        let mut noise = self.noise.covariance(course.late_ns(&self.state))?;
+        let u_switch = self.scatter.bound_ns().map_or(u_switch_ns, |bound| bound.min(u_switch_ns));
+        let by = [0, 1].map(|node| course.crossing(&self.state, node).by_switch * u_switch);
+        noise.aa += by[0] * by[0];
+        noise.bb += by[1] * by[1];
+        noise.ab += by[0] * by[1];
+        if self.nodes == 1 {
+            noise = Covariance { aa: noise.aa, bb: 1e30, ab: 0.0 };
+        }
+        Some(noise)
+    }
+
+    /// Kalman's correction by both crossings; the innovation's normalised square, or `None` if it is beyond the gate.
+    fn correct(&mut self, record: &Record, times: [f64; 2]) -> Option<f64> {
+        let course = self.course(record)?;
+        let rows = [0, 1].map(|node| course.crossing(&self.state, node));
+        let innovation = [0, 1].map(|node| if node < self.nodes { times[node] - rows[node].ns } else { 0.0 });
+        let states = rows.map(|row| row.by_state);
+        let gain = Gain::new(&self.covariance, &states, &self.observation(&course, record.u_switch_ns)?)?;
+        let normalised = gain.normalised(innovation);
+        if normalised > GATE * GATE * self.nodes as f64 {
+            return None;
+        }
+        if rows[0].by_switch != 0.0 {
+            // As it would scatter if the switch did not.
+            let steady = quadratic(&self.covariance, &states[0]) + self.observation(&course, 0.0)?.aa;
+            self.scatter.add(innovation[0], steady, rows[0].by_switch);
+        }
+        for index in 0..4 {
+            self.state[index] += gain.of[index][0] * innovation[0] + gain.of[index][1] * innovation[1];
+        }
+        self.covariance = gain.posterior(&self.covariance);
+        Some(normalised)
+    }
+
+    /// By how much a calibration discharge of this kind would lower v^T P v.
+    pub fn benefit(&self, kind: Kind, v: &State) -> Option<f64> {
+        let course = self.planned(kind);
+        let rows = [0, 1].map(|node| course.crossing(&self.state, node).by_state);
+        let gain = Gain::new(&self.covariance, &rows, &self.observation(&course, 0.0)?)?;
+        Some(quadratic(&self.covariance, v) - quadratic(&gain.posterior(&self.covariance), v))
+    }
+
+    /// What a calibration discharge of this kind runs through.
+    pub fn planned(&self, kind: Kind) -> Course {
+        let [r1, r2] = self.r_ohm;
+        let at_ns = SplitCalibration::FRACTION * self.state[0] * (r1 + self.state[R_O]);
+        match kind {
+            Kind::First => Course { first_ohm: r1, switch: None },
+            Kind::Second => Course { first_ohm: r2, switch: None },
+            Kind::Split => {
+                let switch = crate::record::Switch { at_ns, on_ns: at_ns, to: Through::C2 };
+                Course { first_ohm: r1, switch: Some((switch, r2)) }
+            }
+        }
+    }
+
+    /// The crossings of the calibration discharges as they would be now, and their derivatives by the state.
+    pub fn calibration(&self) -> [[crate::law::Crossing; 2]; 2] {
+        self.r_ohm.map(|first_ohm| {
+            let course = Course { first_ohm, switch: None };
+            [0, 1].map(|node| course.crossing(&self.state, node))
+        })
+    }
+
+    /// How fast g walks now, relative, per root second.
+    pub fn walk_g(&self) -> f64 {
+        self.walk_g
+    }
+
+    /// d and its uncertainty, ns.
+    pub fn d_ns(&self) -> (f64, f64) {
+        (self.state[D], self.covariance[D][D].sqrt())
+    }
+
+    /// Ro and its uncertainty, ohm.
+    pub fn r_o_ohm(&self) -> (f64, f64) {
+        (self.state[R_O], self.covariance[R_O][R_O].sqrt())
+    }
+}
+
+/// How much the instants of switches scatter: what the crossings of split discharges scatter beyond their own noise.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct SwitchScatter {
+    count: f64,
+    excess: f64,
+    steady: f64,
+}
+
+impl SwitchScatter {
+    /// Takes the deviation of a crossing from what was expected, ns, the variance it would have without a scatter of the
+    /// switch, ns², and by how much the switch moves it.
+    pub fn add(&mut self, away_ns: f64, steady: f64, by_switch: f64) {
+        self.count = (self.count + 1.0).min(4096.0);
+        self.excess += ((away_ns * away_ns - steady) / (by_switch * by_switch) - self.excess) / self.count;
+        self.steady += (steady / (by_switch * by_switch) - self.steady) / self.count;
+    }
+
+    /// What the scatter is at the most (1 sigma more than found); `None` before there have been a few.
+    pub fn bound_ns(&self) -> Option<f64> {
+        let doubt = self.steady * (2.0 / self.count).sqrt();
+        (self.count >= 8.0).then(|| (self.excess.max(0.0) + doubt).sqrt())
+    }
+}
+
+fn kind_of(record: &Record) -> Option<Kind> {
+    match (record.through, record.switch) {
+        (Through::C1, None) => Some(Kind::First),
+        (Through::C2 | Through::C12, None) => Some(Kind::Second),
+        (Through::C1, Some(switch)) if matches!(switch.to, Through::C2 | Through::C12) => Some(Kind::Split),
+        _ => None,
+    }
+}
+
+/// Kalman's gain for two observations.
+struct Gain {
+    of: [[f64; 2]; 4],
+    /// Rows of the observation times the covariance.
+    hp: [State; 2],
+    /// Inverse of the innovation's covariance.
+    inverse: [[f64; 2]; 2],
+}
+
+impl Gain {
+    fn new(p: &Matrix, rows: &[State; 2], noise: &Covariance) -> Option<Gain> {
+        let hp = [0, 1].map(|row: usize| {
+            let mut product = [0.0; 4];
+            for (j, slot) in product.iter_mut().enumerate() {
+                *slot = (0..4).map(|i| rows[row][i] * p[i][j]).sum();
+            }
+            product
+        });
+        let dot = |a: &State, b: &State| (0..4).map(|i| a[i] * b[i]).sum::<f64>();
+        let (aa, bb) = (dot(&hp[0], &rows[0]) + noise.aa, dot(&hp[1], &rows[1]) + noise.bb);
+        let ab = dot(&hp[0], &rows[1]) + noise.ab;
+        let determinant = aa * bb - ab * ab;
+        if !(determinant > 0.0 && determinant.is_finite()) {
+            return None;
+        }
+        let inverse = [[bb / determinant, -ab / determinant], [-ab / determinant, aa / determinant]];
+        let mut of = [[0.0; 2]; 4];
+        for (i, row) in of.iter_mut().enumerate() {
+            for (j, slot) in row.iter_mut().enumerate() {
+                *slot = hp[0][i] * inverse[0][j] + hp[1][i] * inverse[1][j];
+            }
+        }
+        Some(Gain { of, hp, inverse })
+    }
+
+    fn normalised(&self, v: [f64; 2]) -> f64 {
+        let m = &self.inverse;
+        v[0] * (m[0][0] * v[0] + m[0][1] * v[1]) + v[1] * (m[1][0] * v[0] + m[1][1] * v[1])
+    }
+
+    fn posterior(&self, p: &Matrix) -> Matrix {
+        let taken = |i: usize, j: usize| self.of[i][0] * self.hp[0][j] + self.of[i][1] * self.hp[1][j];
+        // Rounding must not make it asymmetric.
+        std::array::from_fn(|i| std::array::from_fn(|j| p[i][j] - (taken(i, j) + taken(j, i)) / 2.0))
+    }
+}
