@@ -80,6 +80,7 @@ pub fn stamps<P: Pins>(pins: &mut P, config: &Config) -> Result<Histogram, PinsE
         charge: config.charge_time(),
         settle: config.settle_time(),
         timeout: config.deadline(),
+        limit: None,
         widest_bracket: Nanos::MAX,
         single_call: None,
     };

@@ -154,6 +154,7 @@ impl<P: Pins> Bench<'_, P> {
             charge: self.config.charge_time(),
             settle: self.config.settle_time(),
             timeout,
+            limit: None,
             widest_bracket: Nanos::MAX,
             single_call: None,
         };
