@@ -156,6 +156,7 @@ impl<P: Pins> Bench<'_, P> {
             timeout,
             widest_bracket: Nanos::MAX,
             single_call: None,
+            limit: None,
         };
         Ok(discharge::run(self.pins, plan)?.result)
     }
