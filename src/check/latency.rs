@@ -83,7 +83,6 @@ pub fn stamps<P: Pins>(pins: &mut P, config: &Config) -> Result<Histogram, PinsE
         limit: None,
         widest_bracket: Nanos::MAX,
         single_call: None,
-        limit: None,
     };
     let mut times_us = Vec::with_capacity(DISCHARGES);
     for _ in 0..DISCHARGES {

@@ -157,7 +157,6 @@ impl<P: Pins> Bench<'_, P> {
             limit: None,
             widest_bracket: Nanos::MAX,
             single_call: None,
-            limit: None,
         };
         Ok(discharge::run(self.pins, plan)?.result)
     }
