@@ -8,6 +8,9 @@ use crate::config::{self, Backend, Config, Finding, Report, Severity};
 use crate::settings::{Settings, SettingsError};
 use std::path::Path;
 
+pub mod latency;
+pub mod wiring;
+
 /// Checks a configuration file and, if it can be used, what it names.
 pub fn check(path: &Path) -> Report {
     let mut report = config::report(path);
@@ -23,7 +26,7 @@ pub fn check(path: &Path) -> Report {
 fn files(config: &Config) -> Option<Finding> {
     match Settings::new(config).err()? {
         SettingsError::Table { id, source } => Some(error(format!("channel.{id}.force"), source.to_string())),
-        other => Some(error("measure.method".to_owned(), other.to_string())),
+        other => Some(error("measure.method", other.to_string())),
     }
 }
 
@@ -31,18 +34,36 @@ fn files(config: &Config) -> Option<Finding> {
 fn behind(config: &Config) -> Option<Finding> {
     match config.gpio.backend {
         Backend::Mock => match backend::scene(config).err()? {
-            OpenError::Scene(scene) => Some(error("mock.scene".to_owned(), scene.to_string())),
-            other => Some(error("mock".to_owned(), other.to_string())),
+            OpenError::Scene(scene) => Some(error("mock.scene", scene.to_string())),
+            other => Some(error("mock", other.to_string())),
         },
-        Backend::Chardev | Backend::ChardevV1 => Some(Finding {
-            severity: Severity::Info,
-            key: "gpio".to_owned(),
-            reason: "the chip and its lines were not looked at; starting cermd tells".to_owned(),
-            remedy: None,
-        }),
+        // The lines themselves are tested where they may be touched.
+        Backend::Chardev | Backend::ChardevV1 => None,
     }
 }
 
-fn error(key: String, reason: String) -> Finding {
-    Finding { severity: Severity::Error, key, reason, remedy: None }
+fn finding(severity: Severity, key: impl Into<String>, reason: impl Into<String>) -> Finding {
+    Finding { severity, key: key.into(), reason: reason.into(), remedy: None }
+}
+
+/// What keeps the instrument from working.
+pub(crate) fn error(key: impl Into<String>, reason: impl Into<String>) -> Finding {
+    finding(Severity::Error, key, reason)
+}
+
+/// What makes it worse than it could be.
+pub(crate) fn warning(key: impl Into<String>, reason: impl Into<String>) -> Finding {
+    finding(Severity::Warning, key, reason)
+}
+
+/// What is worth knowing.
+pub(crate) fn info(key: impl Into<String>, reason: impl Into<String>) -> Finding {
+    finding(Severity::Info, key, reason)
+}
+
+impl Finding {
+    /// The same with something to try.
+    pub(crate) fn try_this(self, remedy: impl Into<String>) -> Finding {
+        Finding { remedy: Some(remedy.into()), ..self }
+    }
 }

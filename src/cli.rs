@@ -49,8 +49,10 @@ pub enum Verb {
     Get(Get),
     /// Print what the daemon has counted and learned
     Stats(Stats),
-    /// Say what is wrong with a configuration, and what to expect of it
+    /// Say what is wrong with a configuration and, unless cermd holds it, with the circuit: every line is tested
     Check(Check),
+    /// List the GPIO chips and lines of this machine, and who holds which
+    Lines(Lines),
     /// Write readings, or the timings of discharges, to a file
     Record(Record),
     /// Estimate again from the timings on a tape
@@ -131,6 +133,14 @@ pub struct Check {
     /// The configuration file
     #[arg(long, value_name = "FILE")]
     pub config: PathBuf,
+}
+
+/// `cermctl lines`.
+#[derive(Debug, Args)]
+pub struct Lines {
+    /// One object for each chip
+    #[arg(long)]
+    pub json: bool,
 }
 
 /// `cermctl record`.

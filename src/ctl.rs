@@ -7,7 +7,9 @@ pub mod demo;
 mod error;
 mod estimate;
 mod get;
+mod hardware;
 mod interrupt;
+mod lines;
 mod panel;
 mod record;
 mod stats;
@@ -20,6 +22,7 @@ pub use error::CtlError;
 
 use crate::check;
 use crate::cli::{self, Verb};
+use crate::config::Config;
 use std::io::Write;
 
 /// Does what was asked for.
@@ -33,14 +36,21 @@ pub fn run(verb: Verb) -> Result<(), CtlError> {
         Verb::Get(arguments) => get::run(&arguments),
         Verb::Stats(arguments) => stats::run(&arguments),
         Verb::Check(arguments) => check(&arguments),
+        Verb::Lines(arguments) => lines::run(&arguments),
         Verb::Record(arguments) => record::run(&arguments),
         Verb::Estimate(arguments) => estimate::run(&arguments),
     }
 }
 
 fn check(arguments: &cli::Check) -> Result<(), CtlError> {
-    let report = check::check(&arguments.config);
-    print(&report.to_string())?;
+    let mut report = check::check(&arguments.config);
+    let mut latencies = String::new();
+    if report.is_usable() {
+        if let (Ok(findings), Ok(config)) = (&mut report.outcome, Config::load(&arguments.config)) {
+            latencies = hardware::check(&config, findings);
+        }
+    }
+    print(&(report.to_string() + &latencies))?;
     if report.is_usable() { Ok(()) } else { Err(CtlError::Unusable) }
 }
 

@@ -16,6 +16,12 @@ use crate::reading::Fault;
 use crate::record::{Record, Through};
 use crate::units::Nanos;
 
+mod gain;
+mod scatter;
+
+use gain::Gain;
+pub use scatter::SwitchScatter;
+
 /// Rounds (R_1, R_2, split) from which the first state is found.
 pub const FIRST_ROUNDS: usize = 32;
 /// An innovation beyond so many sigma is rejected.
@@ -357,30 +363,6 @@ impl Tracker {
     }
 }
 
-/// How much the instants of switches scatter: what the crossings of split discharges scatter beyond their own noise.
-#[derive(Debug, Clone, Copy, Default)]
-pub struct SwitchScatter {
-    count: f64,
-    excess: f64,
-    steady: f64,
-}
-
-impl SwitchScatter {
-    /// Takes the deviation of a crossing from what was expected, ns, the variance it would have without a scatter of the
-    /// switch, ns², and by how much the switch moves it.
-    pub fn add(&mut self, away_ns: f64, steady: f64, by_switch: f64) {
-        self.count = (self.count + 1.0).min(4096.0);
-        self.excess += ((away_ns * away_ns - steady) / (by_switch * by_switch) - self.excess) / self.count;
-        self.steady += (steady / (by_switch * by_switch) - self.steady) / self.count;
-    }
-
-    /// What the scatter is at the most (1 sigma more than found); `None` before there have been a few.
-    pub fn bound_ns(&self) -> Option<f64> {
-        let doubt = self.steady * (2.0 / self.count).sqrt();
-        (self.count >= 8.0).then(|| (self.excess.max(0.0) + doubt).sqrt())
-    }
-}
-
 fn kind_of(record: &Record) -> Option<Kind> {
     match (record.through, record.switch) {
         (Through::C1, None) => Some(Kind::First),
@@ -390,49 +372,5 @@ fn kind_of(record: &Record) -> Option<Kind> {
     }
 }
 
-/// Kalman's gain for two observations.
-struct Gain {
-    of: [[f64; 2]; 4],
-    /// Rows of the observation times the covariance.
-    hp: [State; 2],
-    /// Inverse of the innovation's covariance.
-    inverse: [[f64; 2]; 2],
-}
-
-impl Gain {
-    fn new(p: &Matrix, rows: &[State; 2], noise: &Covariance) -> Option<Gain> {
-        let hp = [0, 1].map(|row: usize| {
-            let mut product = [0.0; 4];
-            for (j, slot) in product.iter_mut().enumerate() {
-                *slot = (0..4).map(|i| rows[row][i] * p[i][j]).sum();
-            }
-            product
-        });
-        let dot = |a: &State, b: &State| (0..4).map(|i| a[i] * b[i]).sum::<f64>();
-        let (aa, bb) = (dot(&hp[0], &rows[0]) + noise.aa, dot(&hp[1], &rows[1]) + noise.bb);
-        let ab = dot(&hp[0], &rows[1]) + noise.ab;
-        let determinant = aa * bb - ab * ab;
-        if !(determinant > 0.0 && determinant.is_finite()) {
-            return None;
-        }
-        let inverse = [[bb / determinant, -ab / determinant], [-ab / determinant, aa / determinant]];
-        let mut of = [[0.0; 2]; 4];
-        for (i, row) in of.iter_mut().enumerate() {
-            for (j, slot) in row.iter_mut().enumerate() {
-                *slot = hp[0][i] * inverse[0][j] + hp[1][i] * inverse[1][j];
-            }
-        }
-        Some(Gain { of, hp, inverse })
-    }
-
-    fn normalised(&self, v: [f64; 2]) -> f64 {
-        let m = &self.inverse;
-        v[0] * (m[0][0] * v[0] + m[0][1] * v[1]) + v[1] * (m[1][0] * v[0] + m[1][1] * v[1])
-    }
-
-    fn posterior(&self, p: &Matrix) -> Matrix {
-        let taken = |i: usize, j: usize| self.of[i][0] * self.hp[0][j] + self.of[i][1] * self.hp[1][j];
-        // Rounding must not make it asymmetric.
-        std::array::from_fn(|i| std::array::from_fn(|j| p[i][j] - (taken(i, j) + taken(j, i)) / 2.0))
-    }
-}
+#[cfg(test)]
+mod tests;

@@ -31,6 +31,9 @@ _cermctl() {
             cermctl,help)
                 cmd="cermctl__subcmd__help"
                 ;;
+            cermctl,lines)
+                cmd="cermctl__subcmd__lines"
+                ;;
             cermctl,record)
                 cmd="cermctl__subcmd__record"
                 ;;
@@ -55,6 +58,9 @@ _cermctl() {
             cermctl__subcmd__help,help)
                 cmd="cermctl__subcmd__help__subcmd__help"
                 ;;
+            cermctl__subcmd__help,lines)
+                cmd="cermctl__subcmd__help__subcmd__lines"
+                ;;
             cermctl__subcmd__help,record)
                 cmd="cermctl__subcmd__help__subcmd__record"
                 ;;
@@ -71,7 +77,7 @@ _cermctl() {
 
     case "${cmd}" in
         cermctl)
-            opts="-h -V --help --version demo watch get stats check record estimate help"
+            opts="-h -V --help --version demo watch get stats check lines record estimate help"
             if [[ ${cur} == -* || ${COMP_CWORD} -eq 1 ]] ; then
                 COMPREPLY=( $(compgen -W "${opts}" -- "${cur}") )
                 return 0
@@ -173,7 +179,7 @@ _cermctl() {
             return 0
             ;;
         cermctl__subcmd__help)
-            opts="demo watch get stats check record estimate help"
+            opts="demo watch get stats check lines record estimate help"
             if [[ ${cur} == -* || ${COMP_CWORD} -eq 2 ]] ; then
                 COMPREPLY=( $(compgen -W "${opts}" -- "${cur}") )
                 return 0
@@ -256,6 +262,20 @@ _cermctl() {
             COMPREPLY=( $(compgen -W "${opts}" -- "${cur}") )
             return 0
             ;;
+        cermctl__subcmd__help__subcmd__lines)
+            opts=""
+            if [[ ${cur} == -* || ${COMP_CWORD} -eq 3 ]] ; then
+                COMPREPLY=( $(compgen -W "${opts}" -- "${cur}") )
+                return 0
+            fi
+            case "${prev}" in
+                *)
+                    COMPREPLY=()
+                    ;;
+            esac
+            COMPREPLY=( $(compgen -W "${opts}" -- "${cur}") )
+            return 0
+            ;;
         cermctl__subcmd__help__subcmd__record)
             opts=""
             if [[ ${cur} == -* || ${COMP_CWORD} -eq 3 ]] ; then
@@ -287,6 +307,20 @@ _cermctl() {
         cermctl__subcmd__help__subcmd__watch)
             opts=""
             if [[ ${cur} == -* || ${COMP_CWORD} -eq 3 ]] ; then
+                COMPREPLY=( $(compgen -W "${opts}" -- "${cur}") )
+                return 0
+            fi
+            case "${prev}" in
+                *)
+                    COMPREPLY=()
+                    ;;
+            esac
+            COMPREPLY=( $(compgen -W "${opts}" -- "${cur}") )
+            return 0
+            ;;
+        cermctl__subcmd__lines)
+            opts="-h --json --help"
+            if [[ ${cur} == -* || ${COMP_CWORD} -eq 2 ]] ; then
                 COMPREPLY=( $(compgen -W "${opts}" -- "${cur}") )
                 return 0
             fi

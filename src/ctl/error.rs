@@ -26,6 +26,9 @@ pub enum CtlError {
         /// What there is.
         known: Vec<String>,
     },
+    /// No chip that can be listed; why not has been printed.
+    #[error("no GPIO chip to list; without hardware try `cermctl demo`")]
+    NoChip,
     /// Nothing was measured in time.
     #[error("no reading of {0} yet: `cermctl stats` tells whether the instrument measures")]
     NoReading(String),

@@ -10,6 +10,7 @@ use crate::cli;
 use crate::client::ClientError;
 use crate::wire::{Request, ServerMessage};
 use serde_json::{Map, Value};
+use std::path::Path;
 use std::time::{Duration, Instant};
 
 /// The daemon answers well within this.
@@ -17,17 +18,21 @@ const PATIENCE: Duration = Duration::from_secs(2);
 
 /// Prints.
 pub fn run(arguments: &cli::Stats) -> Result<(), CtlError> {
-    let mut stream = Stream::connect(&arguments.connection.socket, &[])?;
+    let (line, stats) = ask(&arguments.connection.socket)?;
+    if arguments.json {
+        return print(&(String::from_utf8_lossy(&line) + "\n"));
+    }
+    print(&table(&stats, Terminal::new().unicode()))
+}
+
+/// The line of STATS as it came, and its fields.
+pub fn ask(socket: &Path) -> Result<(Vec<u8>, Map<String, Value>), CtlError> {
+    let mut stream = Stream::connect(socket, &[])?;
     stream.request(&Request::Stats)?;
     let since = Instant::now();
     loop {
         match stream.next()? {
-            Next::Line(line, ServerMessage::Stats(_)) if arguments.json => {
-                return print(&(String::from_utf8_lossy(&line) + "\n"));
-            }
-            Next::Line(_, ServerMessage::Stats(stats)) => {
-                return print(&table(&stats, Terminal::new().unicode()));
-            }
+            Next::Line(line, ServerMessage::Stats(stats)) => return Ok((line, stats)),
             Next::Line(_, ServerMessage::Error { message, .. }) => return Err(CtlError::Refused(message)),
             Next::Line(..) | Next::Quiet => {}
             Next::Ended => return Err(ClientError::Closed.into()),
@@ -76,7 +81,12 @@ fn row(stats: &Map<String, Value>, key: &str, value: &Value, unicode: bool) -> O
     let text = match value {
         Value::Object(counts) => {
             let counts = counts.iter().filter(|(_, count)| count.as_u64() != Some(0));
-            let named: Vec<String> = counts.map(|(name, count)| format!("{count} {name}")).collect();
+            let named: Vec<String> = counts
+                .map(|(name, count)| match count {
+                    Value::String(text) => format!("{name} {text}"),
+                    count => format!("{count} {name}"),
+                })
+                .collect();
             if named.is_empty() { "none".to_owned() } else { named.join(", ") }
         }
         Value::Bool(flag) => (if *flag { "yes" } else { "no" }).to_owned(),

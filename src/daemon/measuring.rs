@@ -154,6 +154,8 @@ impl Worker {
             if let Err(error) = result {
                 cycles_before = instrument.stats().cycles;
                 self.complain(error.to_string(), Report::Failed(error));
+                // The faults are counted, and it may be long until the next word.
+                self.send(Report::Stats(instrument.stats()));
                 self.reopen(&mut instrument);
             }
             let stats = instrument.stats();

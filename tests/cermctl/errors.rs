@@ -96,7 +96,7 @@ fn an_instrument_that_has_not_measured_yet() {
 #[test]
 fn usage_is_explained_by_the_parser() {
     for arguments in [
-        ["lines"].as_slice(),
+        ["lines", "gpiochip0"].as_slice(),
         &[],
         &["record", "--raw", "--format", "csv"],
         &["record", "--count", "0"],

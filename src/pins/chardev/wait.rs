@@ -4,7 +4,7 @@ use crate::units::Nanos;
 use nix::errno::Errno;
 use nix::poll::{PollFd, PollFlags, ppoll};
 use nix::sys::time::{TimeSpec, TimeValLike};
-use nix::time::{ClockId, ClockNanosleepFlags, clock_gettime, clock_nanosleep};
+use nix::time::{ClockId, ClockNanosleepFlags, clock_getres, clock_gettime, clock_nanosleep};
 
 /// Reads `CLOCK_MONOTONIC`; through the vDSO, without entering the kernel.
 pub(in crate::pins) fn monotonic() -> Nanos {
@@ -16,17 +16,28 @@ pub(in crate::pins) fn clock(id: ClockId) -> Nanos {
     clock_gettime(id).map_or(Nanos::ZERO, |time| Nanos(time.num_nanoseconds()))
 }
 
-/// From now until an instant, not negative, as the kernel takes it.
-fn time_left(until: Nanos) -> TimeSpec {
-    TimeSpec::nanoseconds((until - monotonic()).0.max(0))
+/// From now until an instant, not negative.
+fn time_left(until: Nanos) -> Nanos {
+    (until - monotonic()).max(Nanos::ZERO)
 }
 
-/// Waits until one of the descriptors can be read, at most until an instant; may return early.
+/// The longest wait in one go: three quarters of the kernel's tick, which is the resolution of its coarse clocks.
+///
+/// A processor that has nothing to do until after the next tick stops the tick, and catches up on it before the interrupt
+/// that ends the wait is handled and stamped (`tick_nohz_irq_enter`, kernel/time/tick-sched.c): stamps would be late by
+/// some microseconds after long waits and not after short ones.
+fn longest_wait() -> Nanos {
+    clock_getres(ClockId::CLOCK_MONOTONIC_COARSE)
+        .map_or(Nanos(750_000), |tick| Nanos(tick.num_nanoseconds() / 4 * 3))
+}
+
+/// Waits until one of the descriptors can be read, at most until an instant; returns early after a long wait.
 ///
 /// # Errors
 /// `ENODEV` when the chip behind a descriptor has disappeared, else what `ppoll` answers.
 pub(in crate::pins) fn readable(watched: &mut [PollFd], until: Nanos) -> Result<(), Errno> {
-    match ppoll(watched, Some(time_left(until)), None) {
+    let time = time_left(until).min(longest_wait());
+    match ppoll(watched, Some(TimeSpec::nanoseconds(time.0)), None) {
         Ok(_) | Err(Errno::EINTR) => {}
         Err(errno) => return Err(errno),
     }
@@ -156,8 +167,14 @@ mod tests {
     }
 
     #[test]
+    fn a_wait_ends_before_the_tick_would_be_stopped() {
+        // CONFIG_HZ is 100 to 1000.
+        assert!((Nanos(750_000)..=Nanos(7_500_000)).contains(&longest_wait()), "{}", longest_wait());
+    }
+
+    #[test]
     fn no_time_is_left_after_the_instant() {
-        assert_eq!(time_left(Nanos::ZERO).num_nanoseconds(), 0);
-        assert!(time_left(Nanos::MAX).num_nanoseconds() > 0);
+        assert_eq!(time_left(Nanos::ZERO), Nanos::ZERO);
+        assert!(time_left(Nanos::MAX) > Nanos::ZERO);
     }
 }

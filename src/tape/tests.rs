@@ -1,0 +1,49 @@
+//! What goes onto a tape comes off it, and nothing else does.
+
+use super::*;
+
+const HEADER: &str = r#"{"class":"TAPE","proto_major":1,"circuit":{"kind":"two-capacitor","r_c1_ohm":2320,"r_c2_ohm":12700},"offset_ns":8000,"channels":[{"id":"thumb","force":{"fc1_n":5.75,"fc2_n":1.05}}]}"#;
+const SWITCHED: &str = r#"{"class":"DISCHARGE","seq":3,"channel":"thumb","through":"x","switch":{"at_ns":74700.0,"on_ns":74950.0,"to":"c2"},"a_ns":911000.0,"b_ns":1742000.0}"#;
+
+#[test]
+fn lines_come_out_as_they_went_in() {
+    let header = Header::parse(HEADER).unwrap();
+    assert_eq!(Header::parse(&header.to_line()).unwrap(), header);
+    let entry = header.parse_discharge(2, SWITCHED).unwrap();
+    assert_eq!(header.discharge_line(entry.seq, &entry.record), SWITCHED);
+}
+
+#[test]
+fn a_bad_header_is_refused_with_its_reason() {
+    let message = |from: &str, to: &str| Header::parse(&HEADER.replace(from, to)).unwrap_err().to_string();
+    for (from, to, reason) in [
+        ("\"proto_major\":1", "\"proto_major\":2", "line 1: this is a tape of version 2"),
+        ("2320", "12700", "are they swapped?"),
+        ("2320", "-1", "must be above 0"),
+        ("TAPE", "TOPE", "line 1: not the header of a tape"),
+        ("\"offset_ns\":8000", "\"offset_ns\":8e6", "below 1 ms"),
+        ("two-capacitor", "three-capacitor", "unknown variant"),
+    ] {
+        let message = message(from, to);
+        assert!(message.contains(reason), "{message}");
+    }
+}
+
+#[test]
+fn a_bad_discharge_is_refused_with_its_line() {
+    let header = Header::parse(HEADER).unwrap();
+    for (from, to, reason) in [
+        ("911000.0", "-911000.0", "a_ns is -911000"),
+        ("911000.0", "0", "a_ns is 0"),
+        ("1742000.0", "1e15", "nanoseconds"),
+        ("\"on_ns\":74950.0", "\"on_ns\":74000.0", "released before"),
+        ("thumb", "toe", "\"toe\" is not in the header"),
+        ("\"to\":\"c2\"", "\"to\":\"c12\"", "series calibration"),
+        ("\"channel\":\"thumb\",", "", "names its channel"),
+        ("\"seq\":3", "\"seq\":-3", "expected u64"),
+        ("\"b_ns\":1742000.0}", "\"b_ns\":17", "EOF"),
+    ] {
+        let message = header.parse_discharge(7, &SWITCHED.replace(from, to)).unwrap_err().to_string();
+        assert!(message.starts_with("line 7: ") && message.contains(reason), "{message}");
+    }
+}
