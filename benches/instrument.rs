@@ -28,6 +28,7 @@ const PLAN: Plan = Plan {
     settle: Nanos(20_000),
     timeout: Nanos(50_000_000),
     widest_bracket: Nanos::MAX,
+    forecast: None,
     single_call: None,
 };
 

@@ -12,7 +12,7 @@
 //! With `offset = "auto"`, readings flow from the first cycle on, by full discharges (in whose equations d cancels);
 //! switched ones begin when the offset is known. From then on, a split discharge now and then keeps following it.
 
-use crate::discharge::{Outcome, Plan};
+use crate::discharge::{Forecast, Outcome, Plan};
 use crate::estimate::Estimator;
 use crate::offset::{Offset, SplitCalibration};
 use crate::reading::{Branch, Fault, Method, Reading, Status};
@@ -157,10 +157,25 @@ impl Cycle {
             last: settings.last,
             charge: settings.charge,
             settle: settings.settle,
+            forecast: self.forecast(),
             timeout: settings.deadline,
             widest_bracket: self.calls.widest(),
             single_call: self.calls.single(),
         }
+    }
+
+    fn forecast(&self) -> Option<Forecast> {
+        let ratio = match self.step {
+            Step::First | Step::Split => 0.0,
+            Step::Second => 1.0,
+            Step::Sensor(channel) => self.memory[channel].ratio?,
+        };
+        let (c1, c2) = self.estimator.calibration()?;
+        let mut first_ns = [0, 1].map(|node| c1[node] + ratio * (c2[node] - c1[node]));
+        if matches!((self.settings.method, self.step), (Method::Qerm, Step::Sensor(_))) {
+            first_ns[0] = self.estimator.parallel_ns(first_ns[0])?;
+        }
+        Some(Forecast { first_ns, next_ns: c2, d_ns: self.estimator.offset().d_ns })
     }
 
     fn split_time(&self) -> Option<Nanos> {

@@ -65,11 +65,10 @@ fn hangup_puts_a_new_file_in_force() {
     let home = Home::new(&config(&["thumb", "index"], FAST));
     let daemon = home.start();
     let mut stream = home.connect();
-    stream.next_of("READING");
+    let mut seq = stream.next_of("READING")["seq"].as_u64().unwrap();
 
     home.configure(&config(&["ring"], FAST));
     daemon.signal(Signal::SIGHUP);
-    let mut seq = 0;
     let version = loop {
         let line = stream.next().unwrap();
         if line["class"] == "VERSION" && ids(&line) == ["ring"] {

@@ -56,6 +56,7 @@ fn discharge(pins: &mut SimPins, through: Through, switch_ns: Option<f64>) -> Re
         settle: Nanos::ZERO,
         timeout: Nanos(100_000_000),
         widest_bracket: Nanos::MAX,
+        forecast: None,
         single_call: None,
     };
     run(pins, plan).unwrap().result.unwrap()

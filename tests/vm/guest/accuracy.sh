@@ -1,0 +1,38 @@
+# For: what the unmodified daemon reads, beside what is true. `. /test/accuracy.sh` after lib.sh.
+
+# Readings left out after the resistor was changed: under way, or planned from the last one.
+SETTLING=3
+
+# readings COUNT OHM [CONDITION]: so many readings of a resistor, in one line:
+# ohm bias_ohm sd_ohm u_ohm ms_per_reading readings inferred faults
+readings() {
+    circuit r_mohm "2320000,12700000,${2}000,0"
+    cermctl record --format csv --count $(($1 + SETTLING)) >last.csv
+    mawk -F, -v r="$2" -v skip=$((1 + SETTLING)) '
+        NR <= skip { next }
+        { ms += $17 / 1000; all++ }
+        $5 != "ok" { faults++; next }
+        { d = $6 - r; n++; s += d; q += d * d; u += $7 * $7; inferred += $16 == "inferred" }
+        END {
+            mean = s / n
+            printf "%d %.4f %.4f %.4f %.2f %d %d %d\n", r, mean, sqrt(q / n - mean * mean), sqrt(u / n), ms / all, n,
+                inferred, faults
+        }' last.csv
+}
+
+# begin NAME=VALUE...: the daemon with this configuration (see configuration.sh), when it has learned noise and offset.
+begin() {
+    write_configuration cermd.toml "$@"
+    before=$(grep -vc '^#' $discharges) || true
+    start_cermd cermd.toml
+    cermctl record --raw --seconds 1000 --output tape &
+    recorder=$!
+    until_true 1000 offset_known || fail "no offset is known"
+    until_true 1000 warm || fail "no noise is known"
+    kill -INT $recorder
+    wait $recorder
+    cermctl stats --json >stats.json
+    mawk -v before="$before" -f /test/lateness.awk $discharges tape >lateness
+}
+
+warm() { [ "$(stat cycles)" -ge 66 ]; }
