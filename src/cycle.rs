@@ -320,6 +320,8 @@ fn middle_of(record: &Record) -> Nanos {
 struct CallGate {
     /// The median, ns.
     single_ns: Option<f64>,
+    /// How many calls have been seen.
+    seen: u32,
 }
 
 impl CallGate {
@@ -334,14 +336,17 @@ impl CallGate {
     }
 
     /// Steps towards each value, not by it: a long call moves the median no more than a short one. The steps are small
-    /// beside the calls, and so are they beside the jitter of crossings.
+    /// beside the calls, and so are they beside the jitter of crossings; but for the first ones, as the first call of all
+    /// often takes long, and what it moved would be taken for a change of the latency offset.
     fn add(&mut self, call: Nanos) {
         let call = call.as_ns();
+        self.seen = self.seen.saturating_add(1);
+        let step = (1.0 / f64::from(self.seen)).max(0.01);
         self.single_ns = Some(match self.single_ns {
             None => call,
             Some(single) if (call - single).abs() <= 0.01 * single => single,
-            Some(single) if call > single => (single * 1.01).max(1.0),
-            Some(single) => single / 1.01,
+            Some(single) if call > single => (single * (1.0 + step)).max(1.0),
+            Some(single) => single / (1.0 + step),
         });
     }
 }

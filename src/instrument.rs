@@ -50,6 +50,7 @@ impl<P: Pins> Instrument<P> {
         let particulars = self.pins.particulars();
         Stats {
             spin_margin: particulars.spin_margin,
+            spun: particulars.spun,
             blind_spots: particulars.blind_spots.len(),
             ..self.cycle.stats()
         }

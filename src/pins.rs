@@ -197,6 +197,8 @@ pub struct Armed {
 pub struct Particulars<'a> {
     /// How long before an instant sleeping turns into spinning, as learned so far.
     pub spin_margin: Option<Nanos>,
+    /// How long it has spun in all.
+    pub spun: Nanos,
     /// What it cannot notice, in sentences.
     pub blind_spots: &'a [&'static str],
 }

@@ -29,6 +29,8 @@ pub struct Stats {
     pub offset_is_known: bool,
     /// How long before an instant the backend turns from sleeping to spinning, if it does.
     pub spin_margin: Option<Nanos>,
+    /// How long it has spun in all, to be in time.
+    pub spun: Nanos,
     /// How many kinds of trouble the backend cannot notice.
     pub blind_spots: usize,
 }

@@ -96,6 +96,7 @@ pub fn stats(told: &Told, config: &Config, uptime: Nanos) -> impl FnMut(&mut Obj
         }
         if let Some(margin) = stats.spin_margin {
             object.integer("spin_margin_ns", margin.0.unsigned_abs());
+            object.integer("spun_ns", stats.spun.0.unsigned_abs());
         }
         object.integer("blind_spots", stats.blind_spots as u64);
         object.object("realtime", |object| {

@@ -224,7 +224,7 @@ impl Pins for Chardev {
     }
 
     fn particulars(&self) -> Particulars<'_> {
-        Particulars { spin_margin: Some(self.margin.get()), blind_spots: &[] }
+        Particulars { spin_margin: Some(self.margin.get()), spun: self.margin.spun(), blind_spots: &[] }
     }
 }
 

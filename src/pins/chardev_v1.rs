@@ -176,7 +176,11 @@ impl Pins for ChardevV1 {
     }
 
     fn particulars(&self) -> Particulars<'_> {
-        Particulars { spin_margin: Some(self.margin.get()), blind_spots: &self.blind_spots }
+        Particulars {
+            spin_margin: Some(self.margin.get()),
+            spun: self.margin.spun(),
+            blind_spots: &self.blind_spots,
+        }
     }
 }
 

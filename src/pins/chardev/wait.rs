@@ -40,7 +40,10 @@ pub(in crate::pins) fn readable(watched: &mut [PollFd], until: Nanos) -> Result<
 /// A wake-up that comes later than the margin raises it by half, one in time lowers it by 1/256. In balance
 /// p ln 1.5 = (1 - p)/256: the margin settles where one wake-up in a hundred is later than it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct SpinMargin(Nanos);
+pub struct SpinMargin {
+    margin: Nanos,
+    spun: Nanos,
+}
 
 impl SpinMargin {
     /// The margin is never less than this: the shortest wake-ups of the fastest boards.
@@ -50,21 +53,26 @@ impl SpinMargin {
 
     /// The margin now.
     pub fn get(self) -> Nanos {
-        self.0
+        self.margin
+    }
+
+    /// How long has been spun in all.
+    pub fn spun(self) -> Nanos {
+        self.spun
     }
 
     /// Learns from one wake-up.
     pub fn learn(&mut self, lateness: Nanos) {
-        let margin = self.0.0;
-        let next = if lateness > self.0 { margin + margin / 2 } else { margin - margin / 256 };
-        self.0 = Nanos(next.clamp(Self::LEAST.0, Self::MOST.0));
+        let margin = self.margin.0;
+        let next = if lateness > self.margin { margin + margin / 2 } else { margin - margin / 256 };
+        self.margin = Nanos(next.clamp(Self::LEAST.0, Self::MOST.0));
     }
 }
 
 impl Default for SpinMargin {
     /// The usual lateness of a wake-up without real-time scheduling, with the default timer slack of 50 us.
     fn default() -> SpinMargin {
-        SpinMargin(Nanos(100_000))
+        SpinMargin { margin: Nanos(100_000), spun: Nanos::ZERO }
     }
 }
 
@@ -85,9 +93,13 @@ pub(in crate::pins) fn sleep_until(at: Nanos, margin: &mut SpinMargin) -> Result
         }
         margin.learn(monotonic() - wake);
     }
-    while monotonic() < at {
+    let awake = monotonic();
+    let mut now = awake;
+    while now < at {
         std::hint::spin_loop();
+        now = monotonic();
     }
+    margin.spun = margin.spun + (now - awake);
     Ok(())
 }
 

@@ -12,7 +12,10 @@ fail() {
 }
 
 # as_user COMMAND...: without any right of root.
-as_user() { setpriv --reuid=1000 --regid=1000 --clear-groups "$@"; }
+as_user() {
+    # busybox's setpriv changes no identity, its su does.
+    if [ -e /usr/bin/busybox ]; then su user -c "$*"; else setpriv --reuid=1000 --regid=1000 --clear-groups "$@"; fi
+}
 
 # irq_lateness: mean and standard deviation of crossing A to its interrupt, ns, over the discharges that standard input
 # lists.
@@ -34,6 +37,7 @@ start_cermd() {
     mkdir -p /run/cermd
     cermd --config "$1" 2>>cermd.log &
     cermd=$!
+    trap 'kill -KILL $cermd 2>/dev/null || true' EXIT
     export CERMD_SOCKET
     CERMD_SOCKET=$(sed -n 's/^socket = "\(.*\)"/\1/p' "$1")
     until_true 100 cermctl get || fail "cermd does not serve"
@@ -41,6 +45,7 @@ start_cermd() {
 
 stop_cermd() {
     kill "$cermd"
+    trap - EXIT
     wait "$cermd" || fail "cermd ended with exit status $?"
 }
 
