@@ -87,11 +87,19 @@ enum Phase {
     Arming,
     Starting,
     BeforeSwitch,
-    Switching,
+    Releasing(Through),
+    Sinking(Through),
     Crossing,
-    Limiting,
     TimedOut,
     Stopping,
+}
+
+/// A switch that was made, by two calls for one line each: one that releases, one that sinks.
+#[derive(Debug, Clone, Copy)]
+struct Switched {
+    released: Nanos,
+    sunk: Nanos,
+    to: Through,
 }
 
 /// The state of one discharge.
@@ -100,7 +108,7 @@ pub struct Discharge {
     plan: Plan,
     phase: Phase,
     start: Bracket,
-    switch: Option<(Bracket, Through)>,
+    switch: Option<Switched>,
     wait_until: Nanos,
     crossings: [Option<Nanos>; 2],
     seqno: u32,
@@ -151,17 +159,14 @@ impl Discharge {
             }
             (Phase::Arming, Event::Armed(armed)) => self.armed(armed),
             (Phase::Starting, Event::Drove(bracket)) => self.started(bracket),
-            (Phase::BeforeSwitch, Event::Slept) => self.make_switch(),
-            (Phase::Switching, Event::Drove(bracket)) => match self.plan.switch {
-                Some((_, to)) => self.switched(bracket, to),
+            (Phase::BeforeSwitch, Event::Slept) => match self.plan.switch {
+                Some((_, to)) => self.switch_to(to),
                 None => self.stop(Some(Fault::Pins)),
             },
+            (Phase::Releasing(to), Event::Drove(bracket)) => self.released(bracket, to),
+            (Phase::Sinking(to), Event::Drove(bracket)) => self.sunk(bracket, to),
             (Phase::Crossing, Event::Edge(Some(edge))) => self.crossed(edge),
             (Phase::Crossing, Event::Edge(None)) => self.waited_long(),
-            (Phase::Limiting, Event::Drove(bracket)) => match self.plan.limit {
-                Some(to) => self.switched(bracket, to),
-                None => self.stop(Some(Fault::Pins)),
-            },
             (Phase::TimedOut, Event::Levels(levels)) => self.timed_out(levels),
             (Phase::Stopping, Event::Drove(_)) => Action::Done,
             _ => self.stop(Some(Fault::Pins)),
@@ -210,18 +215,27 @@ impl Discharge {
         }
     }
 
-    fn make_switch(&mut self) -> Action {
-        match self.plan.switch {
-            Some((_, to)) => {
-                self.phase = Phase::Switching;
-                Action::Drive(to.drives())
-            }
-            None => self.stop(Some(Fault::Pins)),
-        }
+    /// By one call for each line, so that each line moves as long after the entry of its call as that which started the
+    /// discharge: in a call for several lines it would be another time, and unknown.
+    fn switch_to(&mut self, to: Through) -> Action {
+        self.phase = Phase::Releasing(to);
+        Action::Drive(self.plan.through.drives().only(to.drives()))
     }
 
-    fn switched(&mut self, bracket: Bracket, to: Through) -> Action {
-        self.switch = Some((bracket, to));
+    fn released(&mut self, bracket: Bracket, to: Through) -> Action {
+        self.switch = Some(Switched { released: bracket.before, sunk: bracket.before, to });
+        if bracket.width() > self.plan.widest_bracket {
+            return self.stop(Some(Fault::WideBracket));
+        }
+        if self.plan.through.drives().contains(to.drives()) {
+            return self.sunk(bracket, to);
+        }
+        self.phase = Phase::Sinking(to);
+        Action::Drive(to.drives())
+    }
+
+    fn sunk(&mut self, bracket: Bracket, to: Through) -> Action {
+        self.switch = self.switch.map(|switch| Switched { sunk: bracket.before, to, ..switch });
         self.wait_until = bracket.after + self.plan.timeout;
         if bracket.width() > self.plan.widest_bracket {
             return self.stop(Some(Fault::WideBracket));
@@ -236,10 +250,7 @@ impl Discharge {
 
     fn waited_long(&mut self) -> Action {
         match self.plan.limit {
-            Some(to) if self.switch.is_none() => {
-                self.phase = Phase::Limiting;
-                Action::Drive(to.drives())
-            }
+            Some(to) if self.switch.is_none() => self.switch_to(to),
             _ => {
                 self.phase = Phase::TimedOut;
                 Action::ReadLevels
@@ -280,33 +291,29 @@ impl Discharge {
         Action::Drive(Drives::NONE)
     }
 
-    /// A line moves somewhere within the call that switches it, always in the same place: as long after the entry
-    /// of the call as in a call for one line only (half of its length), and the last of several lines as long before
-    /// the exit. Then the time from start to switch is the difference of two entries, whatever that place is.
+    /// A line moves somewhere within the call that switches it, always in the same place: then the time between two
+    /// moves, each by a call for one line, is the difference of the entries of the calls, whatever that place is. Crossings
+    /// are counted from the middle of such a call. Two lines that one call sinks (QERM) move one after the other; the
+    /// second takes as much longer as the call does.
     fn record(&self) -> Record {
         let single_ns = self.plan.single_call.unwrap_or(self.start.width()).as_ns();
-        let since_start = |at: Nanos| (at - self.start.before).as_ns() - single_ns / 2.0;
+        let since_entry = |at: Nanos| (at - self.start.before).as_ns();
+        let since_start = |at: Nanos| since_entry(at) - single_ns / 2.0;
         let [a_ns, b_ns] = self.crossings.map(|crossing| crossing.map(since_start));
-        let between_ns = |call: Bracket, lines: u32| {
-            if lines > 1 { (call.width().as_ns() - single_ns).max(0.0) } else { 0.0 }
-        };
-        let switch = self.switch.map(|(call, to)| {
-            let (from, on) = (self.plan.through.drives(), to.drives());
-            let lines = from.without(on).count() + on.without(from).count();
-            let at_ns = (call.before - self.start.before).as_ns();
-            Switch { at_ns, on_ns: at_ns + between_ns(call, lines), to }
-        });
-        // The time that one line takes: it may move anywhere in it, at the start and at the switch.
-        let slot_ns =
-            switch.map(|switch| switch.on_ns - switch.at_ns).filter(|slot| *slot > 0.0).unwrap_or(single_ns);
+        let is_pair = self.plan.through.drives().count() > 1;
         Record {
             through: self.plan.through,
             start: self.start.before,
-            second_ns: between_ns(self.start, self.plan.through.drives().count()),
-            switch,
+            second_ns: if is_pair { (self.start.width().as_ns() - single_ns).max(0.0) } else { 0.0 },
+            switch: self.switch.map(|switch| Switch {
+                at_ns: since_entry(switch.released),
+                on_ns: since_entry(switch.sunk),
+                to: switch.to,
+            }),
             a_ns,
             b_ns,
-            u_switch_ns: slot_ns / 6f64.sqrt(),
+            // Anywhere in the middle half of its call, each of two lines.
+            u_switch_ns: single_ns / 2.0 / 6f64.sqrt(),
             waited_ns: if self.waited == Nanos::ZERO { 0.0 } else { since_start(self.waited) },
         }
     }

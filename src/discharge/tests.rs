@@ -122,11 +122,12 @@ fn a_full_discharge_is_charged_settled_armed_started_and_stopped() {
 fn a_planned_switch_is_timed_by_the_entries_of_the_calls() {
     let mut pins = Script::new(&[A, B]);
     let record = run(&mut pins, plan(Some((Nanos(40_000), Through::C2)))).unwrap().result.unwrap();
-    // 1 us for a line, 1.5 us for two: the second moves 500 ns after the first.
-    assert_eq!(record.switch, Some(Switch { at_ns: 40_000.0, on_ns: 40_500.0, to: Through::C2 }));
+    // 1 us for a call that switches a line: the next resistor is sunk after the first has been released.
+    assert_eq!(record.switch, Some(Switch { at_ns: 40_000.0, on_ns: 41_000.0, to: Through::C2 }));
+    let log = pins.log.join("|");
     assert!(
-        pins.log.contains(&format!("sleep {}", START_BEFORE + 40_000))
-            && pins.log.contains(&"drive c2".to_owned())
+        log.contains(&format!("drive x2|sleep {}|drive none|drive c2|edge", START_BEFORE + 40_000)),
+        "{log}"
     );
     assert_eq!(pins.on, Drives::NONE);
 }
@@ -247,7 +248,7 @@ fn a_discharge_that_does_not_end_is_finished_through_another_resistor() {
         });
     }
     let record = discharge.result().unwrap();
-    assert_eq!(record.switch, Some(Switch { at_ns: 5_000_000.0, on_ns: 5_000_500.0, to: Through::C1 }));
+    assert_eq!(record.switch, Some(Switch { at_ns: 5_000_000.0, on_ns: 5_001_000.0, to: Through::C1 }));
     assert_eq!((record.a_ns, record.b_ns), (Some(5_049_500.0), Some(5_059_500.0)));
     assert_eq!(pins.on, Drives::NONE);
 }

@@ -1,4 +1,5 @@
 # Helpers for guest tests: `. /test/lib.sh`.
+. /test/configuration.sh
 parameters=/sys/module/gpio_cermd/parameters
 discharges=/sys/kernel/debug/gpio-cermd/discharges
 
@@ -11,7 +12,10 @@ fail() {
 }
 
 # as_user COMMAND...: without any right of root.
-as_user() { setpriv --reuid=1000 --regid=1000 --clear-groups "$@"; }
+as_user() {
+    # busybox's setpriv changes no identity, its su does.
+    if [ -e /usr/bin/busybox ]; then su user -c "$*"; else setpriv --reuid=1000 --regid=1000 --clear-groups "$@"; fi
+}
 
 # irq_lateness: mean and standard deviation of crossing A to its interrupt, ns, over the discharges that standard input
 # lists.
@@ -26,3 +30,37 @@ between() {
 
 # chip: the name of the circuit's chip; nothing if there is none.
 chip() { gpiodetect | sed -n 's/ \[cermd-rc\].*//p'; }
+
+# start_cermd FILE: the daemon with a configuration; returns when it serves. Sets $cermd, its process; its words go to
+# cermd.log.
+start_cermd() {
+    mkdir -p /run/cermd
+    cermd --config "$1" 2>>cermd.log &
+    cermd=$!
+    trap 'kill -KILL $cermd 2>/dev/null || true' EXIT
+    export CERMD_SOCKET
+    CERMD_SOCKET=$(sed -n 's/^socket = "\(.*\)"/\1/p' "$1")
+    until_true 100 cermctl get || fail "cermd does not serve"
+}
+
+stop_cermd() {
+    kill "$cermd"
+    trap - EXIT
+    wait "$cermd" || fail "cermd ended with exit status $?"
+}
+
+# until_true TIMES COMMAND...: tries it so many times, 50 ms apart, without its words.
+until_true() {
+    tries=$1
+    shift
+    while ! "$@" >/dev/null 2>&1; do
+        tries=$((tries - 1))
+        [ $tries -gt 0 ] || return 1
+        sleep 0.05
+    done
+}
+
+# stat NAME: a number, word or flag of the daemon's STATS.
+stat() { cermctl stats --json | sed -n "s/.*\"$1\":\"*\([^,\"}]*\).*/\1/p"; }
+
+offset_known() { [ "$(stat offset_known)" = true ]; }

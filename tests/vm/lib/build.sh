@@ -48,7 +48,7 @@ build_c() {
         -o "$out" "$src" -L"$tree/guest/usr/lib/$cross" -Wl,--allow-shlib-undefined "$@"
 }
 
-# The crate's programs as for a board, by Debian's rustc of the crate's MSRV and this host's cargo.
+# The crate's programs and the contract of its backends as for a board, by Debian's rustc of the crate's MSRV and this host's cargo.
 build_rust() {
     local bin=$cache/build/bin libs=$cache/tree/rust/usr/lib/x86_64-linux-gnu
     mkdir -p "$bin"
@@ -57,6 +57,6 @@ build_rust() {
         "$cache/tree/cross/usr/bin" "$cache/tree/cross/usr/lib/x86_64-linux-gnu" $cross "$cache/tree/cross" >"$bin/linker"
     chmod +x "$bin"/*
     RUSTC=$bin/rustc CARGO_TARGET_AARCH64_UNKNOWN_LINUX_GNU_LINKER=$bin/linker \
-        cargo build --quiet --locked --release --bins --manifest-path "$root_of_crate/Cargo.toml" \
+        cargo build --quiet --locked --release --bins --example contract --manifest-path "$root_of_crate/Cargo.toml" \
         --target $target --target-dir "$cache/build/target"
 }

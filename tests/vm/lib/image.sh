@@ -5,7 +5,7 @@
 image_small() {
     local root=$cache/build/root-$1 tree=$cache/tree lib=usr/lib/$cross name
     rm -rf "$root"
-    mkdir -p "$root"/{proc,sys,dev,tmp,run,results,usr/bin,"$lib"}
+    mkdir -p "$root"/{proc,sys,dev,etc,tmp,run,results,usr/bin,"$lib"}
     ln -s usr/bin usr/lib "$root"
     cp -a "$tree/guest/usr/lib/ld-linux-aarch64.so.1" "$root/usr/lib"
     for name in ld-linux-aarch64.so.1 libc.so.6 libm.so.6 libgcc_s.so.1 libgpiod.so.3; do
@@ -13,6 +13,8 @@ image_small() {
     done
     cp "$tree/guest/usr/bin"/{busybox,gpio*,mawk} "$root/usr/bin"
     ln -s busybox "$root/usr/bin/sh"
+    printf '%s\n' 'root:x:0:0::/:/bin/sh' 'user:x:1000:1000::/tmp:/bin/sh' >"$root/etc/passwd"
+    printf '%s\n' 'root:x:0:' 'gpio:x:997:' 'user:x:1000:' >"$root/etc/group"
     image_tests "$root" "$1"
     install -m 755 "$here/guest/init" "$root/init"
     pack_initramfs "$root" "$1"
@@ -23,7 +25,8 @@ image_tests() {
     mkdir -p "$1/test"
     cp -r "$here"/guest/. "$1/test"
     with_cross $cross-strip -g -o "$1/test/gpio-cermd.ko" "$cache/build/module-$2/gpio-cermd.ko"
-    cp "$cache/build/target/$target/release"/{cermd,cermctl} "$cache"/build/{probe,tpcm} "$1/usr/bin"
+    cp "$cache/build/target/$target/release"/{cermd,cermctl} "$cache/build/target/$target/release/examples/contract" \
+        "$cache"/build/{probe,raw,tpcm} "$1/usr/bin"
 }
 
 # pack_initramfs ROOT NAME: all files belong to root and are of one date.

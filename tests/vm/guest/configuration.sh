@@ -1,0 +1,33 @@
+# A configuration of cermd for the circuit as the module makes it: `write_configuration FILE [NAME=VALUE...]`.
+# Names: backend, method, offset ("auto" or a duration), rate (readings per second), t_l, chargers (yes; no: the sense lines
+# charge, as in the paper), socket.
+write_configuration() (
+    file=$1 backend=chardev method=cerm offset=auto rate= t_l= chargers=yes socket=/run/cermd/cermd.sock
+    shift
+    for setting in "$@"; do eval "${setting%%=*}=\${setting#*=}"; done
+    {
+        cat <<-TOML
+	[circuit]
+	kind = "two-capacitor"
+	c-a = "2.2 uF"
+	c-b = "680 nF"
+	r-c1 = "2.32 kohm"
+	r-c2 = "12.7 kohm"
+
+	[gpio]
+	backend = "$backend"
+	chip = "cermd-rc"
+	sense-a = "GPIO5"
+	sense-b = "GPIO6"
+	sink-c1 = "GPIO20"
+	sink-c2 = "GPIO21"
+	TOML
+        [ $chargers = no ] || printf 'charge-a = "GPIO13"\ncharge-b = "GPIO19"\n'
+        printf '\n[measure]\nmethod = "%s"\noffset = "%s"\n' "$method" "$offset"
+        [ -z "$t_l" ] || echo "t-l = \"$t_l\""
+        [ -z "$rate" ] || echo "rate-hz = $rate"
+        printf '\n[[channel]]\nid = "x"\nsink = "GPIO16"\n'
+        printf '\n[server]\nsocket = "%s"\n' "$socket"
+        printf '\n[realtime]\npriority = 40\nlock-memory = true\ncpu = 0\ndma-latency = true\n'
+    } >"$file"
+)

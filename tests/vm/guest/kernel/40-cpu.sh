@@ -1,0 +1,47 @@
+# What a reading costs the processor beside the physics, against the plain C program that takes the same reading; and what
+# the service costs at 10 readings a second.
+. /test/lib.sh
+
+# cpu: ns that all threads of the daemon, and its measuring thread, have run.
+cpu() {
+    all=0
+    for task in /proc/"$cermd"/task/*; do
+        read -r ns _ <"$task/schedstat"
+        all=$((all + ns))
+        [ "$(cat "$task/comm")" != cermd-measure ] || measuring=$ns
+    done
+    echo $all $measuring
+}
+
+# cost SECONDS: readings, ns of all threads, ns of the measuring thread, ns of it awake to be in time.
+cost() {
+    from="$(stat readings) $(cpu) $(stat spun_ns)"
+    sleep "$1"
+    to="$(stat readings) $(cpu) $(stat spun_ns)"
+    echo "$from $to" | mawk '{ print $5 - $1, $6 - $2, $7 - $3, $8 - $4 }'
+}
+
+plain_us=$(tpcm 200 | sed -n 's/.*cpu_us_per_reading \([0-9.]*\).*/\1/p')
+write_configuration cermd.toml method=tpcm "offset=0 us"
+start_cermd cermd.toml
+sleep 5
+cost 20 >free
+stop_cermd
+write_configuration cermd.toml method=cerm rate=10
+start_cermd cermd.toml
+until_true 1000 offset_known
+cost 60 >ten
+stop_cermd
+
+read -r n all measuring awake <free
+mawk -v plain="$plain_us" -v n="$n" -v all="$all" -v m="$measuring" -v awake="$awake" 'BEGIN {
+    printf "CPU time of a TPCM reading, us: plain C %.1f; cermd %.1f, of that awake to be in time %.1f, publishing %.1f\n",
+        plain, all / n / 1e3, awake / n / 1e3, (all - m) / n / 1e3
+    printf "without being awake: %.1f, ratio %.2f\n", (all - awake) / n / 1e3, (all - awake) / n / 1e3 / plain
+    exit !((all - awake) / n / 1e3 <= plain)
+}' | tee cost.txt || fail "dearer than the plain program"
+read -r n all measuring awake <ten
+mawk -v n="$n" -v all="$all" 'BEGIN {
+    printf "10 readings a second by cerm: %d readings in 60 s, %.2f %% of a processor\n", n, all / 6e8
+    exit !(all / 6e8 < 1)
+}' | tee -a cost.txt || fail "too dear at 10 readings a second"

@@ -1,0 +1,51 @@
+# Other programs beside the daemon: they see who holds the lines, and disturb nothing.
+. /test/lib.sh
+# Whether all readings so far were numbers.
+undisturbed() { [ "$(stat readings)" = "$(stat ok)" ] || fail "faults: $(cermctl stats --json)"; }
+
+write_configuration cermd.toml
+start_cermd cermd.toml
+until_true 1000 offset_known
+
+echo "gpioinfo names the holder"
+gpioinfo --chip "$(chip)" | tee lines
+for line in 5 6 13 19 20 21 16; do
+    grep "GPIO$line\"*.*consumer=\"cermd\"" lines >/dev/null || fail "GPIO$line is not held by cermd"
+done
+[ "$(grep -c 'consumer=' lines)" = 7 ] || fail "other lines are held, too"
+
+echo "gpioset on held lines"
+for line in 5 6 13 19 20 21 16; do
+    gpioset --chip "$(chip)" --toggle 1ms,0 "GPIO$line=1" 2>refusal && fail "gpioset took GPIO$line"
+    grep -i busy refusal
+done
+sleep 2
+undisturbed
+
+echo "a second daemon on the same lines, with a socket of its own"
+write_configuration second.toml socket=/run/cermd/second.sock
+cermd --config second.toml 2>second.log && fail "a second daemon took the lines"
+cat second.log
+grep 'GPIO16 ("cermd")' second.log || fail "it does not say who holds which line"
+echo "a second daemon on the same socket"
+cermd --config cermd.toml 2>second.log && fail "a second daemon took the socket"
+cat second.log
+grep "already served by pid $cermd (cermd)" second.log || fail "it does not say who serves"
+
+echo "an unprivileged user"
+chmod 777 /tmp
+write_configuration /tmp/user.toml socket=/tmp/user.sock
+as_user cermd --config /tmp/user.toml 2>user.log && fail "a user without rights took the chip"
+cat user.log
+grep 'belongs to root alone' user.log || fail "the cause is not said"
+chgrp gpio "/dev/$(chip)"
+chmod 660 "/dev/$(chip)"
+as_user cermd --config /tmp/user.toml 2>user.log && fail "a user without the group took the chip"
+cat user.log
+grep 'group gpio' user.log || fail "the group is not named"
+
+sleep 2
+undisturbed
+stop_cermd
+[ "$(cat $parameters/conflicts)" = 0 ] || fail "lines drove against each other"
+[ "$(cat /sys/kernel/debug/gpio-cermd/outputs)" = 0 ] || fail "lines drive after the end"

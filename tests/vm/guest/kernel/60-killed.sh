@@ -1,0 +1,33 @@
+# SIGKILL at any instant of a cycle: nothing drives after the cleaner has run, the next daemon serves, no client has half a
+# line.
+. /test/lib.sh
+outputs=/sys/kernel/debug/gpio-cermd/outputs
+write_configuration cermd.toml "offset=0 us"
+circuit r_mohm 2320000,12700000,10000000,0
+# A cycle takes 51 ms: 40 instants that are spread over it evenly, in an order that mixes them.
+round=0
+while [ $round -lt 40 ]; do
+    start_cermd cermd.toml
+    raw $CERMD_SOCKET >stream &
+    client=$!
+    until_true 100 test -s stream
+    usleep $((50000 + round * 17 % 40 * 1280))
+    kill -KILL $cermd
+    wait $cermd 2>/dev/null || true
+    wait $client || true
+    left=$(cat $outputs)
+    cermd --config cermd.toml --release-lines 2>>cleaner.log || fail "the cleaner failed"
+    after=$(cat $outputs)
+    echo "$left $after $(wc -l <stream)" >>rounds
+    [ "$after" = 0 ] || fail "round $round: lines $after drive after the cleaner"
+    [ "$(tail -c 1 stream | od -An -tx1 | tr -d ' ')" = 0a ] || fail "round $round: half a line"
+    grep -v '^{"class":"[A-Z]*",.*}$' stream && fail "round $round: not a line"
+    round=$((round + 1))
+done
+echo "masks of lines that drove after the kill, and how often:"
+cut -d' ' -f1 rounds | sort | uniq -c
+# Charging (GPIO13 and 19) and discharging through each resistor (GPIO20, 21, 16): all were met.
+for mask in 532480 1048576 2097152 65536; do
+    grep "^$mask " rounds >/dev/null || fail "the phase in which $mask drive was not met"
+done
+[ "$(cat $parameters/conflicts)" = 0 ] || fail "lines drove against each other"

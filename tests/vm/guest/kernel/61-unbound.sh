@@ -1,0 +1,25 @@
+# The chip disappears under load and comes back: faults that say so, then readings, all by itself.
+. /test/lib.sh
+driver=/sys/bus/platform/drivers/gpio-cermd
+write_configuration cermd.toml
+start_cermd cermd.toml
+raw $CERMD_SOCKET >stream &
+client=$!
+for round in 1 2 3; do
+    sleep 1.337
+    count=$(stat ok)
+    echo gpio-cermd >$driver/unbind
+    sleep 2
+    [ "$(stat pins)" -gt 0 ] || cermctl stats --json || fail "round $round: no fault"
+    echo gpio-cermd >$driver/bind
+    sleep 2.5
+    [ "$(stat ok)" -gt $((count + 10)) ] || fail "round $round: no readings after the chip has come back"
+done
+stop_cermd
+wait $client
+cat cermd.log
+grep -c '"status":"fault","fault":"pins"' stream
+grep 'is gone' cermd.log
+grep 'the GPIO lines work again' cermd.log
+tail -n 1 stream | grep '"status":"ok"'
+[ "$(cat /sys/kernel/debug/gpio-cermd/outputs)" = 0 ] || fail "lines drive after the end"

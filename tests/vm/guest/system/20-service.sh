@@ -1,0 +1,74 @@
+# The unit, the rule and the service under a real systemd.
+. /test/lib.sh
+outputs=/sys/kernel/debug/gpio-cermd/outputs
+export CERMD_SOCKET=/run/cermd/cermd.sock
+property() { systemctl show --value --property="$1" cermd; }
+serves() { cermctl get; }
+# until_served: within the restart time and what the start takes; says how long, in ms.
+until_served() {
+    from=$(date +%s%N)
+    until_true 100 serves || { journal; fail "$1: it does not serve"; }
+    echo "$1: serves after $((($(date +%s%N) - from) / 1000000)) ms"
+}
+journal() { journalctl --unit=cermd --output=cat --no-pager | tail -n 30; }
+lines_are_safe() { [ "$(cat $outputs)" = 0 ] || fail "$1: lines $(cat $outputs) drive"; }
+
+systemd-analyze verify /usr/lib/systemd/system/cermd.service
+systemd-sysusers
+grep '^gpio:' /etc/group
+udevadm control --reload
+udevadm trigger --action=add
+udevadm settle
+stat_of() { /usr/bin/stat -c '%U %G %a' "$1"; }
+[ "$(stat_of "/dev/$(chip)")" = "root gpio 660" ] || fail "the rule: $(stat_of "/dev/$(chip)")"
+[ "$(stat_of /dev/cpu_dma_latency)" = "root gpio 660" ] || fail "the rule: $(stat_of /dev/cpu_dma_latency)"
+systemctl is-active "dev-$(chip).device"
+
+mkdir -p /etc/cermd
+write_configuration /etc/cermd/cermd.toml
+systemctl daemon-reload
+systemctl start cermd || { journal; fail "it does not start"; }
+[ "$(property ActiveState)" = active ] || fail "not active: $(property ActiveState)"
+until_served "start"
+pid=$(property MainPID)
+echo "user $(ps -o user= -p "$pid"), status $(property StatusText)"
+[ "$(ps -o uid= -p "$pid" | tr -d ' ')" != 0 ] || fail "it runs as root"
+cermctl stats --json | grep -o '"realtime".*}'
+for right in priority lock-memory cpu dma-latency; do
+    [ "$(stat $right)" = granted ] || { cermctl stats --json; fail "$right is not granted"; }
+done
+gpioinfo --chip "$(chip)" | grep 'consumer="cermd"' >/dev/null || fail "no line is held"
+
+echo "reload"
+sed -i 's/id = "x"/id = "y"/' /etc/cermd/cermd.toml
+systemctl reload cermd
+until_true 100 sh -c 'cermctl get y' || fail "the new configuration is not in force"
+echo nonsense >>/etc/cermd/cermd.toml
+systemctl reload cermd
+cermctl get y || fail "the old configuration is not in force"
+journal | grep 'the old configuration stays in force'
+[ "$(property MainPID)" = "$pid" ] || fail "it was restarted"
+write_configuration /etc/cermd/cermd.toml
+
+for round in 1 2 3; do
+    sleep "0.${round}7"
+    systemctl kill --signal=KILL --kill-whom=main cermd
+    sleep 0.3
+    [ "$(property SubState)" = auto-restart ] || echo "state $(property SubState)"
+    lines_are_safe "killed"
+    until_served "killed"
+    [ "$(property NRestarts)" = $round ] || fail "restarts: $(property NRestarts)"
+done
+
+echo "a process that is stuck"
+systemctl kill --signal=STOP --kill-whom=main cermd
+until_true 400 sh -c '[ "$(systemctl show --value --property=NRestarts cermd)" = 4 ]' || fail "the watchdog does not bark"
+until_served "stuck"
+journal | grep -i watchdog
+
+systemctl stop cermd
+lines_are_safe "stopped"
+[ "$(property Result)" = success ] || fail "it ended with $(property Result)"
+[ ! -e /run/cermd/cermd.sock ] || fail "the socket is still there"
+systemctl --failed --no-legend --plain
+journal
