@@ -13,7 +13,7 @@ until_served() {
 journal() { journalctl --unit=cermd --output=cat --no-pager | tail -n 30; }
 lines_are_safe() { [ "$(cat $outputs)" = 0 ] || fail "$1: lines $(cat $outputs) drive"; }
 
-systemd-analyze verify /usr/lib/systemd/system/cermd.service
+systemd-analyze verify --man=no /usr/lib/systemd/system/cermd.service
 systemd-sysusers
 grep '^gpio:' /etc/group
 udevadm control --reload
