@@ -3,6 +3,7 @@
 //! For: what a person sees: live lines, tables, files, errors as sentences. Must not know: how anything is measured; the
 //! [`demo`] alone starts an instrument.
 
+mod calibrate;
 pub mod demo;
 mod error;
 mod estimate;
@@ -16,6 +17,7 @@ mod terminal;
 mod text;
 mod watch;
 
+pub use calibrate::CalibrateError;
 pub use error::CtlError;
 
 use crate::check;
@@ -35,6 +37,7 @@ pub fn run(verb: Verb) -> Result<(), CtlError> {
         Verb::Check(arguments) => check(&arguments),
         Verb::Record(arguments) => record::run(&arguments),
         Verb::Estimate(arguments) => estimate::run(&arguments),
+        Verb::Calibrate(arguments) => calibrate::run(&arguments.by),
     }
 }
 
