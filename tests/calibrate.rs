@@ -160,7 +160,7 @@ fn the_sensor_of_the_paper_comes_out_and_is_written_after_a_yes() {
         "F_c2 = 1.05 N",
         "relative rms of the residuals: 0.0",
         "systemctl reload cermd",
-        "alpha = 13345.86 +- ",
+        "alpha = 13345.9 +- 2.7 N ohm",
     ] {
         assert!(text.contains(wanted), "{wanted:?} is missing:\n{text}");
     }
