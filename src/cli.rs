@@ -300,8 +300,11 @@ fn hertz(text: &str) -> Result<f64, String> {
 
 fn ohm(text: &str) -> Result<f64, String> {
     let value = text.parse().or_else(|_| text.parse::<Ohm>().map(|ohm| ohm.0)).unwrap_or(f64::NAN);
-    let is_sound = value >= 0.0 && value <= 1e6;
-    if is_sound { Ok(value) } else { Err("a resistance in ohm, such as 10.03".to_owned()) }
+    if (0.0..=1e6).contains(&value) {
+        Ok(value)
+    } else {
+        Err("a resistance in ohm, such as 10.03".to_owned())
+    }
 }
 
 fn positive(text: &str, limit: f64) -> Option<f64> {

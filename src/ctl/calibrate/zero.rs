@@ -27,8 +27,7 @@ pub fn run(arguments: &Zero, reference_ohm: f64) -> Result<(), CtlError> {
     let numbers = take(&target, arguments, part)?;
     let Some(mean) = fit::mean(&numbers) else { return Err(CalibrateError::Silent("number").into()) };
     let zero_ohm = mean.value - reference_ohm;
-    // Not `>`: what cannot be compared is no zero.
-    if !(zero_ohm.abs() <= LARGEST_ZERO_OHM) {
+    if zero_ohm.is_nan() || zero_ohm.abs() > LARGEST_ZERO_OHM {
         return Err(CalibrateError::NoZero { zero_ohm, part }.into());
     }
     let text = measured(zero_ohm, mean.u, "ohm", false);
