@@ -5,7 +5,7 @@
 
 use crate::reading::Method;
 use crate::replay::TapeOffset;
-use crate::units::Nanos;
+use crate::units::{Nanos, Ohm};
 use clap::builder::PossibleValue;
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use std::path::PathBuf;
@@ -57,6 +57,8 @@ pub enum Verb {
     Record(Record),
     /// Estimate again from the timings on a tape
     Estimate(Estimate),
+    /// Measure the zero or the force characteristic of a sensor, and put it into the configuration
+    Calibrate(Calibrate),
 }
 
 /// Where the daemon listens.
@@ -193,6 +195,101 @@ pub struct Estimate {
     pub offset: Option<TapeOffset>,
 }
 
+/// `cermctl calibrate`.
+#[derive(Debug, Args)]
+pub struct Calibrate {
+    /// What to calibrate by.
+    #[command(subcommand)]
+    pub by: CalibrateBy,
+}
+
+/// What `cermctl calibrate` can calibrate by.
+#[derive(Debug, Subcommand)]
+pub enum CalibrateBy {
+    /// With a short circuit in the sensor's place: find the zero
+    Zero(Zero),
+    /// With a known low resistor in the sensor's place: find the zero
+    Reference(Reference),
+    /// With weights on the sensor: find how its resistance becomes force
+    Force(Force),
+}
+
+/// `cermctl calibrate zero`.
+#[derive(Debug, Args)]
+pub struct Zero {
+    /// How many discharges to take
+    #[arg(long, value_name = "NUMBER", default_value = "200", value_parser = clap::value_parser!(u64).range(2..=100_000))]
+    pub count: u64,
+    #[command(flatten)]
+    #[expect(missing_docs, reason = "a text here would replace that of the verb")]
+    pub update: Update,
+    #[command(flatten)]
+    #[expect(missing_docs, reason = "a text here would replace that of the verb")]
+    pub connection: Connection,
+}
+
+/// `cermctl calibrate reference`.
+#[derive(Debug, Args)]
+pub struct Reference {
+    /// The resistor as measured, such as 10.03 or "10.03 ohm"
+    #[arg(value_name = "OHM", value_parser = ohm)]
+    pub ohm: f64,
+    #[command(flatten)]
+    #[expect(missing_docs, reason = "a text here would replace that of the verb")]
+    pub zero: Zero,
+}
+
+/// `cermctl calibrate force`.
+#[derive(Debug, Args)]
+pub struct Force {
+    /// Pairs from a file of `force_n,r_ohm` lines [default: typed; the resistance is measured]
+    #[arg(long, value_name = "FILE")]
+    pub csv: Option<PathBuf>,
+    /// What to fit
+    #[arg(long, value_enum, default_value = "alpha")]
+    pub model: Model,
+    /// Draw pairs, fit and residuals into this file, as SVG
+    #[arg(long, value_name = "FILE")]
+    pub plot: Option<PathBuf>,
+    /// How many readings to average for each weight
+    #[arg(long, value_name = "NUMBER", default_value = "20", value_parser = clap::value_parser!(u64).range(1..=100_000))]
+    pub count: u64,
+    #[command(flatten)]
+    #[expect(missing_docs, reason = "a text here would replace that of the verb")]
+    pub update: Update,
+    #[command(flatten)]
+    #[expect(missing_docs, reason = "a text here would replace that of the verb")]
+    pub connection: Connection,
+}
+
+/// The forms of a characteristic.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum Model {
+    /// R = alpha / F
+    Alpha,
+    /// F = F_1k (R / 1 kohm)^-exponent
+    Power,
+    /// The pairs themselves, and interpolation between them
+    Table,
+}
+
+/// What a calibration is written to.
+#[derive(Debug, Args)]
+pub struct Update {
+    /// Which channel [default: the only one]
+    #[arg(long, value_name = "ID")]
+    pub channel: Option<String>,
+    /// The configuration file of the daemon; a copy of it is kept when it is changed
+    #[arg(long, value_name = "FILE", default_value = "/etc/cermd/cermd.toml")]
+    pub config: PathBuf,
+    /// Change the configuration without asking
+    #[arg(long)]
+    pub yes: bool,
+    /// The result as a line of JSON
+    #[arg(long)]
+    pub json: bool,
+}
+
 impl ValueEnum for Method {
     fn value_variants<'a>() -> &'a [Method] {
         &Method::ALL
@@ -209,6 +306,15 @@ fn seconds(text: &str) -> Result<f64, String> {
 
 fn hertz(text: &str) -> Result<f64, String> {
     positive(text, 1e9).ok_or_else(|| "a number of hertz above 0, such as 10".to_owned())
+}
+
+fn ohm(text: &str) -> Result<f64, String> {
+    let value = text.parse().or_else(|_| text.parse::<Ohm>().map(|ohm| ohm.0)).unwrap_or(f64::NAN);
+    if (0.0..=1e6).contains(&value) {
+        Ok(value)
+    } else {
+        Err("a resistance in ohm, such as 10.03".to_owned())
+    }
 }
 
 fn positive(text: &str, limit: f64) -> Option<f64> {

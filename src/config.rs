@@ -13,7 +13,7 @@ mod force;
 mod gpio;
 mod report;
 
-pub use check::{Finding, Severity};
+pub use check::{Finding, LARGEST_ZERO_OHM, Severity};
 pub use force::Force;
 pub use gpio::{Backend, Gpio, Line};
 pub use report::{Report, report};

@@ -3,6 +3,7 @@
 //! For: what a person sees: live lines, tables, files, errors as sentences. Must not know: how anything is measured; the
 //! [`demo`] alone starts an instrument.
 
+mod calibrate;
 pub mod demo;
 mod error;
 mod estimate;
@@ -18,6 +19,7 @@ mod terminal;
 mod text;
 mod watch;
 
+pub use calibrate::CalibrateError;
 pub use error::CtlError;
 
 use crate::check;
@@ -39,6 +41,7 @@ pub fn run(verb: Verb) -> Result<(), CtlError> {
         Verb::Lines(arguments) => lines::run(&arguments),
         Verb::Record(arguments) => record::run(&arguments),
         Verb::Estimate(arguments) => estimate::run(&arguments),
+        Verb::Calibrate(arguments) => calibrate::run(&arguments.by),
     }
 }
 

@@ -80,6 +80,29 @@ pub enum ReplayError {
 /// # Errors
 /// [`ReplayError`] with the line number, or what to do.
 pub fn estimate(text: &str, method: Method, offset: TapeOffset) -> Result<Vec<Estimate>, ReplayError> {
+    replay(text, method, offset, line)
+}
+
+/// The estimates of one channel as they are, ohm: no zero taken off, and below 0 too, where a reading says `short`; a
+/// fault for each discharge that gives none.
+///
+/// # Errors
+/// As [`estimate`].
+pub fn signed_ohm(text: &str, method: Method, id: &str) -> Result<Vec<Result<f64, Fault>>, ReplayError> {
+    let signed = replay(text, method, TapeOffset::OfTape, |estimator, header, channel, entry| {
+        let is_wanted = header.channels[channel].id == id;
+        is_wanted.then(|| estimator.estimate(&entry.record).map(|estimate| estimate.r_ohm.value))
+    })?;
+    Ok(signed.into_iter().flatten().collect())
+}
+
+/// Calibrates with the calibration discharges of a tape, and asks `each` about those of sensors.
+fn replay<T>(
+    text: &str,
+    method: Method,
+    offset: TapeOffset,
+    mut each: impl FnMut(&Estimator, &Header, usize, &Entry) -> T,
+) -> Result<Vec<T>, ReplayError> {
     let (header, entries) = parse(text)?;
     let nodes = nodes_of(method, header.circuit.kind)?;
     let [r1, r2] = header.r_ohm();
@@ -98,7 +121,7 @@ pub fn estimate(text: &str, method: Method, offset: TapeOffset) -> Result<Vec<Es
     let mut estimates = Vec::new();
     for entry in &entries {
         match (entry.record.through.channel(), entry.record.switch) {
-            (Some(channel), _) => estimates.push(line(&estimator, &header, channel, entry)),
+            (Some(channel), _) => estimates.push(each(&estimator, &header, channel, entry)),
             // The calibration in force stays when a discharge is of no use.
             (None, None) => drop(estimator.calibrate(&entry.record)),
             (None, Some(_)) if method == Method::Tracked => drop(estimator.calibrate(&entry.record)),

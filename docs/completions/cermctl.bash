@@ -16,6 +16,9 @@ _cermctl() {
             ",$1")
                 cmd="cermctl"
                 ;;
+            cermctl,calibrate)
+                cmd="cermctl__subcmd__calibrate"
+                ;;
             cermctl,check)
                 cmd="cermctl__subcmd__check"
                 ;;
@@ -42,6 +45,33 @@ _cermctl() {
                 ;;
             cermctl,watch)
                 cmd="cermctl__subcmd__watch"
+                ;;
+            cermctl__subcmd__calibrate,force)
+                cmd="cermctl__subcmd__calibrate__subcmd__force"
+                ;;
+            cermctl__subcmd__calibrate,help)
+                cmd="cermctl__subcmd__calibrate__subcmd__help"
+                ;;
+            cermctl__subcmd__calibrate,reference)
+                cmd="cermctl__subcmd__calibrate__subcmd__reference"
+                ;;
+            cermctl__subcmd__calibrate,zero)
+                cmd="cermctl__subcmd__calibrate__subcmd__zero"
+                ;;
+            cermctl__subcmd__calibrate__subcmd__help,force)
+                cmd="cermctl__subcmd__calibrate__subcmd__help__subcmd__force"
+                ;;
+            cermctl__subcmd__calibrate__subcmd__help,help)
+                cmd="cermctl__subcmd__calibrate__subcmd__help__subcmd__help"
+                ;;
+            cermctl__subcmd__calibrate__subcmd__help,reference)
+                cmd="cermctl__subcmd__calibrate__subcmd__help__subcmd__reference"
+                ;;
+            cermctl__subcmd__calibrate__subcmd__help,zero)
+                cmd="cermctl__subcmd__calibrate__subcmd__help__subcmd__zero"
+                ;;
+            cermctl__subcmd__help,calibrate)
+                cmd="cermctl__subcmd__help__subcmd__calibrate"
                 ;;
             cermctl__subcmd__help,check)
                 cmd="cermctl__subcmd__help__subcmd__check"
@@ -70,6 +100,15 @@ _cermctl() {
             cermctl__subcmd__help,watch)
                 cmd="cermctl__subcmd__help__subcmd__watch"
                 ;;
+            cermctl__subcmd__help__subcmd__calibrate,force)
+                cmd="cermctl__subcmd__help__subcmd__calibrate__subcmd__force"
+                ;;
+            cermctl__subcmd__help__subcmd__calibrate,reference)
+                cmd="cermctl__subcmd__help__subcmd__calibrate__subcmd__reference"
+                ;;
+            cermctl__subcmd__help__subcmd__calibrate,zero)
+                cmd="cermctl__subcmd__help__subcmd__calibrate__subcmd__zero"
+                ;;
             *)
                 ;;
         esac
@@ -77,12 +116,198 @@ _cermctl() {
 
     case "${cmd}" in
         cermctl)
-            opts="-h -V --help --version demo watch get stats check lines record estimate help"
+            opts="-h -V --help --version demo watch get stats check lines record estimate calibrate help"
             if [[ ${cur} == -* || ${COMP_CWORD} -eq 1 ]] ; then
                 COMPREPLY=( $(compgen -W "${opts}" -- "${cur}") )
                 return 0
             fi
             case "${prev}" in
+                *)
+                    COMPREPLY=()
+                    ;;
+            esac
+            COMPREPLY=( $(compgen -W "${opts}" -- "${cur}") )
+            return 0
+            ;;
+        cermctl__subcmd__calibrate)
+            opts="-h --help zero reference force help"
+            if [[ ${cur} == -* || ${COMP_CWORD} -eq 2 ]] ; then
+                COMPREPLY=( $(compgen -W "${opts}" -- "${cur}") )
+                return 0
+            fi
+            case "${prev}" in
+                *)
+                    COMPREPLY=()
+                    ;;
+            esac
+            COMPREPLY=( $(compgen -W "${opts}" -- "${cur}") )
+            return 0
+            ;;
+        cermctl__subcmd__calibrate__subcmd__force)
+            opts="-h --csv --model --plot --count --channel --config --yes --json --socket --help"
+            if [[ ${cur} == -* || ${COMP_CWORD} -eq 3 ]] ; then
+                COMPREPLY=( $(compgen -W "${opts}" -- "${cur}") )
+                return 0
+            fi
+            case "${prev}" in
+                --csv)
+                    COMPREPLY=($(compgen -f "${cur}"))
+                    return 0
+                    ;;
+                --model)
+                    COMPREPLY=($(compgen -W "alpha power table" -- "${cur}"))
+                    return 0
+                    ;;
+                --plot)
+                    COMPREPLY=($(compgen -f "${cur}"))
+                    return 0
+                    ;;
+                --count)
+                    COMPREPLY=($(compgen -f "${cur}"))
+                    return 0
+                    ;;
+                --channel)
+                    COMPREPLY=($(compgen -f "${cur}"))
+                    return 0
+                    ;;
+                --config)
+                    COMPREPLY=($(compgen -f "${cur}"))
+                    return 0
+                    ;;
+                --socket)
+                    COMPREPLY=($(compgen -f "${cur}"))
+                    return 0
+                    ;;
+                *)
+                    COMPREPLY=()
+                    ;;
+            esac
+            COMPREPLY=( $(compgen -W "${opts}" -- "${cur}") )
+            return 0
+            ;;
+        cermctl__subcmd__calibrate__subcmd__help)
+            opts="zero reference force help"
+            if [[ ${cur} == -* || ${COMP_CWORD} -eq 3 ]] ; then
+                COMPREPLY=( $(compgen -W "${opts}" -- "${cur}") )
+                return 0
+            fi
+            case "${prev}" in
+                *)
+                    COMPREPLY=()
+                    ;;
+            esac
+            COMPREPLY=( $(compgen -W "${opts}" -- "${cur}") )
+            return 0
+            ;;
+        cermctl__subcmd__calibrate__subcmd__help__subcmd__force)
+            opts=""
+            if [[ ${cur} == -* || ${COMP_CWORD} -eq 4 ]] ; then
+                COMPREPLY=( $(compgen -W "${opts}" -- "${cur}") )
+                return 0
+            fi
+            case "${prev}" in
+                *)
+                    COMPREPLY=()
+                    ;;
+            esac
+            COMPREPLY=( $(compgen -W "${opts}" -- "${cur}") )
+            return 0
+            ;;
+        cermctl__subcmd__calibrate__subcmd__help__subcmd__help)
+            opts=""
+            if [[ ${cur} == -* || ${COMP_CWORD} -eq 4 ]] ; then
+                COMPREPLY=( $(compgen -W "${opts}" -- "${cur}") )
+                return 0
+            fi
+            case "${prev}" in
+                *)
+                    COMPREPLY=()
+                    ;;
+            esac
+            COMPREPLY=( $(compgen -W "${opts}" -- "${cur}") )
+            return 0
+            ;;
+        cermctl__subcmd__calibrate__subcmd__help__subcmd__reference)
+            opts=""
+            if [[ ${cur} == -* || ${COMP_CWORD} -eq 4 ]] ; then
+                COMPREPLY=( $(compgen -W "${opts}" -- "${cur}") )
+                return 0
+            fi
+            case "${prev}" in
+                *)
+                    COMPREPLY=()
+                    ;;
+            esac
+            COMPREPLY=( $(compgen -W "${opts}" -- "${cur}") )
+            return 0
+            ;;
+        cermctl__subcmd__calibrate__subcmd__help__subcmd__zero)
+            opts=""
+            if [[ ${cur} == -* || ${COMP_CWORD} -eq 4 ]] ; then
+                COMPREPLY=( $(compgen -W "${opts}" -- "${cur}") )
+                return 0
+            fi
+            case "${prev}" in
+                *)
+                    COMPREPLY=()
+                    ;;
+            esac
+            COMPREPLY=( $(compgen -W "${opts}" -- "${cur}") )
+            return 0
+            ;;
+        cermctl__subcmd__calibrate__subcmd__reference)
+            opts="-h --count --channel --config --yes --json --socket --help"
+            if [[ ${cur} == -* || ${COMP_CWORD} -eq 3 ]] ; then
+                COMPREPLY=( $(compgen -W "${opts}" -- "${cur}") )
+                return 0
+            fi
+            case "${prev}" in
+                --count)
+                    COMPREPLY=($(compgen -f "${cur}"))
+                    return 0
+                    ;;
+                --channel)
+                    COMPREPLY=($(compgen -f "${cur}"))
+                    return 0
+                    ;;
+                --config)
+                    COMPREPLY=($(compgen -f "${cur}"))
+                    return 0
+                    ;;
+                --socket)
+                    COMPREPLY=($(compgen -f "${cur}"))
+                    return 0
+                    ;;
+                *)
+                    COMPREPLY=()
+                    ;;
+            esac
+            COMPREPLY=( $(compgen -W "${opts}" -- "${cur}") )
+            return 0
+            ;;
+        cermctl__subcmd__calibrate__subcmd__zero)
+            opts="-h --count --channel --config --yes --json --socket --help"
+            if [[ ${cur} == -* || ${COMP_CWORD} -eq 3 ]] ; then
+                COMPREPLY=( $(compgen -W "${opts}" -- "${cur}") )
+                return 0
+            fi
+            case "${prev}" in
+                --count)
+                    COMPREPLY=($(compgen -f "${cur}"))
+                    return 0
+                    ;;
+                --channel)
+                    COMPREPLY=($(compgen -f "${cur}"))
+                    return 0
+                    ;;
+                --config)
+                    COMPREPLY=($(compgen -f "${cur}"))
+                    return 0
+                    ;;
+                --socket)
+                    COMPREPLY=($(compgen -f "${cur}"))
+                    return 0
+                    ;;
                 *)
                     COMPREPLY=()
                     ;;
@@ -179,8 +404,64 @@ _cermctl() {
             return 0
             ;;
         cermctl__subcmd__help)
-            opts="demo watch get stats check lines record estimate help"
+            opts="demo watch get stats check lines record estimate calibrate help"
             if [[ ${cur} == -* || ${COMP_CWORD} -eq 2 ]] ; then
+                COMPREPLY=( $(compgen -W "${opts}" -- "${cur}") )
+                return 0
+            fi
+            case "${prev}" in
+                *)
+                    COMPREPLY=()
+                    ;;
+            esac
+            COMPREPLY=( $(compgen -W "${opts}" -- "${cur}") )
+            return 0
+            ;;
+        cermctl__subcmd__help__subcmd__calibrate)
+            opts="zero reference force"
+            if [[ ${cur} == -* || ${COMP_CWORD} -eq 3 ]] ; then
+                COMPREPLY=( $(compgen -W "${opts}" -- "${cur}") )
+                return 0
+            fi
+            case "${prev}" in
+                *)
+                    COMPREPLY=()
+                    ;;
+            esac
+            COMPREPLY=( $(compgen -W "${opts}" -- "${cur}") )
+            return 0
+            ;;
+        cermctl__subcmd__help__subcmd__calibrate__subcmd__force)
+            opts=""
+            if [[ ${cur} == -* || ${COMP_CWORD} -eq 4 ]] ; then
+                COMPREPLY=( $(compgen -W "${opts}" -- "${cur}") )
+                return 0
+            fi
+            case "${prev}" in
+                *)
+                    COMPREPLY=()
+                    ;;
+            esac
+            COMPREPLY=( $(compgen -W "${opts}" -- "${cur}") )
+            return 0
+            ;;
+        cermctl__subcmd__help__subcmd__calibrate__subcmd__reference)
+            opts=""
+            if [[ ${cur} == -* || ${COMP_CWORD} -eq 4 ]] ; then
+                COMPREPLY=( $(compgen -W "${opts}" -- "${cur}") )
+                return 0
+            fi
+            case "${prev}" in
+                *)
+                    COMPREPLY=()
+                    ;;
+            esac
+            COMPREPLY=( $(compgen -W "${opts}" -- "${cur}") )
+            return 0
+            ;;
+        cermctl__subcmd__help__subcmd__calibrate__subcmd__zero)
+            opts=""
+            if [[ ${cur} == -* || ${COMP_CWORD} -eq 4 ]] ; then
                 COMPREPLY=( $(compgen -W "${opts}" -- "${cur}") )
                 return 0
             fi

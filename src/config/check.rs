@@ -11,6 +11,8 @@ mod predict;
 mod realtime;
 mod server;
 
+pub use channels::LARGEST_ZERO_OHM;
+
 use super::Config;
 use std::fmt;
 

@@ -3,6 +3,7 @@
 //! For: the last line that a person sees of a verb that failed. Must not know: exit statuses.
 
 use crate::client::ClientError;
+use crate::config::ConfigError;
 use crate::daemon::DaemonError;
 use crate::pins::sim::SceneError;
 use crate::replay::ReplayError;
@@ -51,6 +52,12 @@ pub enum CtlError {
         /// Where and why.
         source: ReplayError,
     },
+    /// A calibration came to nothing.
+    #[error("{0}")]
+    Calibrate(#[from] super::CalibrateError),
+    /// The configuration cannot be read.
+    #[error(transparent)]
+    Config(#[from] ConfigError),
     /// A recording had to end.
     #[error("the recording ends here: {0}")]
     Ended(&'static str),

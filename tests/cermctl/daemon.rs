@@ -76,8 +76,19 @@ impl Daemon {
 
     /// With a change to the configuration.
     pub fn start_with(from: &str, to: &str) -> Daemon {
+        Daemon::start_as((from, to), &[])
+    }
+
+    /// With changes to the scene.
+    #[allow(dead_code, reason = "not every test changes the scene")]
+    pub fn start_in_scene(changes: &[(&str, &str)]) -> Daemon {
+        Daemon::start_as(("", ""), changes)
+    }
+
+    fn start_as((from, to): (&str, &str), changes: &[(&str, &str)]) -> Daemon {
         let mut daemon = Daemon { folder: tempfile::tempdir().unwrap(), child: None };
-        fs::write(daemon.path("scene.toml"), SCENE).unwrap();
+        let scene = changes.iter().fold(SCENE.to_owned(), |scene, (from, to)| scene.replacen(from, to, 1));
+        fs::write(daemon.path("scene.toml"), scene).unwrap();
         let config = CONFIG.replace("SOCKET", daemon.socket().to_str().unwrap()).replacen(from, to, 1);
         fs::write(daemon.path("cermd.toml"), config).unwrap();
         daemon.run();

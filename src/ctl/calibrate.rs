@@ -1,0 +1,139 @@
+//! `cermctl calibrate`: the zero and the characteristic of a sensor, measured and put into the configuration.
+//!
+//! For: asking before anything is changed, and saying what was found. Must not know: equations, or the format of tapes.
+
+mod edit;
+mod force;
+mod pairs;
+mod plot;
+mod zero;
+
+use super::{CtlError, print};
+use crate::cli::{CalibrateBy, Update};
+use crate::config::Config;
+use crate::fit::FitError;
+use edit::Value;
+use std::io::{self, BufRead, IsTerminal};
+use std::path::PathBuf;
+
+/// Why a calibration came to nothing. The configuration is as it was.
+#[derive(Debug, thiserror::Error)]
+pub enum CalibrateError {
+    /// Which channel?
+    #[error("there are several channels: name one with --channel; there is {}", .0.join(", "))]
+    WhichChannel(Vec<String>),
+    /// Too few discharges gave a number.
+    #[error("only {numbers} of {discharges} discharges gave a number{}; is the {part} in the sensor's place?", .fault.map(|fault| format!(" (the last fault: {fault})")).unwrap_or_default())]
+    FewNumbers {
+        /// How many did.
+        numbers: usize,
+        /// Of how many.
+        discharges: usize,
+        /// Of the last one that did not.
+        fault: Option<&'static str>,
+        /// What should be in the sensor's place.
+        part: &'static str,
+    },
+    /// That is no short circuit.
+    #[error(
+        "a zero of {zero_ohm:.1} ohm is more than two pins can differ by; is the {part} in the sensor's place?"
+    )]
+    NoZero {
+        /// What was found.
+        zero_ohm: f64,
+        /// What should be in the sensor's place.
+        part: &'static str,
+    },
+    /// Nothing comes.
+    #[error("cermd sends no {0}; `cermctl stats` tells whether the instrument measures")]
+    Silent(&'static str),
+    /// A line of pairs is wrong.
+    #[error("{origin}, line {line}: {reason}")]
+    Pair {
+        /// The file, or standard input.
+        origin: String,
+        /// Counted from 1.
+        line: usize,
+        /// What, and what to do.
+        reason: String,
+    },
+    /// The pairs cannot be fitted.
+    #[error(transparent)]
+    Fit(#[from] FitError),
+    /// The file is no TOML, or not as we know it.
+    #[error("{}: {reason}; nothing was changed", path.display())]
+    Edit {
+        /// The configuration file.
+        path: PathBuf,
+        /// What is in the way.
+        reason: String,
+    },
+    /// With the new value the configuration cannot be used.
+    #[error("nothing was changed, for the configuration would not be usable:\n{0}")]
+    Unusable(String),
+}
+
+/// Calibrates.
+pub fn run(by: &CalibrateBy) -> Result<(), CtlError> {
+    match by {
+        CalibrateBy::Zero(arguments) => zero::run(arguments, 0.0),
+        CalibrateBy::Reference(arguments) => zero::run(&arguments.zero, arguments.ohm),
+        CalibrateBy::Force(arguments) => force::run(arguments),
+    }
+}
+
+/// What is calibrated: a channel of a configuration that is usable as it is.
+struct Target<'a> {
+    update: &'a Update,
+    config: Config,
+    id: String,
+}
+
+impl<'a> Target<'a> {
+    fn new(update: &'a Update) -> Result<Target<'a>, CtlError> {
+        let config = Config::load(&update.config)?;
+        let known: Vec<String> = config.channels.iter().map(|channel| channel.id.clone()).collect();
+        let id = match (&update.channel, known.as_slice()) {
+            (Some(id), known) if known.contains(id) => id.clone(),
+            (Some(id), _) => return Err(CtlError::NoChannel { wanted: id.clone(), known }),
+            (None, [only]) => only.clone(),
+            (None, _) => return Err(CalibrateError::WhichChannel(known).into()),
+        };
+        Ok(Target { update, config, id })
+    }
+
+    /// For people on standard output, unless that is for a machine.
+    fn say(&self, text: &str) -> Result<(), CtlError> {
+        if self.update.json { Ok(()) } else { print(&format!("{text}\n")) }
+    }
+
+    /// Asks, and puts a value into the configuration after a yes. Prints `result` with what was done for a machine.
+    fn offer(&self, value: &Value, mut result: serde_json::Value) -> Result<(), CtlError> {
+        let path = self.update.config.display();
+        let is_wanted = self.update.yes || ask(&format!("write to {path}? [y/N] "))?;
+        result["updated"] = is_wanted.into();
+        if is_wanted {
+            let kept = edit::update(&self.update.config, &self.id, value)?;
+            result["kept"] = kept.display().to_string().into();
+            self.say(&format!("{path} is updated; as it was, it is {}", kept.display()))?;
+            self.say("cermd takes it over at: systemctl reload cermd")?;
+        } else {
+            self.say(&format!("{path} is as it was"))?;
+        }
+        if self.update.json { print(&format!("{result}\n")) } else { Ok(()) }
+    }
+}
+
+/// Whether the next line of standard input is a yes; its end is a no. The question goes to standard error, because
+/// standard output may be for a machine.
+fn ask(question: &str) -> Result<bool, CtlError> {
+    eprint!("{question}");
+    let mut answer = String::new();
+    io::stdin().lock().read_line(&mut answer).map_err(|error| CtlError::System("standard input", error))?;
+    if !io::stdin().is_terminal() {
+        eprintln!();
+    }
+    // Without its newline it was cut off.
+    let is_whole = answer.ends_with('\n');
+    Ok(is_whole && matches!(answer.trim().to_ascii_lowercase().as_str(), "y" | "yes"))
+}

@@ -1,0 +1,209 @@
+//! One value of a configuration file, changed in place.
+//!
+//! For: an edit that leaves every other byte, is checked before it counts, and is undone by the copy that is kept. Must
+//! not know: where the value comes from.
+
+use super::{CalibrateError, CtlError};
+use crate::check;
+use crate::fit::{Fit, Pair};
+use crate::units::{Newton, NewtonOhm};
+use crate::wire::UnixTime;
+use nix::time::{ClockId, clock_gettime};
+use std::fs::{self, File};
+use std::io::{self, Write};
+use std::os::unix::fs::{MetadataExt, chown};
+use std::path::{Path, PathBuf};
+use toml_edit::{DocumentMut, InlineTable, Item, TableLike};
+
+/// What is put into the configuration.
+#[derive(Debug)]
+pub enum Value {
+    /// `zero-ohm`.
+    ZeroOhm(f64),
+    /// `force`; a table becomes a file beside the configuration.
+    Force(Fit, Vec<Pair>),
+}
+
+/// Changes a channel of the file, and gives the path of the file as it was.
+///
+/// # Errors
+/// Then the file is as it was.
+pub fn update(path: &Path, id: &str, value: &Value) -> Result<PathBuf, CtlError> {
+    // A link stays one.
+    let real = fs::canonicalize(path).map_err(file_error(path))?;
+    let folder = real.parent().unwrap_or(Path::new("/"));
+    let text = fs::read_to_string(&real).map_err(file_error(&real))?;
+    let stamp = stamp();
+    let table_name = format!("force-{}-{stamp}.csv", file_name(id));
+    let edited = edit(&text, id, value, &table_name)
+        .map_err(|reason| CalibrateError::Edit { path: path.to_owned(), reason })?;
+    let table = match value {
+        Value::Force(Fit::Table(_), pairs) => Some((folder.join(table_name), csv(pairs))),
+        _ => None,
+    };
+    if let Some((path, text)) = &table {
+        let mut file = File::create_new(path).map_err(file_error(path))?;
+        file.write_all(text.as_bytes()).and_then(|()| file.sync_all()).map_err(file_error(path))?;
+    }
+    let outcome = replace(&real, &edited, &stamp);
+    if let (Err(_), Some((path, _))) = (&outcome, &table) {
+        let _ = fs::remove_file(path);
+    }
+    outcome
+}
+
+/// Writes beside, checks, keeps the old file, renames.
+fn replace(path: &Path, text: &str, stamp: &str) -> Result<PathBuf, CtlError> {
+    let folder = path.parent().unwrap_or(Path::new("/"));
+    let failed = file_error(path);
+    let mut new = tempfile::Builder::new()
+        .prefix(".cermd-")
+        .suffix(".toml")
+        .tempfile_in(folder)
+        .map_err(file_error(folder))?;
+    new.write_all(text.as_bytes()).and_then(|()| new.as_file().sync_all()).map_err(&failed)?;
+    let report = check::check(new.path());
+    if !report.is_usable() {
+        let text = report.to_string();
+        let errors: Vec<&str> = text.lines().filter(|line| line.starts_with("error:")).collect();
+        return Err(CalibrateError::Unusable(errors.join("\n")).into());
+    }
+    let old = fs::metadata(path).map_err(&failed)?;
+    // Only root can give files away; for others the file becomes their own, as with any editor.
+    let _ = chown(new.path(), Some(old.uid()), Some(old.gid()));
+    new.as_file().set_permissions(old.permissions()).map_err(&failed)?;
+    let mut kept = path.as_os_str().to_owned();
+    kept.push(format!(".bak-{stamp}"));
+    let kept = PathBuf::from(kept);
+    fs::hard_link(path, &kept).map_err(file_error(&kept))?;
+    new.persist(path).map_err(|error| failed(error.error))?;
+    File::open(folder).and_then(|folder| folder.sync_all()).map_err(file_error(folder))?;
+    Ok(kept)
+}
+
+/// The text with one value changed.
+fn edit(text: &str, id: &str, value: &Value, table_name: &str) -> Result<String, String> {
+    let mut document: DocumentMut = text.parse().map_err(|error| format!("{error}"))?;
+    let channels = document.get_mut("channel").ok_or("there is no [[channel]]")?;
+    let channel = find(channels, id).ok_or_else(|| format!("there is no [[channel]] with id = \"{id}\""))?;
+    match value {
+        Value::ZeroOhm(ohm) => set(channel, "zero-ohm", rounded(*ohm, 4).into()),
+        Value::Force(fit, _) => set(channel, "force", characteristic(fit, table_name).into()),
+    }
+    Ok(document.to_string())
+}
+
+fn find<'a>(channels: &'a mut Item, id: &str) -> Option<&'a mut dyn TableLike> {
+    let is_it = |table: &dyn TableLike| table.get("id").and_then(Item::as_str) == Some(id);
+    match channels {
+        Item::ArrayOfTables(tables) => {
+            tables.iter_mut().find(|table| is_it(*table)).map(|table| table as &mut dyn TableLike)
+        }
+        Item::Value(toml_edit::Value::Array(array)) => array
+            .iter_mut()
+            .filter_map(toml_edit::Value::as_inline_table_mut)
+            .find(|table| is_it(*table))
+            .map(|table| table as &mut dyn TableLike),
+        _ => None,
+    }
+}
+
+/// A value that was there keeps the blanks and the comment around it.
+fn set(table: &mut dyn TableLike, key: &str, mut new: toml_edit::Value) {
+    match table.get_mut(key) {
+        Some(Item::Value(old)) => {
+            *new.decor_mut() = old.decor().clone();
+            *old = new;
+        }
+        _ => {
+            table.remove(key);
+            table.insert(key, Item::Value(new));
+        }
+    }
+}
+
+fn characteristic(fit: &Fit, table_name: &str) -> InlineTable {
+    let mut table = InlineTable::new();
+    match fit {
+        Fit::Alpha { alpha } => {
+            table.insert("alpha", NewtonOhm(rounded(alpha.value, 2)).to_string().into());
+        }
+        Fit::Power { at_1_kohm, exponent } => {
+            table.insert("at-1-kohm", Newton(rounded(at_1_kohm.value, 6)).to_string().into());
+            table.insert("exponent", rounded(exponent.value, 6).into());
+        }
+        Fit::Table(_) => {
+            table.insert("table", table_name.into());
+        }
+    }
+    table
+}
+
+/// What is written, to so many decimal places: far below what a sensor repeats to.
+fn rounded(value: f64, places: i32) -> f64 {
+    let scale = 10f64.powi(places);
+    (value * scale).round() / scale
+}
+
+fn csv(pairs: &[Pair]) -> String {
+    let rows = pairs.iter().map(|pair| format!("{},{}\n", pair.f_n, pair.r_ohm));
+    std::iter::once("force_n,r_ohm\n".to_owned()).chain(rows).collect()
+}
+
+/// A channel's id as part of a file name.
+fn file_name(id: &str) -> String {
+    id.chars().map(|c| if c.is_ascii_alphanumeric() { c } else { '_' }).collect()
+}
+
+/// Now, as part of a file name: `20261121T034000Z`.
+fn stamp() -> String {
+    let now = clock_gettime(ClockId::CLOCK_REALTIME).map_or(0, |now| now.tv_sec());
+    let text = UnixTime(now * 1_000_000_000).to_string();
+    let to_seconds: String = text.chars().take(19).filter(char::is_ascii_alphanumeric).collect();
+    to_seconds + "Z"
+}
+
+fn file_error(path: &Path) -> impl Fn(io::Error) -> CtlError {
+    let path = path.to_owned();
+    move |source| CtlError::File { path: path.clone(), source }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::reading::Measured;
+
+    const TEXT: &str = "# mine\n[circuit]  # parts\nc-a = \"2.2 uF\"\n\n[[channel]]\nid = \"thumb\"   # left\n\
+        zero-ohm =  1.5  # measured in May\nforce = { alpha = \"1 N ohm\" }\n# the end of thumb\n\n[[channel]]\n\
+        id = \"index\"\nsink = 5\n\n# served here\n[server]\nmode = \"0660\" # group\n";
+
+    fn alpha(value: f64) -> Value {
+        Value::Force(Fit::Alpha { alpha: Measured { value, u: None } }, Vec::new())
+    }
+
+    #[test]
+    fn every_other_byte_stays() {
+        let edited = |id, value| edit(TEXT, id, &value, "t.csv").unwrap();
+        assert_eq!(edited("thumb", Value::ZeroOhm(-0.12344)), TEXT.replace("1.5", "-0.1234"));
+        assert_eq!(
+            edited("thumb", alpha(2.0)),
+            TEXT.replace("1 N ohm", "2 N ohm").replace("{ alpha", "{ alpha")
+        );
+        let inserted = TEXT.replace("sink = 5\n", "sink = 5\nzero-ohm = 2.0\n");
+        assert_eq!(edited("index", Value::ZeroOhm(2.0)), inserted);
+        let inserted = TEXT.replace("sink = 5\n", "sink = 5\nforce = { alpha = \"13.34646 kN ohm\" }\n");
+        assert_eq!(edited("index", alpha(13_346.46)), inserted);
+    }
+
+    #[test]
+    fn other_ways_to_write_a_channel_are_known() {
+        let value = Value::ZeroOhm(2.0);
+        let inline = "channel = [{ id = \"a\" }, { id = \"b\", zero-ohm = 1 }] # two\n";
+        assert_eq!(edit(inline, "b", &value, "").unwrap(), inline.replace("= 1", "= 2.0"));
+        let nested = "[[channel]]\nid = \"a\"\n[channel.force]\nalpha = \"1 N ohm\"\n[server]\n";
+        let edited = edit(nested, "a", &alpha(3.0), "").unwrap();
+        assert_eq!(edited, "[[channel]]\nid = \"a\"\nforce = { alpha = \"3 N ohm\" }\n[server]\n");
+        assert!(edit(inline, "c", &value, "").unwrap_err().contains("id = \"c\""));
+        assert!(edit("a = 1", "c", &value, "").is_err() && edit("a = ", "c", &value, "").is_err());
+    }
+}

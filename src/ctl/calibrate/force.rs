@@ -1,0 +1,205 @@
+//! `cermctl calibrate force`: how the resistance of a sensor becomes a force, from weights.
+//!
+//! For: pairs from a file, from the keyboard, or measured while weights lie on the sensor; the fit, and how well it fits.
+//! Must not know: least squares, or how the configuration is changed.
+
+use super::pairs::{self, Line};
+use super::zero::until;
+use super::{CalibrateError, CtlError, Target, Value, plot};
+use crate::circuit::Circuit;
+use crate::cli::{Force, Model};
+use crate::ctl::stream::Stream;
+use crate::ctl::text::measured;
+use crate::fit::{self, Fit, Pair};
+use crate::wire::{ReadingLine, ServerMessage, StatusName};
+use std::fmt::Write;
+use std::fs;
+use std::io::{self, BufRead};
+
+/// Columns of the bar that stands for the greatest residual, to either side.
+const BAR: usize = 12;
+
+/// Fits, shows, and asks.
+pub fn run(arguments: &Force) -> Result<(), CtlError> {
+    let target = Target::new(&arguments.update)?;
+    let pairs = match &arguments.csv {
+        Some(path) => {
+            let text =
+                fs::read_to_string(path).map_err(|source| CtlError::File { path: path.clone(), source })?;
+            pairs::of_csv(&text, &path.display().to_string())?
+        }
+        None => typed(&target, arguments)?,
+    };
+    let fit = match arguments.model {
+        Model::Alpha => fit::alpha(&pairs),
+        Model::Power => fit::power(&pairs),
+        Model::Table => fit::table(&pairs),
+    };
+    let fit = fit.map_err(CalibrateError::from)?;
+    target.say(&report(&fit, &pairs, &target.config.circuit))?;
+    if let Some(path) = &arguments.plot {
+        let file_error = |source| CtlError::File { path: path.clone(), source };
+        fs::write(path, plot::svg(&fit, &pairs, &target.id)).map_err(file_error)?;
+        target.say(&format!("plot: {}", path.display()))?;
+    }
+    let result = json(&fit, &pairs, &target);
+    target.offer(&Value::Force(fit, pairs), result)
+}
+
+/// Pairs from standard input, up to an empty line. Its end without one may be a line that was cut off: no pairs.
+fn typed(target: &Target, arguments: &Force) -> Result<Vec<Pair>, CtlError> {
+    eprintln!("Put a weight on the sensor, wait until it rests, then type it: \"1.2 N\" or \"120 g\".");
+    eprintln!("With a resistance behind it (\"1.2 N, 11122 ohm\") nothing is measured. An empty line ends.");
+    let mut pairs = Vec::new();
+    for number in 1.. {
+        eprint!("weight {}: ", pairs.len() + 1);
+        let mut text = String::new();
+        let read = io::stdin().lock().read_line(&mut text);
+        read.map_err(|error| CtlError::System("standard input", error))?;
+        let wrong = |reason: &str| {
+            let origin = "standard input".to_owned();
+            CalibrateError::Pair { origin, line: number, reason: reason.to_owned() }
+        };
+        if !text.ends_with('\n') {
+            eprintln!();
+            return Err(wrong("the input ends before the empty line that ends the weights").into());
+        }
+        if text.trim().is_empty() {
+            break;
+        }
+        let pair = match pairs::parse(text.trim()) {
+            Ok(Line::Pair(pair)) => pair,
+            Ok(Line::Force(f_n)) => match measure(target, arguments)? {
+                Ok(r_ohm) => Pair { f_n, r_ohm },
+                Err(reason) => {
+                    eprintln!("not taken: {reason}");
+                    continue;
+                }
+            },
+            // Somebody at the keyboard types it again; a script does not know that it has to.
+            Err(reason) if io::IsTerminal::is_terminal(&io::stdin()) => {
+                eprintln!("not taken: {reason}");
+                continue;
+            }
+            Err(reason) => return Err(wrong(&reason).into()),
+        };
+        pairs.push(pair);
+    }
+    Ok(pairs)
+}
+
+/// The mean of the next readings, ohm; or why there is none.
+fn measure(target: &Target, arguments: &Force) -> Result<Result<f64, String>, CtlError> {
+    let channels = [target.id.clone()];
+    // Anew for each weight: readings that were waiting are of the weight before.
+    let mut stream = Stream::connect(&arguments.connection.socket, &channels)?;
+    let mut numbers = Vec::new();
+    let mut others = 0;
+    let wanted = arguments.count as usize;
+    let mut take = |reading: &ReadingLine| match (reading.status, reading.r_ohm) {
+        (StatusName::Ok, Some(r_ohm)) => {
+            numbers.push(r_ohm);
+            (numbers.len() >= wanted).then_some(Ok(()))
+        }
+        _ => {
+            others += 1;
+            (others > wanted).then(|| Err(format!("the sensor reads {}", said(reading))))
+        }
+    };
+    let outcome = until(&mut stream, "reading", |message| {
+        Ok(match message {
+            ServerMessage::Reading(reading) if reading.channel == target.id => take(reading),
+            _ => None,
+        })
+    })?;
+    if let Err(reason) = outcome {
+        return Ok(Err(reason));
+    }
+    let mean = fit::mean(&numbers);
+    if let Some(mean) = mean {
+        eprintln!("  {}", measured(mean.value, mean.u, "ohm", false));
+    }
+    Ok(mean.map(|mean| mean.value).filter(|r_ohm| *r_ohm > 0.0).ok_or_else(|| "no reading".to_owned()))
+}
+
+fn said(reading: &ReadingLine) -> String {
+    match (&reading.fault, reading.status) {
+        (Some(fault), _) => format!("fault {fault}"),
+        (None, StatusName::Open) => "open: is there a weight on it, and is it connected?".to_owned(),
+        (None, _) => "short: is there a short circuit in its place?".to_owned(),
+    }
+}
+
+/// The forces at Rc1 and Rc2, newton; `None` where the characteristic gives none.
+fn at_resistors(fit: &Fit, circuit: &Circuit) -> [Option<f64>; 2] {
+    [circuit.r_c1.0, circuit.r_c2.0].map(|r_ohm| fit.force().at_bound(r_ohm))
+}
+
+/// What was fitted, and by how much each pair is off, with a bar to the side that it is off to.
+fn report(fit: &Fit, pairs: &[Pair], circuit: &Circuit) -> String {
+    let mut text = "   force      resistance        fit    residual\n".to_owned();
+    let largest = pairs.iter().map(|&pair| fit.residual(pair).abs()).fold(1e-6, f64::max);
+    for &pair in pairs {
+        let residual = fit.residual(pair);
+        let bar = "#".repeat((residual.abs() / largest * BAR as f64).round() as usize);
+        let (left, right) = if residual < 0.0 { (bar, String::new()) } else { (String::new(), bar) };
+        let row = format!(
+            "{:>8.4} N {:>11.2} ohm {:>10.2} {:>+9.2} %  {left:>BAR$}|{right}",
+            pair.f_n,
+            pair.r_ohm,
+            fit.r_ohm(pair),
+            100.0 * residual
+        );
+        let _ = writeln!(text, "{}", row.trim_end());
+    }
+    let _ = match fit {
+        Fit::Alpha { alpha } => {
+            writeln!(text, "R = alpha / F    alpha = {}", measured(alpha.value, alpha.u, "N ohm", false))
+        }
+        Fit::Power { at_1_kohm, exponent } => writeln!(
+            text,
+            "F = F_1k (R / 1 kohm)^-p    F_1k = {}, p = {}",
+            measured(at_1_kohm.value, at_1_kohm.u, "N", false),
+            measured(exponent.value, exponent.u, "", false).trim_end()
+        ),
+        Fit::Table(_) => writeln!(text, "table of {} pairs; no force outside them", pairs.len()),
+    };
+    let names = ["F_c1", "F_c2"].into_iter().zip(["Rc1", "Rc2"]);
+    for ((force, resistor), f_n) in names.zip(at_resistors(fit, circuit)) {
+        let f_n = f_n.map_or("outside the table".to_owned(), |f_n| format!("{f_n:.2} N"));
+        let _ = writeln!(text, "{force} = {f_n} (at {resistor})");
+    }
+    let _ = write!(text, "relative rms of the residuals: {:.2} %", 100.0 * fit.relative_rms(pairs));
+    text
+}
+
+/// The same for a machine; what is not known is absent.
+fn json(fit: &Fit, pairs: &[Pair], target: &Target) -> serde_json::Value {
+    let rows: Vec<serde_json::Value> = pairs
+        .iter()
+        .map(|&pair| serde_json::json!({ "f_n": pair.f_n, "r_ohm": pair.r_ohm, "residual": fit.residual(pair) }))
+        .collect();
+    let mut result = serde_json::json!({
+        "class": "FORCE", "channel": target.id, "relative_rms": fit.relative_rms(pairs), "pairs": rows,
+    });
+    let [fc1_n, fc2_n] = at_resistors(fit, &target.config.circuit);
+    let mut fields = vec![("fc1_n", fc1_n), ("fc2_n", fc2_n)];
+    match fit {
+        Fit::Alpha { alpha } => {
+            fields.extend([("alpha_n_ohm", Some(alpha.value)), ("alpha_u_n_ohm", alpha.u)]);
+        }
+        Fit::Power { at_1_kohm, exponent } => fields.extend([
+            ("at_1_kohm_n", Some(at_1_kohm.value)),
+            ("at_1_kohm_u_n", at_1_kohm.u),
+            ("exponent", Some(exponent.value)),
+            ("exponent_u", exponent.u),
+        ]),
+        Fit::Table(_) => {}
+    }
+    for (key, value) in fields {
+        if let Some(value) = value {
+            result[key] = value.into();
+        }
+    }
+    result
+}
