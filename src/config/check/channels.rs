@@ -6,7 +6,7 @@ use crate::pins::MAX_CHANNELS;
 
 /// The longest name of a channel, bytes: the first line that a client gets has to hold all of them.
 const LONGEST_ID: usize = 64;
-/// Beyond this a zero is not the difference of two pins, ohm.
+/// Beyond this a zero is neither the difference of two pins nor a resistor that limits the sensor's current, ohm.
 pub const LARGEST_ZERO_OHM: f64 = 500.0;
 
 /// The name of a channel's key: by the channel's id, or by its number (from 1) where the id is unfit to print.
