@@ -94,6 +94,7 @@ fn neither_do_faults_and_outliers() {
         let mut instrument = Instrument::new(pins, settings);
         assert_eq!(allocations(&mut instrument, 5000), 0, "{}", method.as_str());
         let stats = instrument.stats();
-        assert!(stats.faults.iter().sum::<u64>() > 100 && stats.retried > 100, "{stats:?}");
+        // There was something to trip over; a tracked calibration has fewer discharges that could be taken again.
+        assert!(stats.faults.iter().sum::<u64>() > 100 && stats.retried > 50, "{stats:?}");
     }
 }
