@@ -200,8 +200,14 @@ impl Cycle {
     fn calibrated(&mut self, kind: Kind, outcome: &Outcome) {
         let tracks = self.estimator.tracker().is_some();
         let result = outcome.result.and_then(|record| self.estimator.calibrate(&record));
-        let is_spike = matches!(result, Err(Fault::LatencyOutlier | Fault::CalibrationStep));
+        let is_spike = result == Err(Fault::LatencyOutlier);
         // A tracked calibration can do without one of its discharges, and knows what it does not know.
+        // After a step there is no tracked calibration any more: this cycle's readings have none at all.
+        let is_step = result == Err(Fault::CalibrationStep);
+        if is_step {
+            self.fail(Fault::CalibrationStep);
+            return;
+        }
         if result.is_ok() || (is_spike && tracks) || (kind == Kind::Split && !tracks) {
             self.retries = 0;
             self.calibrations += 1;

@@ -5,7 +5,7 @@
 //!
 //! The state walks at random (process noise per root second) and is observed by plain and split calibration discharges
 //! through the [law](crate::law). Innovations beyond the gate are rejected and counted; several in a row are a step, and
-//! the covariance is opened again. The noise of crossings is learned from the calibration discharges themselves
+//! everything is found again from the beginning. The noise of crossings is learned from the calibration discharges themselves
 //! ([`Noise`]); how fast g drifts is learned from the innovations: their normalised square is 1 on average when the walk is
 //! as fast as the state.
 
@@ -81,6 +81,7 @@ pub struct Counts {
 pub struct Tracker {
     r_ohm: [f64; 2],
     nodes: usize,
+    resolution_ns: f64,
     noise: Noise,
     state: State,
     covariance: Matrix,
@@ -101,6 +102,7 @@ impl Tracker {
         Tracker {
             r_ohm,
             nodes,
+            resolution_ns,
             noise: Noise::new(resolution_ns),
             state: [0.0; 4],
             covariance: [[0.0; 4]; 4],
@@ -144,6 +146,11 @@ impl Tracker {
     /// Calibration discharges used and rejected.
     pub fn counts(&self) -> Counts {
         self.counts
+    }
+
+    /// Whether the last calibration discharge was rejected.
+    pub fn is_doubted(&self) -> bool {
+        self.rejected_in_row > 0
     }
 
     /// An upper bound of the scatter of a switch's instant, ns; `None` until there is one.
@@ -257,10 +264,9 @@ impl Tracker {
         if self.rejected_in_row < STEP {
             return Err(Fault::LatencyOutlier);
         }
-        self.rejected_in_row = 0;
-        self.counts.steps += 1;
-        self.open();
-        self.correct(record, times);
+        // Nothing of the old state may bias the new one: how far a step went is not known.
+        let counts = Counts { steps: self.counts.steps + 1, ..self.counts };
+        *self = Tracker { counts, ..Tracker::new(self.r_ohm, self.nodes, self.resolution_ns) };
         Err(Fault::CalibrationStep)
     }
 

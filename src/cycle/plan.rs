@@ -169,7 +169,7 @@ impl Cycle {
             Some(worst) => (worst.0, share(&worst) > SHARE),
             None => (self.estimator.foresee(self.settings.r_ohm[0], None, 0.0)?.by_state, false),
         };
-        let is_doubted = self.memory.iter().any(|memory| memory.outliers >= DOUBT);
+        let is_doubted = tracker.is_doubted() || self.memory.iter().any(|memory| memory.outliers >= DOUBT);
         if !is_due && !is_doubted && self.idle_cycles < LONGEST_IDLE {
             return None;
         }

@@ -55,14 +55,16 @@ const DEFECTS: [Defect; 12] = [
     Defect {
         name: "20 kohm of leakage at node A",
         change: |c| c.sense[0].to_ground = 1.0 / 20e3,
-        unnoticed: &[],
-        why: "",
+        unnoticed: &Method::ALL,
+        why: "a path of its own at node A makes the time of a discharge depend on R in another way; through two known resistors \
+              that cannot be told from other capacitors. A known resistor in the sensor's place shows it. The tracked calibration \
+              counts a step when it comes.",
     },
     Defect {
         name: "pull-up of 50 kohm left on at A and B",
         change: |c| c.sense.iter_mut().for_each(|sense| sense.to_v_dd = 1.0 / 50e3),
-        unnoticed: &[],
-        why: "",
+        unnoticed: &[Method::Tpcm, Method::Qerm],
+        why: "as with leakage. With two capacitors it is noticed: node B does not fall to its threshold any more.",
     },
     Defect { name: "V_DD 20 % low", change: |c| c.v_dd *= 0.8, unnoticed: &[], why: "" },
     Defect {
@@ -92,8 +94,10 @@ impl Said {
     fn add(&mut self, reading: &Reading, truth: f64) {
         let name = match reading.status {
             Status::Ok { r_ohm, .. } => {
-                let far = (r_ohm.value - truth).abs();
-                let wrong = far > WRONG.0 * r_ohm.u.unwrap_or(f64::INFINITY) && far > WRONG.1 * truth;
+                // In conductance, so that an open circuit is a truth, too.
+                let away = (1.0 / r_ohm.value - 1.0 / truth).abs() * r_ohm.value;
+                let u = r_ohm.u.unwrap_or(f64::INFINITY) / r_ohm.value;
+                let wrong = away > WRONG.0 * u && away > WRONG.1;
                 self.wrong += usize::from(wrong);
                 if wrong { "wrong number".to_owned() } else { "ok".to_owned() }
             }
@@ -163,7 +167,7 @@ fn examine(defect: &Defect, method: Method) -> (String, Option<String>) {
     if is_unnoticed != defect.unnoticed.contains(&method) {
         write!(wrong, "wrong {} of {}, {} before that; ", ill.wrong, ill.readings, noticing.wrong).unwrap();
     }
-    if cured.wrong > 0 || cured.names.get("ok").is_none_or(|ok| *ok * 20 < AFTER * 19) {
+    if cured.wrong * 50 > AFTER || cured.names.get("ok").is_none_or(|ok| *ok * 20 < AFTER * 19) {
         write!(wrong, "does not recover: {:?}; ", cured.names).unwrap();
     }
     if longest > Some(bound.0) {
