@@ -5,6 +5,8 @@
 #![allow(clippy::unwrap_used, clippy::panic, reason = "a test that cannot be set up fails")]
 
 mod common;
+#[path = "stability/failures.rs"]
+mod failures;
 #[path = "stability/states.rs"]
 mod states;
 

@@ -94,8 +94,8 @@ impl Said {
     fn add(&mut self, reading: &Reading, truth: f64) {
         let name = match reading.status {
             Status::Ok { r_ohm, .. } => {
-                // In conductance, so that an open circuit is a truth, too.
-                let away = (1.0 / r_ohm.value - 1.0 / truth).abs() * r_ohm.value;
+                // Any number of ohms is infinitely far from an open circuit, and all of itself in conductance.
+                let away = if truth.is_finite() { (r_ohm.value - truth).abs() / r_ohm.value } else { 1.0 };
                 let u = r_ohm.u.unwrap_or(f64::INFINITY) / r_ohm.value;
                 let wrong = away > WRONG.0 * u && away > WRONG.1;
                 self.wrong += usize::from(wrong);
