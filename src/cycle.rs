@@ -32,6 +32,8 @@ use plan::Memory;
 
 /// A calibration discharge that came to nothing is taken again so many times.
 const RETRIES: u32 = 2;
+/// Calibration discharges of one cycle at the most: of each kind, each of them taken again.
+pub const MOST_CALIBRATIONS: u32 = 3 * (RETRIES + 1);
 /// Rounds of split calibration after which the offset is put in force, and again after each so many further ones.
 const ROUNDS: usize = 64;
 /// Rounds that the offset is the mean of, when there have been that many.
@@ -198,8 +200,14 @@ impl Cycle {
     fn calibrated(&mut self, kind: Kind, outcome: &Outcome) {
         let tracks = self.estimator.tracker().is_some();
         let result = outcome.result.and_then(|record| self.estimator.calibrate(&record));
-        let is_spike = matches!(result, Err(Fault::LatencyOutlier | Fault::CalibrationStep));
+        let is_spike = result == Err(Fault::LatencyOutlier);
         // A tracked calibration can do without one of its discharges, and knows what it does not know.
+        // After a step there is no tracked calibration any more: this cycle's readings have none at all.
+        let is_step = result == Err(Fault::CalibrationStep);
+        if is_step {
+            self.fail(Fault::CalibrationStep);
+            return;
+        }
         if result.is_ok() || (is_spike && tracks) || (kind == Kind::Split && !tracks) {
             self.retries = 0;
             self.calibrations += 1;
@@ -264,8 +272,10 @@ impl Cycle {
     }
 }
 
-/// The middle of a discharge.
+/// The middle of the part of a discharge that ran through the sensor: what R_x was then is the reading, if it changes
+/// steadily.
 fn middle_of(record: &Record) -> Nanos {
     let end = record.b_ns.or(record.a_ns).unwrap_or(record.waited_ns);
+    let end = record.switch.map_or(end, |switch| switch.at_ns.min(end));
     record.start + Nanos((end / 2.0) as i64)
 }

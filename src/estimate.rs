@@ -348,11 +348,11 @@ impl Estimator {
         (r_ohm.is_finite() && r_ohm > 0.0).then_some(r_ohm)
     }
 
-    /// The lower bound of a resistance that a discharge finished at its deadline cannot tell from an open circuit.
+    /// The lower bound of a resistance that a discharge finished through R_1 or R_2 cannot tell from an open circuit.
     fn beyond(&self, record: &Record) -> Option<f64> {
         let tracker = self.tracker().filter(|_| self.method == Method::Tracked)?;
         let observed = self.observed(record).ok()?;
-        let (switch, _) = observed.switch.filter(|(switch, _)| switch.to == Through::C1)?;
+        let (switch, _) = observed.switch?;
         let last_ns = self.last_crossing(record)?;
         if last_ns - tracker.d_ns().0 <= switch.on_ns {
             return None;
@@ -360,6 +360,15 @@ impl Estimator {
         let (siemens, u) = tracked::conductance(tracker, &observed)?;
         let r_min_ohm = 1.0 / (siemens.max(0.0) + COVERAGE * u) - tracker.r_o_ohm().0;
         (siemens <= COVERAGE * u && r_min_ohm > 0.0 && r_min_ohm.is_finite()).then_some(r_min_ohm)
+    }
+
+    /// QERM: the lowest resistance of a sensor beside which R_2 crosses as late as if there were none.
+    fn above(&self, record: &Record) -> Option<f64> {
+        let (_, c2) = self.calibration()?;
+        let a_ns = record.a_ns.filter(|_| self.method == Method::Qerm)?;
+        let late = self.noise().covariance(c2)?.aa;
+        let doubt_ns = COVERAGE * (2.0 * late).sqrt();
+        ((a_ns - c2[0]).abs() <= 2.0 * doubt_ns).then(|| self.bound_ohm(a_ns.min(c2[0]) - doubt_ns))?
     }
 
     /// What is known about the sensor after an x discharge.
@@ -386,6 +395,13 @@ impl Estimator {
             Some(u) if r_ohm.value < -GATE * u => Status::Fault(Fault::Implausible),
             Some(u) if r_ohm.value <= COVERAGE * u => {
                 let r_max_ohm = r_ohm.value.max(0.0) + COVERAGE * u;
+                // What may as well be above R_1 is no short circuit: nothing is known.
+                if r_max_ohm > self.r1_ohm {
+                    return self.above(record).map_or(Status::Fault(Fault::Implausible), |r_min_ohm| {
+                        let r_min_ohm = (r_min_ohm - zero_ohm).max(0.0);
+                        Status::Open { r_min_ohm, f_max_n: at_bound(r_min_ohm) }
+                    });
+                }
                 Status::Short { r_max_ohm, f_min_n: at_bound(r_max_ohm) }
             }
             None if r_ohm.value <= 0.0 => Status::Fault(Fault::Implausible),

@@ -127,6 +127,14 @@ impl Settings {
         }
     }
 
+    /// The longest that the share of one reading in a cycle can take, whatever is connected: every calibration discharge
+    /// taken as often as it may be, each of them and the sensor's charged, waited for until its deadline, and finished
+    /// through R_1 until another. What the system takes beyond what was asked for, such as a preemption, is not in it.
+    pub fn longest_reading(&self) -> Nanos {
+        let discharge = self.charge + self.settle + self.deadline + self.deadline;
+        Nanos(discharge.0 * (i64::from(crate::cycle::MOST_CALIBRATIONS) + 1))
+    }
+
     /// The discharge of R_2.
     pub fn second(&self) -> Through {
         if self.series { Through::C12 } else { Through::C2 }

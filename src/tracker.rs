@@ -5,7 +5,7 @@
 //!
 //! The state walks at random (process noise per root second) and is observed by plain and split calibration discharges
 //! through the [law](crate::law). Innovations beyond the gate are rejected and counted; several in a row are a step, and
-//! the covariance is opened again. The noise of crossings is learned from the calibration discharges themselves
+//! everything is found again from the beginning. The noise of crossings is learned from the calibration discharges themselves
 //! ([`Noise`]); how fast g drifts is learned from the innovations: their normalised square is 1 on average when the walk is
 //! as fast as the state.
 
@@ -24,6 +24,10 @@ pub use scatter::SwitchScatter;
 
 /// Rounds (R_1, R_2, split) from which the first state is found.
 pub const FIRST_ROUNDS: usize = 32;
+/// From so many of these rounds the filter tries to begin.
+const BEGINNINGS: usize = 8;
+/// One in so many of the first discharges may be rejected.
+const MOST_REJECTED: usize = 8;
 /// An innovation beyond so many sigma is rejected.
 const GATE: f64 = 4.0;
 /// So many rejections in a row are a step.
@@ -32,10 +36,11 @@ const STEP: u32 = 3;
 const WALK_R_O: f64 = 0.02;
 /// How fast d walks, per root second, in parts of its jitter: what makes the latency jitter makes its mean wander.
 const WALK_D: f64 = 0.02;
-/// How slowly and how fast g may walk, relative, per root second.
-const WALK_G: [f64; 2] = [2e-6, 2e-3];
+/// How slowly and how fast g may walk, relative, per root second. Never slower than a drift by 1 % in a minute takes it
+/// in a second: a walk that was learned in quiet times lags behind a drift that begins.
+const WALK_G: [f64; 2] = [2e-4, 2e-3];
 /// How much one innovation changes the speed of the walk.
-const LEARN: f64 = 0.02;
+const LEARN: f64 = 0.05;
 
 /// The kinds of calibration discharge.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -82,6 +87,7 @@ pub struct Counts {
 pub struct Tracker {
     r_ohm: [f64; 2],
     nodes: usize,
+    resolution_ns: f64,
     noise: Noise,
     state: State,
     covariance: Matrix,
@@ -102,11 +108,12 @@ impl Tracker {
         Tracker {
             r_ohm,
             nodes,
+            resolution_ns,
             noise: Noise::new(resolution_ns),
             state: [0.0; 4],
             covariance: [[0.0; 4]; 4],
             at: Nanos::ZERO,
-            walk_g: 1e-4,
+            walk_g: WALK_G[0],
             rejected_in_row: 0,
             counts: Counts::default(),
             scatter: SwitchScatter::default(),
@@ -145,6 +152,11 @@ impl Tracker {
     /// Calibration discharges used and rejected.
     pub fn counts(&self) -> Counts {
         self.counts
+    }
+
+    /// Whether the last calibration discharge was rejected.
+    pub fn is_doubted(&self) -> bool {
+        self.rejected_in_row > 0
     }
 
     /// An upper bound of the scatter of a switch's instant, ns; `None` until there is one.
@@ -205,19 +217,31 @@ impl Tracker {
         }
         let offset = self.split.result();
         if let Some((offset, (r_o_ohm, _))) = offset.and_then(|offset| Some((offset, offset.r_o_ohm?))) {
-            self.state = [slope[0], slope[1], r_o_ohm, offset.d_ns];
-            self.open();
-            self.at = rounds[0][0].start;
-            for record in rounds.iter().flatten() {
-                self.advance(record.start);
-                // One that the gate rejects is one less.
-                let _ = self.times(record).map(|times| self.correct(record, times));
+            let state = [slope[0], slope[1], r_o_ohm, offset.d_ns];
+            // While little is known no gate keeps a spike out, and what fits it is rejected afterwards: then the
+            // rounds are seen again without the first one. If that never helps, there are new rounds.
+            self.ready = (0..BEGINNINGS).any(|skipped| self.sees(state, &rounds[skipped..]));
+            if self.ready {
+                self.noise.expect_what_comes();
             }
-            self.noise.expect_what_comes();
-            self.ready = true;
         }
         self.rounds = rounds;
         self.rounds.clear();
+    }
+
+    /// Lets the filter see rounds, starting from almost no knowledge; whether they fit.
+    fn sees(&mut self, state: State, rounds: &[[Record; 3]]) -> bool {
+        self.state = state;
+        self.open();
+        self.at = rounds[0][0].start;
+        let mut rejected = 0;
+        for record in rounds.iter().flatten() {
+            self.advance(record.start);
+            // One that the gate rejects is one less.
+            let used = self.times(record).and_then(|times| self.correct(record, times));
+            rejected += usize::from(used.is_none());
+        }
+        rejected * MOST_REJECTED <= 3 * rounds.len()
     }
 
     /// As little knowledge as physics leaves: g to 5 %, Ro to 50 ohm, d to 50 us.
@@ -246,10 +270,9 @@ impl Tracker {
         if self.rejected_in_row < STEP {
             return Err(Fault::LatencyOutlier);
         }
-        self.rejected_in_row = 0;
-        self.counts.steps += 1;
-        self.open();
-        self.correct(record, times);
+        // Nothing of the old state may bias the new one: how far a step went is not known.
+        let counts = Counts { steps: self.counts.steps + 1, ..self.counts };
+        *self = Tracker { counts, ..Tracker::new(self.r_ohm, self.nodes, self.resolution_ns) };
         Err(Fault::CalibrationStep)
     }
 

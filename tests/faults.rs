@@ -13,10 +13,13 @@ use cermd::pins::Pins;
 use cermd::pins::faulty::{Faulty, Injection};
 use cermd::pins::sim::SimPins;
 use cermd::reading::{Measured, Method, Reading, Status};
+use cermd::units::Nanos;
 use common::Bench;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
+/// What injected delays and the scene's own preemptions may add to one reading.
+const FOR_THE_SYSTEM: Nanos = Nanos(20_000_000);
 /// Readings of one instrument; then another one, with other faults, another method and another sensor, follows.
 const READINGS_EACH: u64 = 2000;
 
@@ -46,7 +49,7 @@ fn is_sound(status: Status) -> bool {
 }
 
 /// An instrument with a sensor, a method and faults drawn at random.
-fn draw(rng: &mut ChaCha8Rng) -> Instrument<Faulty<SimPins>> {
+fn draw(rng: &mut ChaCha8Rng) -> (Instrument<Faulty<SimPins>>, Nanos) {
     let method = Method::ALL[rng.random_range(0..Method::ALL.len())];
     // 1 ohm to 10 Mohm: short, ok and open.
     let r_ohm = 10f64.powf(rng.random_range(0.0..7.0));
@@ -58,7 +61,8 @@ fn draw(rng: &mut ChaCha8Rng) -> Instrument<Faulty<SimPins>> {
         let most = if injection == Injection::FailingCall { -2.0 } else { -0.5 };
         pins = pins.with(injection, 10f64.powf(rng.random_range(-5.0..most)));
     }
-    Instrument::new(pins, settings)
+    let bound = settings.longest_reading() + FOR_THE_SYSTEM;
+    (Instrument::new(pins, settings), bound)
 }
 
 #[test]
@@ -68,8 +72,9 @@ fn no_fault_becomes_a_number_that_is_none() {
     println!("seed {seed}, {readings} readings");
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
     let mut seen = [0; 4];
+    let mut longest = 0.0f64;
     for round in 0..readings / READINGS_EACH {
-        let mut instrument = draw(&mut rng);
+        let (mut instrument, bound) = draw(&mut rng);
         let mut last = Reading { seq: 0, ..FIRST };
         while last.seq < READINGS_EACH {
             // An error of the pins is told to the caller, who opens them again; here the next call may work.
@@ -79,6 +84,11 @@ fn no_fault_becomes_a_number_that_is_none() {
                 assert_eq!(reading.seq, last.seq + 1, "seed {seed}, round {round}");
                 assert!(reading.at >= last.at, "seed {seed}, round {round}: {last:?}, then {reading:?}");
                 assert!(reading.duration.0 >= 0, "seed {seed}, round {round}: {reading:?}");
+                assert!(
+                    reading.duration <= bound,
+                    "seed {seed}, round {round}: {reading:?}, at most {bound:?}"
+                );
+                longest = longest.max(reading.duration.as_seconds() / bound.as_seconds());
                 seen[kind(reading.status)] += 1;
                 last = reading;
             });
@@ -91,6 +101,8 @@ fn no_fault_becomes_a_number_that_is_none() {
         let counted = stats.ok + stats.open + stats.short + stats.faults.iter().sum::<u64>();
         assert_eq!((stats.readings, counted), (last.seq, last.seq));
     }
+    println!("longest reading: {longest:.3} of its bound");
+    assert!(longest > 0.2, "the bound bounds nothing");
     println!("ok {}, open {}, short {}, fault {}", seen[0], seen[1], seen[2], seen[3]);
     assert!(seen.iter().all(|&count| count > 0), "not every state has come up: {seen:?}");
 }

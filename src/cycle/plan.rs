@@ -14,6 +14,8 @@ const HYSTERESIS: f64 = 0.8;
 const SHARE: f64 = 0.15;
 /// So many cycles without a calibration discharge are too many: a drift would not be seen.
 const LONGEST_IDLE: u32 = 16;
+/// So many outliers in a row are no spikes: the calibration may be wrong, and is looked at in each cycle.
+const DOUBT: u32 = 2;
 /// Where a switch is considered, as fractions of the time in which the last node crosses.
 const FRACTIONS: [f64; 6] = [0.2, 0.35, 0.5, 0.65, 0.8, 0.9];
 
@@ -24,6 +26,8 @@ pub struct Memory {
     r_ohm: Option<f64>,
     inferred: bool,
     u_switch_ns: f64,
+    /// Outliers in a row: the crossings contradict each other, or the calibration does them.
+    outliers: u32,
     /// How the last estimate depends on the tracked state, and its variance but for that, ohm².
     dependence: Option<(State, f64)>,
 }
@@ -34,6 +38,8 @@ impl Memory {
         if let Some(record) = record {
             self.u_switch_ns = record.u_switch_ns;
         }
+        let is_outlier = matches!(status, Status::Fault(Fault::LatencyOutlier));
+        self.outliers = if is_outlier { self.outliers.saturating_add(1) } else { 0 };
         match status {
             Status::Ok { branch, r_ohm, .. } => {
                 self.inferred = *branch == Branch::Inferred;
@@ -72,6 +78,8 @@ impl Cycle {
             Method::Cerm | Method::Qerm => self.switch_time(channel),
             Method::Tracked => self.best_switch(channel),
         };
+        // A switch must not make a discharge longer than the deadline does.
+        let switch = switch.filter(|after| *after < settings.deadline);
         let limit =
             (settings.method == Method::Tracked && self.estimator.tracker().is_some()).then_some(Through::C1);
         self.plan(settings.sensor(channel), switch.map(|after| (after, settings.second())), limit)
@@ -130,11 +138,14 @@ impl Cycle {
     fn best_switch(&self, channel: usize) -> Option<Nanos> {
         let memory = &self.memory[channel];
         let (r_ohm, tracker) = (memory.r_ohm?, self.estimator.tracker()?);
-        let full = self.estimator.foresee(r_ohm, None, memory.u_switch_ns)?.variance;
         let last = self.settings.nodes() - 1;
         let full_ns = tracker.state()[last] * (r_ohm + tracker.state()[crate::law::R_O]);
+        let deadline_ns = self.settings.deadline.as_ns();
+        let limit = Switch { at_ns: deadline_ns, on_ns: deadline_ns, to: Through::C1 };
+        let limit = (full_ns > deadline_ns).then_some(limit);
+        let full = self.estimator.foresee(r_ohm, limit, memory.u_switch_ns)?.variance;
         let at = |fraction: f64| {
-            let at_ns = fraction * full_ns;
+            let at_ns = fraction * full_ns.min(deadline_ns);
             let switch = Switch { at_ns, on_ns: at_ns, to: self.settings.second() };
             Some((at_ns, self.estimator.foresee(r_ohm, Some(switch), memory.u_switch_ns)?.variance))
         };
@@ -158,7 +169,8 @@ impl Cycle {
             Some(worst) => (worst.0, share(&worst) > SHARE),
             None => (self.estimator.foresee(self.settings.r_ohm[0], None, 0.0)?.by_state, false),
         };
-        if !is_due && self.idle_cycles < LONGEST_IDLE {
+        let is_doubted = tracker.is_doubted() || self.memory.iter().any(|memory| memory.outliers >= DOUBT);
+        if !is_due && !is_doubted && self.idle_cycles < LONGEST_IDLE {
             return None;
         }
         let value = |kind: Kind| {

@@ -3,8 +3,9 @@
 //! For: carrying the solution of the network from one change to the next and telling when a sense input falls.
 //! Must not know: kernels, stamps, sequence numbers.
 
-use super::network::{Circuit, Flow, line_index};
+use super::network::{Circuit, Flow, Wiring, line_index};
 use super::noise::Noise;
+use super::scene::DriftScene;
 use super::sensor::Source;
 use crate::pins::{Drives, Levels, Node};
 use rand_chacha::ChaCha8Rng;
@@ -44,9 +45,38 @@ pub(super) struct Analog {
     varying: Drives,
     sample_ns: i64,
     noise: Option<Noise>,
+    drift: Option<Drift>,
     rng: ChaCha8Rng,
     on: Drives,
     stretch: Stretch,
+}
+
+/// Slow changes of the circuit, and until when they are in it.
+#[derive(Debug, Clone, Copy)]
+struct Drift {
+    rates: DriftScene,
+    applied_minutes: f64,
+}
+
+impl Drift {
+    fn apply(&mut self, circuit: &mut Circuit, now_ns: i64) {
+        let now_minutes = seconds(now_ns) / 60.0;
+        let minutes = now_minutes - self.applied_minutes;
+        let rate = self.rates.c_per_minute;
+        // Linear in time, applied bit by bit to what may have been altered in between.
+        let factor = (1.0 + rate * now_minutes) / (1.0 + rate * self.applied_minutes);
+        match &mut circuit.wiring {
+            Wiring::OneCapacitor { c } | Wiring::SeriesCalibration { c } => *c *= factor,
+            Wiring::TwoCapacitor { c_a, c_b } => (*c_a, *c_b) = (*c_a * factor, *c_b * factor),
+        }
+        circuit.v_dd += self.rates.v_dd_per_minute.map_or(0.0, |rate| rate.0 * minutes);
+        let v_th = self.rates.v_th_per_minute.map_or(0.0, |rate| rate.0 * minutes);
+        for sense in &mut circuit.sense {
+            sense.falling += v_th;
+            sense.rising += v_th;
+        }
+        self.applied_minutes = now_minutes;
+    }
 }
 
 fn seconds(ns: i64) -> f64 {
@@ -77,12 +107,18 @@ impl Analog {
             varying: Drives::NONE,
             sample_ns,
             noise,
+            drift: None,
             rng,
             on: Drives::NONE,
             stretch,
         };
         analog.sensors_changed();
         analog
+    }
+
+    /// The same with slow changes.
+    pub fn with_drift(self, rates: Option<DriftScene>) -> Analog {
+        Analog { drift: rates.map(|rates| Drift { rates, applied_minutes: 0.0 }), ..self }
     }
 
     /// Connects another sensor; to be followed by [`Analog::switch`].
@@ -127,6 +163,9 @@ impl Analog {
 
     /// Makes exactly `on` drive from `at_ns` on. Falls before that have to be taken first.
     pub fn switch(&mut self, on: Drives, at_ns: i64) {
+        if let Some(drift) = self.drift.as_mut().filter(|_| on.contains(Drives::CHARGE_A)) {
+            drift.apply(&mut self.circuit, at_ns);
+        }
         self.on = on;
         self.begin_stretch(at_ns);
     }

@@ -10,7 +10,7 @@ use super::noise::Noise;
 use super::scene::{CallsScene, DelayScene, Scene};
 use super::sensor::{Sensor, Source};
 use super::truth::Truth;
-use super::{Reads, SimPins};
+use super::{Circuit, Reads, SimPins};
 use crate::units::{Nanos, Seconds};
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
@@ -98,7 +98,8 @@ impl SimPins {
                 whole_ns(Some(scene.sample_interval)),
                 noise,
                 stream(seed, NOISE),
-            ),
+            )
+            .with_drift(scene.drift),
             calls: scene.calls.map(Calls::from),
             wake: scene.wake.map(Delay::from),
             sleep: scene.sleep.map(Delay::from),
@@ -120,6 +121,13 @@ impl SimPins {
     pub fn connect(&mut self, channel: usize, sensor: Sensor) {
         self.catch_up(self.now_ns);
         self.analog.connect(channel, Source::new(sensor, self.seed, SENSORS + channel as u64));
+        self.analog.switch(self.driving(), self.now_ns);
+    }
+
+    /// Changes the circuit now: a wire that breaks, a capacitor that falls off, a supply that dips.
+    pub fn alter(&mut self, change: impl FnOnce(&mut Circuit)) {
+        self.catch_up(self.now_ns);
+        change(&mut self.analog.circuit);
         self.analog.switch(self.driving(), self.now_ns);
     }
 }

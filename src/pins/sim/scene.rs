@@ -102,6 +102,8 @@ pub struct Scene {
     pub events: Option<EventsScene>,
     /// Voltage noise at the sense inputs.
     pub noise: Option<NoiseScene>,
+    /// What changes slowly, linearly from the start of the simulation on.
+    pub drift: Option<DriftScene>,
 }
 
 fn default_seed() -> u64 {
@@ -239,6 +241,19 @@ pub struct NoiseScene {
     pub voltage: Volt,
     /// If named, the noise is wide-band and its first crossing counts.
     pub bandwidth: Option<Hertz>,
+}
+
+/// Slow changes; absent values are 0. Each discharge runs with the values of the beginning of its charge.
+#[derive(Debug, Clone, Copy, PartialEq, Default, Deserialize)]
+#[serde(rename_all = "kebab-case", deny_unknown_fields)]
+pub struct DriftScene {
+    /// Of every capacitor, relative.
+    #[serde(default)]
+    pub c_per_minute: f64,
+    /// Of all thresholds.
+    pub v_th_per_minute: Option<Volt>,
+    /// Of the supply.
+    pub v_dd_per_minute: Option<Volt>,
 }
 
 impl Scene {

@@ -72,6 +72,16 @@ impl Scene {
                 ));
             }
         }
+        if let Some(drift) = &self.drift {
+            let rates = [
+                Some(drift.c_per_minute),
+                drift.v_th_per_minute.map(|v| v.0),
+                drift.v_dd_per_minute.map(|v| v.0),
+            ];
+            if rates.into_iter().flatten().any(|rate| !rate.is_finite()) {
+                return Err(problem("drift", "has to be finite"));
+            }
+        }
         self.check_latencies()?;
         self.check_events()
     }
