@@ -2,6 +2,8 @@
 //! sum t_i / (R_i + Ro) reaches its g.
 
 use super::*;
+use crate::force::Force;
+use crate::reading::Status;
 use crate::record::Switch;
 use crate::units::Nanos;
 use proptest::prelude::*;

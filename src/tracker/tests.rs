@@ -100,12 +100,14 @@ fn a_spike_is_rejected_and_counted() {
 }
 
 #[test]
-fn a_step_opens_the_filter_and_is_followed() {
+fn after_a_step_the_filter_begins_anew() {
     let (mut plant, mut tracker) = tracked(3, FIRST_ROUNDS + 10);
     plant.state[0] *= 1.02;
     plant.state[1] *= 1.02;
-    (0..20).for_each(|_| plant.round(&mut tracker));
-    assert_eq!(tracker.counts().steps, 1);
+    plant.round(&mut tracker);
+    assert_eq!((tracker.counts().steps, tracker.is_ready()), (1, false));
+    (0..FIRST_ROUNDS + 10).for_each(|_| plant.round(&mut tracker));
+    assert_eq!((tracker.counts().steps, tracker.is_ready()), (1, true));
     for (index, truth) in plant.state.into_iter().enumerate() {
         let u = tracker.covariance()[index][index].sqrt();
         assert!((tracker.state()[index] - truth).abs() < 4.0 * u, "{index}: {:?}, u {u}", tracker.state());

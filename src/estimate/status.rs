@@ -1,0 +1,88 @@
+//! What is known about a sensor, when it is a number and when it is a state.
+//!
+//! For: telling `ok`, `open`, `short` and `fault` apart. Must not know: the equations.
+
+use super::{COVERAGE, Estimator, GATE};
+use crate::force::Force;
+use crate::method::tracked;
+use crate::reading::{Fault, Measured, Method, Status};
+use crate::record::Record;
+
+impl Estimator {
+    /// The lowest resistance that leaves the last node above its threshold for `waited_ns`, ohm.
+    fn bound_ohm(&self, waited_ns: f64) -> Option<f64> {
+        let (c1, c2) = self.calibration()?;
+        let node = if matches!(self.method, Method::Tpcm | Method::Qerm) { 0 } else { self.nodes - 1 };
+        // While R_2 sinks too (QERM), the sensor's own part of the way is what R_2 has left over.
+        let x_ns =
+            if self.method == Method::Qerm { 1.0 / (1.0 / waited_ns - 1.0 / c2[0]) } else { waited_ns };
+        let ratio = (x_ns - c1[node]) / (c2[node] - c1[node]);
+        let r_ohm = self.r1_ohm + ratio * (self.r2_ohm - self.r1_ohm);
+        (r_ohm.is_finite() && r_ohm > 0.0).then_some(r_ohm)
+    }
+
+    /// The lower bound of a resistance that a discharge finished through R_1 or R_2 cannot tell from an open circuit.
+    fn beyond(&self, record: &Record) -> Option<f64> {
+        let tracker = self.tracker().filter(|_| self.method == Method::Tracked)?;
+        let observed = self.observed(record).ok()?;
+        let (switch, _) = observed.switch?;
+        let last_ns = self.last_crossing(record)?;
+        if last_ns - tracker.d_ns().0 <= switch.on_ns {
+            return None;
+        }
+        let (siemens, u) = tracked::conductance(tracker, &observed)?;
+        let r_min_ohm = 1.0 / (siemens.max(0.0) + COVERAGE * u) - tracker.r_o_ohm().0;
+        (siemens <= COVERAGE * u && r_min_ohm > 0.0 && r_min_ohm.is_finite()).then_some(r_min_ohm)
+    }
+
+    /// QERM: the lowest resistance of a sensor beside which R_2 crosses as late as if there were none.
+    fn above(&self, record: &Record) -> Option<f64> {
+        let (_, c2) = self.calibration()?;
+        let a_ns = record.a_ns.filter(|_| self.method == Method::Qerm)?;
+        let late = self.noise().covariance(c2)?.aa;
+        let doubt_ns = COVERAGE * (2.0 * late).sqrt();
+        ((a_ns - c2[0]).abs() <= 2.0 * doubt_ns).then(|| self.bound_ohm(a_ns.min(c2[0]) - doubt_ns))?
+    }
+
+    /// What is known about the sensor after an x discharge.
+    pub fn status(&self, record: &Record, zero_ohm: f64, force: Option<&Force>) -> Status {
+        let at_bound = |r_ohm: f64| force.and_then(|force| force.at_bound(r_ohm));
+        if self.last_crossing(record).is_none() && record.waited_ns > 0.0 {
+            // A known resistor was to finish it, and has not: nothing of this is the sensor's.
+            if record.switch.is_some() {
+                return Status::Fault(Fault::NoCalibration);
+            }
+            return match self.bound_ohm(record.waited_ns).map(|r_ohm| r_ohm - zero_ohm) {
+                Some(r_min_ohm) if r_min_ohm > 0.0 => {
+                    Status::Open { r_min_ohm, f_max_n: at_bound(r_min_ohm) }
+                }
+                _ => Status::Fault(Fault::Implausible),
+            };
+        }
+        if let Some(r_min_ohm) = self.beyond(record) {
+            let r_min_ohm = (r_min_ohm - zero_ohm).max(0.0);
+            return Status::Open { r_min_ohm, f_max_n: at_bound(r_min_ohm) };
+        }
+        let estimate = match self.estimate(record) {
+            Ok(estimate) => estimate,
+            Err(fault) => return Status::Fault(fault),
+        };
+        let r_ohm = Measured { value: estimate.r_ohm.value - zero_ohm, u: estimate.r_ohm.u };
+        match r_ohm.u {
+            Some(u) if r_ohm.value < -GATE * u => Status::Fault(Fault::Implausible),
+            Some(u) if r_ohm.value <= COVERAGE * u => {
+                let r_max_ohm = r_ohm.value.max(0.0) + COVERAGE * u;
+                // What may as well be above R_1 is no short circuit: nothing is known.
+                if r_max_ohm > self.r1_ohm {
+                    return self.above(record).map_or(Status::Fault(Fault::Implausible), |r_min_ohm| {
+                        let r_min_ohm = (r_min_ohm - zero_ohm).max(0.0);
+                        Status::Open { r_min_ohm, f_max_n: at_bound(r_min_ohm) }
+                    });
+                }
+                Status::Short { r_max_ohm, f_min_n: at_bound(r_max_ohm) }
+            }
+            None if r_ohm.value <= 0.0 => Status::Fault(Fault::Implausible),
+            _ => Status::Ok { branch: estimate.branch, r_ohm, f_n: force.and_then(|force| force.at(r_ohm)) },
+        }
+    }
+}
