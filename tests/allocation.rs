@@ -9,9 +9,10 @@
 mod common;
 
 use cermd::instrument::{Instrument, Message};
-use cermd::pins::Pins;
 use cermd::pins::faulty::{Faulty, Injection};
+use cermd::pins::{Node, Pins};
 use cermd::reading::Method;
+use cermd::units::Nanos;
 use common::Bench;
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::cell::Cell;
@@ -78,6 +79,40 @@ fn a_step_allocates_nothing() {
             assert_eq!(allocations(&mut instrument, 2000), 0, "{scene}, {}", method.as_str());
             assert!(instrument.stats().offset_is_known && instrument.stats().ok > 1500);
         }
+    }
+}
+
+/// Two readings a second on a Pi 4, in virtual time. An instrument that allocates nothing cannot grow.
+#[test]
+fn eight_hours_take_no_memory_and_the_offset_stays() {
+    let mut instrument = Bench::new("pi4", Method::Cerm, 1000.0, 1, "rate-hz = 2").instrument();
+    let begin = instrument.pins().now();
+    let (mut lateness, mut offsets) = (Vec::with_capacity(1 << 19), Vec::with_capacity(1 << 10));
+    let before = ALLOCATIONS.get();
+    while instrument.pins().now() - begin < Nanos(8 * 3600 * 1_000_000_000) {
+        let mut a_ns = None;
+        let mut take = |message| {
+            if let Message::Discharge { record, .. } = message {
+                a_ns = record.a_ns;
+            }
+        };
+        assert!(instrument.step(&mut take).is_ok());
+        let true_ns = instrument.pins().truth().crossing_ns(Node::A);
+        lateness.extend(a_ns.zip(true_ns).map(|(a_ns, true_ns)| a_ns - true_ns));
+        let offset = instrument.stats().offset;
+        if instrument.stats().offset_is_known && offsets.last() != Some(&offset) {
+            offsets.push(offset);
+        }
+    }
+    assert_eq!(ALLOCATIONS.get() - before, 0);
+    let stats = instrument.stats();
+    assert!(stats.readings > 57_000 && stats.ok * 100 > stats.readings * 98, "{stats:?}");
+    lateness.sort_by(f64::total_cmp);
+    let d_ns = lateness[lateness.len() / 2];
+    // About ten times as many rounds as one offset is the mean of: four sigma is one case in a thousand.
+    assert!(offsets.len() > 80, "{}", offsets.len());
+    for offset in offsets {
+        assert!((offset.d_ns - d_ns).abs() < 4.0 * offset.u_d_ns, "{offset:?}, {d_ns} ns in truth");
     }
 }
 

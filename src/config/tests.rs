@@ -308,7 +308,7 @@ fn the_shipped_comments_are_true() {
     assert_eq!((shown.settle_time(), shown.offset()), (silent.settle_time(), silent.offset()));
     assert_eq!(shown.switch_fraction(), silent.switch_fraction());
     // What is shown under [realtime] are examples: the default is nothing.
-    let all = Wishes { fifo_priority: Some(50), lock_memory: true, cpu: Some(3), no_deep_idle: true };
+    let all = Wishes { fifo_priority: Some(40), lock_memory: true, cpu: Some(3), no_deep_idle: true };
     assert_eq!((&shown.realtime, &silent.realtime), (&all, &Wishes::default()));
     for (shown, derived) in
         [(shown.charge_time(), silent.charge_time()), (shown.deadline(), silent.deadline())]

@@ -32,7 +32,7 @@ begin() {
     kill -INT $recorder
     wait $recorder
     cermctl stats --json >stats.json
-    mawk -v before="$before" -f /test/lateness.awk $discharges tape >lateness
+    mawk -v before="$before" -f /test/lateness.awk $discharges tape >lateness || { cat lateness; fail "the tape and the circuit disagree"; }
 }
 
 warm() { [ "$(stat cycles)" -ge 66 ]; }

@@ -24,9 +24,14 @@ FNR == NR { first[$1] = $2; start[$1] = $5; release[$1] = $6; sunk[$1] = $7; a[$
     through = field("through")
     gsub("\"", "", through)
     sink["c1"] = "0x100000"; sink["c2"] = "0x200000"; sink["x"] = "0x10000"
-    if (first[seq] != sink[through]) {
-        print "discharge " seq " is through " first[seq] ", not " through
-        exit 1
+    # A discharge that ended in a fault is not on the tape: it is of another resistor, or did not cross.
+    for (skipped = 0; first[seq] != sink[through] || !a[seq]; skipped++) {
+        if (skipped == 5) {
+            print "discharge " seq " is through " first[seq] ", not " through
+            exit failed = 1
+        }
+        seq++
+        before++
     }
     kind = through (/"switch"/ ? "-switched" : "")
     kinds[kind] = 1
@@ -39,5 +44,6 @@ FNR == NR { first[$1] = $2; start[$1] = $5; release[$1] = $6; sunk[$1] = $7; a[$
     add(kind, "sink", substr($0, RSTART + 8, RLENGTH - 8) - (sunk[seq] - start[seq]))
 }
 END {
+    if (failed) exit 1
     for (kind in kinds) print kind, n[kind, "a"] told(kind, "a") told(kind, "b") told(kind, "release") told(kind, "sink")
 }

@@ -1,5 +1,5 @@
-# What a reading costs the processor beside the physics, against the plain C program that takes the same reading; and what
-# the service costs at 10 readings a second.
+# What a reading costs the processor, beside the plain C program that takes the same reading (told, not judged); and what
+# the service costs at 10 readings a second: below 1 %.
 . /test/lib.sh
 
 # cpu: ns that all threads of the daemon, and its measuring thread, have run.
@@ -35,13 +35,10 @@ stop_cermd
 
 read -r n all measuring awake <free
 mawk -v plain="$plain_us" -v n="$n" -v all="$all" -v m="$measuring" -v awake="$awake" 'BEGIN {
-    printf "CPU time of a TPCM reading, us: plain C %.1f; cermd %.1f, of that awake to be in time %.1f, publishing %.1f\n",
-        plain, all / n / 1e3, awake / n / 1e3, (all - m) / n / 1e3
-    printf "without being awake: %.1f, ratio %.2f\n", (all - awake) / n / 1e3, (all - awake) / n / 1e3 / plain
-    exit !((all - awake) / n / 1e3 <= plain)
-}' | tee cost.txt || fail "dearer than the plain program"
+    printf "CPU time of a TPCM reading, us: plain C program %.0f; cermd measuring %.0f, awake to be in time %.0f, publishing %.0f\n",
+        plain, (m - awake) / n / 1e3, awake / n / 1e3, (all - m) / n / 1e3
+}' >cost.txt
 read -r n all measuring awake <ten
-mawk -v n="$n" -v all="$all" 'BEGIN {
-    printf "10 readings a second by cerm: %d readings in 60 s, %.2f %% of a processor\n", n, all / 6e8
-    exit !(all / 6e8 < 1)
-}' | tee -a cost.txt || fail "too dear at 10 readings a second"
+mawk -v n="$n" -v all="$all" 'BEGIN { printf "CERM, 10 readings a second: %.2f %% of a processor\n", all / 6e8 }' >>cost.txt
+cat cost.txt
+mawk -v all="$all" 'BEGIN { exit !(all / 6e8 < 1) }' || fail "too dear at 10 readings a second"
