@@ -6,7 +6,7 @@ use crate::law;
 use crate::noise::Covariance;
 use crate::tracker::{Tracker, quadratic};
 
-/// The covariance matrix of all [`Times`], block by block.
+/// The covariance matrix of all [`Times`](crate::method::Times), block by block.
 pub(super) struct Covariances<'a> {
     /// Of the crossings through R_1, R_2 and the sensor.
     pub crossings: [Covariance; 3],
@@ -17,7 +17,7 @@ pub(super) struct Covariances<'a> {
 }
 
 impl Covariances<'_> {
-    /// Law of propagation: g^T C g for a gradient in the order of [`Times::to_array`].
+    /// Law of propagation: g^T C g for a gradient in the order of [`Times::to_array`](crate::method::Times::to_array).
     pub fn of(&self, by: &[f64; 9]) -> f64 {
         let crossings =
             self.crossings.iter().enumerate().map(|(i, block)| block.of(by[2 * i], by[2 * i + 1]));
