@@ -1,14 +1,65 @@
 //! Where each method holds and where it fails, in simulated circuits and virtual time.
 //!
-//! A scenario is the board `pi4` with something changed; each is checked from both sides, and every seed is fixed.
-//! `docs/stability.md` is what comes out of it; `UPDATE_DOCS=1 cargo test --test stability` writes it anew.
+//! A scenario is a board with something changed; each is checked from both sides against a prediction of the law, and every
+//! seed is fixed. `docs/stability.md` is what comes out of it; `UPDATE_DOCS=1 cargo test --test stability` writes it anew.
 #![allow(clippy::unwrap_used, clippy::panic, reason = "a test that cannot be set up fails")]
 
 mod common;
 #[path = "stability/failures.rs"]
 mod failures;
+#[path = "stability/noise.rs"]
+mod noise;
+#[path = "stability/paper.rs"]
+mod paper;
+#[path = "stability/scenario.rs"]
+mod scenario;
 #[path = "stability/states.rs"]
 mod states;
+#[path = "stability/switching.rs"]
+mod switching;
+
+use scenario::Scenario;
+use std::sync::OnceLock;
+
+/// The scenarios in the order of the table, each of them a test; the table takes what these have found.
+macro_rules! scenarios {
+    ($($name:ident: $run:path,)*) => {
+        mod scenarios {
+            $(
+                #[test]
+                fn $name() {
+                    let scenario = super::of(super::Name::$name);
+                    assert!(scenario.wrong.is_empty(), "\n{}", scenario.wrong);
+                }
+            )*
+        }
+
+        #[allow(non_camel_case_types, reason = "the names of the tests")]
+        #[derive(Clone, Copy)]
+        enum Name { $($name,)* }
+
+        const SCENARIOS: &[fn() -> Scenario] = &[$($run,)*];
+    };
+}
+
+scenarios! {
+    a_switch_in_reaction: switching::reaction,
+    an_uncorrected_offset: switching::offset,
+    quantisation: noise::quantisation,
+    trigger_noise: noise::trigger,
+    wide_band_noise_at_low_resistance: noise::wide_band_low,
+    wide_band_noise_at_high_resistance: noise::wide_band_high,
+    spikes: noise::spikes,
+    the_threshold_t_l: switching::threshold,
+    an_early_switch: switching::denominator,
+    one_ohm: switching::one_ohm,
+}
+
+static FOUND: [OnceLock<Scenario>; SCENARIOS.len()] = [const { OnceLock::new() }; SCENARIOS.len()];
+
+fn of(name: Name) -> &'static Scenario {
+    FOUND[name as usize].get_or_init(SCENARIOS[name as usize])
+}
 
 #[test]
 fn every_defect_is_told_or_known_not_to_be() {

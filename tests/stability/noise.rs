@@ -1,0 +1,271 @@
+//! Noise of every kind: of the clock, at the threshold, wide-band, and rare long delays.
+
+use crate::common::{Errors, read, settle};
+use crate::paper::{self, Noise, Parts, R_O, Times};
+use crate::scenario::{Board, ByHand, Scenario, moments, percent, rms};
+use crate::switching::{PI4_NOISE, STAMP, bias_of_offset};
+use cermd::pins::sim::scene::{DelayScene, NoiseScene};
+use cermd::reading::Method;
+use cermd::units::{Hertz, Seconds, Volt};
+use rand::{RngExt, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+
+/// The paper's board with capacitors within 1 % of theirs: where in a cycle a crossing falls differs from board to board.
+fn paper_s_boards(method: Method, boards: u64) -> (Errors, f64) {
+    let (mut all, mut largest) = (Errors::default(), Vec::new());
+    for seed in 0..boards {
+        let mut rng = ChaCha8Rng::seed_from_u64(seed);
+        let mut near = |value: f64| value * rng.random_range(0.99..1.01);
+        let mut board = Board::paper();
+        let Parts { c_a, c_b, c, .. } = board.parts;
+        board.parts = Parts { c_a: near(c_a), c_b: near(c_b), c: near(c), ..board.parts };
+        let mut instrument = board.bench(method, 100.0, seed).instrument();
+        settle(&mut instrument);
+        read(&mut instrument, 600, |_| {});
+        let mut errors = Errors::default();
+        read(&mut instrument, 500, |reading| errors.add(reading, 100.0));
+        largest.push(errors.max());
+        all.errors.extend(errors.errors);
+    }
+    (all, moments(&largest).0)
+}
+
+pub fn quantisation() -> Scenario {
+    let mut it = Scenario::new(
+        "A clock of 20 ns, the paper's board, 100 ohm",
+        "the largest of 500 errors is below 0.88 %, the paper's figure for CERM",
+        "0..60",
+    );
+    let parts = Parts::PAPER;
+    let noise = Noise { jitter: 20e-9 / 12f64.sqrt(), voltage: 0.22e-3 };
+    let full = Times::of(&parts, 100.0, 0.0);
+    let split = Times::of(&parts, 100.0, 0.9 * parts.g()[0] * 140.0);
+    let predicted = |method: Method| match method {
+        Method::Tpcm => Some(full.scatter(noise.of_times(&parts, 100.0), |times| paper::tpcm(&parts, times))),
+        Method::Tcdic => Some(full.scatter(noise.of_times(&parts, 100.0), |times| paper::tcdic(&parts, times))),
+        Method::Cerm => Some(split.scatter(noise.of_times(&parts, parts.r_c2), |times| paper::cerm(&parts, times))),
+        _ => None,
+    };
+    let mut of_cerm = 0.0;
+    for method in Method::ALL {
+        let (errors, largest) = paper_s_boards(method, 60);
+        if let Some(predicted) = predicted(method) {
+            it.expect(
+                format!("{}: error, of the predicted {predicted:.3} ohm", method.as_str()),
+                rms(&errors) / predicted,
+                0.9..=1.15,
+            );
+            of_cerm = predicted;
+        }
+        if method == Method::Tracked {
+            it.expect("tracked: error, of that predicted for CERM", rms(&errors) / of_cerm, 0.05..=0.2);
+        }
+        let figure = format!("error {}, largest {}", percent(rms(&errors) / 100.0), percent(largest / 100.0));
+        it.cell(method, figure, largest < 0.88, method == Method::Tracked);
+    }
+    let cycle = 20e-9 / parts.g()[0];
+    it.why = format!(
+        "a cycle is {cycle:.2} ohm of node A, whatever R_x. CERM takes it out of the x discharge; that through Rc1 has it as well, \
+         and each reading has one of these. Tracking averages over many."
+    );
+    it
+}
+
+pub fn trigger() -> Scenario {
+    let mut board = Board::quiet(Parts::PI4);
+    let noise = Noise { voltage: 2e-3, ..PI4_NOISE };
+    board.scene.noise = Some(NoiseScene { voltage: Volt(noise.voltage), bandwidth: None });
+    let (parts, r_ohm) = (board.parts, 16_200.0);
+    let mut it = Scenario::new("2 mV of noise at the threshold, 16.2 kohm", "error below 0.25 %", "0..40");
+    let times = Times::of(&parts, r_ohm, 0.0);
+    let of_times = noise.of_times(&parts, r_ohm);
+    let of_tcdic = times.scatter(of_times, |times| paper::tcdic(&parts, times));
+    let information: f64 =
+        parts.g().iter().zip(noise.sigma(&parts, r_ohm)).map(|(g, sigma)| (g / sigma).powi(2)).sum();
+    for method in Method::ALL {
+        let predicted = match method {
+            Method::Tpcm => Some(times.scatter(of_times, |times| paper::tpcm(&parts, times))),
+            Method::Tcdic | Method::Cerm => Some(of_tcdic),
+            // The bound of Cramer and Rao of its discharge.
+            Method::Tracked => Some(information.powf(-0.5)),
+            Method::Qerm => None,
+        };
+        let errors = board.errors(method, r_ohm, 40, 200);
+        if let Some(predicted) = predicted {
+            it.expect(
+                format!("{}: error, of the predicted {predicted:.1} ohm", method.as_str()),
+                rms(&errors) / predicted,
+                0.92..=1.2,
+            );
+        }
+        it.cell(method, percent(rms(&errors) / r_ohm), rms(&errors) < 0.0025 * r_ohm, method == Method::Tracked);
+    }
+    it.why = "trigger noise grows with R: its share of the time stays the same (eq. (8)). Two nodes are better than one only if B falls \
+              as fast as A (C_A >> C_B); tracking weights each by its own noise, and does not add that of two calibration \
+              discharges to each reading."
+        .to_owned();
+    it
+}
+
+const VOLTAGE: f64 = 5e-3;
+const BANDWIDTH: f64 = 10e6;
+
+fn wide_band(parts: Parts) -> Board {
+    let mut board = Board::quiet(parts);
+    board.scene.noise = Some(NoiseScene { voltage: Volt(VOLTAGE), bandwidth: Some(Hertz(BANDWIDTH)) });
+    board
+}
+
+/// Means of the first crossings of a cycle whose x discharge ends through `last`.
+fn early(parts: &Parts, last: f64) -> Times {
+    let [c1, c2, x] = [parts.r_c1, parts.r_c2, last].map(|r| paper::early(parts, VOLTAGE, BANDWIDTH, r));
+    Times { c1, c2, x, switch: 0.0 }
+}
+
+pub fn wide_band_low() -> Scenario {
+    let board = wide_band(Parts::PI4);
+    let (parts, r_ohm) = (board.parts, 100.0);
+    let mut it =
+        Scenario::new("5 mV of noise, 10 MHz wide, 100 ohm", "the mean is off by less than 1 %", "0..40");
+    let times = Times::of(&parts, r_ohm, 0.0).plus(early(&parts, r_ohm));
+    let [of_tpcm, of_tcdic] = [paper::tpcm, paper::tcdic].map(|equation| equation(&parts, &times) - r_ohm);
+    let split = Times::of(&parts, r_ohm, 0.9 * parts.g()[0] * (r_ohm + R_O)).plus(early(&parts, parts.r_c2));
+    let of_cerm = paper::cerm(&parts, &split) - r_ohm;
+    for (method, measure, name, predicted) in [
+        (Method::Tpcm, "", "", of_tpcm),
+        (Method::Tcdic, "", "", of_tcdic),
+        (Method::Cerm, "offset = \"8 us\"\nt-l = \"1 s\"", "offset of the stamps ", of_cerm),
+    ] {
+        let mean = board.with(measure).errors(method, r_ohm, 40, 100).mean();
+        it.expect(
+            format!("{} {name}: bias, of the predicted {predicted:.2} ohm", method.as_str()),
+            mean / predicted,
+            0.85..=1.15,
+        );
+        it.cell(method, format!("{name}{}", percent(mean / r_ohm)), mean.abs() < 0.01 * r_ohm, false);
+    }
+    for (method, name) in [(Method::Qerm, ""), (Method::Cerm, "offset found "), (Method::Tracked, "")] {
+        let measure = if method == Method::Cerm { "t-l = \"1 s\"" } else { "" };
+        let mean = board.with(measure).errors(method, r_ohm, 40, 100).mean();
+        it.cell(method, format!("{name}{}", percent(mean / r_ohm)), mean.abs() < 0.01 * r_ohm, true);
+    }
+    let [first, second] = [parts.r_c1, parts.r_c2].map(|r| -1e6 * paper::early(&parts, VOLTAGE, BANDWIDTH, r)[0]);
+    it.why = format!(
+        "the first dip of the noise below the threshold counts, and the slower the fall, the more dips there are: node A crosses \
+         {first:.0} us early through Rc1, {second:.0} us through Rc2, and not in proportion. A discharge that ends through Rc2 is as \
+         early as that of calibration, and the offset that split calibration finds contains what is left."
+    );
+    it
+}
+
+pub fn wide_band_high() -> Scenario {
+    let board = wide_band(Parts::PI4);
+    let (parts, r_ohm) = (board.parts, 100e3);
+    let mut it =
+        Scenario::new("5 mV of noise, 10 MHz wide, 100 kohm", "the mean is off by less than 0.1 %", "0..40");
+    let times = Times::of(&parts, r_ohm, 0.0).plus(early(&parts, r_ohm));
+    let [of_tpcm, of_tcdic] = [paper::tpcm, paper::tcdic].map(|equation| equation(&parts, &times) - r_ohm);
+    let patient = board.with("deadline = \"400 ms\"");
+    for (method, predicted) in
+        [(Method::Tpcm, of_tpcm), (Method::Tcdic, of_tcdic), (Method::Cerm, of_tcdic)]
+    {
+        let mean = patient.errors(method, r_ohm, 40, 100).mean();
+        it.expect(
+            format!("{}: bias, of the predicted {predicted:.0} ohm", method.as_str()),
+            mean / predicted,
+            0.85..=1.15,
+        );
+        it.cell(method, percent(mean / r_ohm), mean.abs() < 0.001 * r_ohm, false);
+    }
+    let in_full = patient.errors(Method::Tracked, r_ohm, 40, 100).mean();
+    it.cell(
+        Method::Tracked,
+        format!("in full {}", percent(in_full / r_ohm)),
+        in_full.abs() < 0.001 * r_ohm,
+        false,
+    );
+    let finished = board.with("deadline = \"60 ms\"").errors(Method::Tracked, r_ohm, 40, 100);
+    it.cell(
+        Method::Tracked,
+        format!("finished through Rc1 after 60 ms {}", percent(finished.mean() / r_ohm)),
+        finished.mean().abs() < 0.001 * r_ohm,
+        true,
+    );
+    it.why = "as at 100 ohm; averaging takes nothing of it away. A discharge that a known resistor finishes is as early as the \
+              calibration. A low-pass at the sense lines, or less noise, is the remedy."
+        .to_owned();
+    it
+}
+
+pub fn spikes() -> Scenario {
+    let quiet = Board::quiet(Parts::PI4);
+    let (parts, r_ohm) = (quiet.parts, 1000.0);
+    let (probability, mean) = (0.01, 200e-6);
+    let mut board = quiet.clone();
+    board.scene.stamps = board.scene.stamps.map(|stamps| DelayScene {
+        tail_probability: Some(probability),
+        tail_mean: Some(Seconds(mean)),
+        ..stamps
+    });
+    let mut it = Scenario::new(
+        "1 % of stamps late by another 200 us, 1 kohm",
+        "the mean moves by less than a tenth of sigma, and sigma by less than a fifth",
+        "0..200",
+    );
+    let mut by_hand = ByHand::new(&board, r_ohm, 1);
+    by_hand.offset = STAMP;
+    // Variance of what is 0 in most cases and exponential in some.
+    let jitter = (PI4_NOISE.jitter.powi(2) + (2.0 * probability - probability * probability) * mean * mean).sqrt();
+    let noise = Noise { jitter, ..PI4_NOISE };
+    let switch = 0.9 * parts.g()[0] * (r_ohm + R_O);
+    for (method, equation, switch) in [
+        (Method::Tpcm, paper::tpcm as fn(&Parts, &Times) -> f64, None),
+        (Method::Tcdic, paper::tcdic, None),
+        (Method::Cerm, paper::cerm, Some(switch)),
+    ] {
+        let found: Vec<f64> =
+            by_hand.cycles(20_000, switch).iter().map(|times| equation(&parts, times)).collect();
+        let (found_mean, found_sd) = moments(&found);
+        let last = if switch.is_some() { parts.r_c2 } else { r_ohm };
+        let exact = Times::of(&parts, r_ohm, switch.unwrap_or(0.0));
+        let [predicted, quiet] = [noise, PI4_NOISE]
+            .map(|noise| exact.scatter(noise.of_times(&parts, last), |times| equation(&parts, times)));
+        it.expect(
+            format!("{} as printed: sigma, of the predicted {predicted:.1} ohm", method.as_str()),
+            found_sd / predicted,
+            0.75..=1.25,
+        );
+        if method == Method::Cerm {
+            let bias = bias_of_offset(&parts, method, probability * mean, r_ohm);
+            let standard_error = found_sd / (found.len() as f64).sqrt();
+            it.expect(
+                format!("cerm as printed: bias, predicted {bias:.2} ohm, off by so many standard errors"),
+                (found_mean - r_ohm - bias) / standard_error,
+                -4.0..=4.0,
+            );
+        }
+        it.cell(
+            method,
+            format!("as printed: sigma {:.0} times", found_sd / quiet),
+            found_sd < 1.2 * quiet,
+            false,
+        );
+    }
+    for method in Method::ALL {
+        let [calm, all] = [&quiet, &board].map(|board| board.errors(method, r_ohm, 200, 60));
+        let moved = (all.mean() - calm.mean()) / calm.sd();
+        let wider = all.sd() / calm.sd();
+        let single = matches!(method, Method::Tpcm | Method::Qerm);
+        if method == Method::Tpcm {
+            let predicted = probability * mean / parts.g()[0] / calm.sd();
+            it.expect("tpcm: the mean moves, of the predicted", moved / predicted, 0.7..=1.3);
+        }
+        let figure = format!("mean {moved:+.2} sigma, sigma {wider:.2} times");
+        it.cell(method, figure, moved.abs() < 0.1 && wider < 1.2, !single);
+    }
+    it.why = "one spike is many sigma. With two nodes, crossings that contradict each other are no number (`latency-outlier`), and \
+              calibration discharges beyond 4 or 5 sigma are not used. A single node has nothing to compare its sensor's crossing with: \
+              the mean moves by p x 200 us / g."
+        .to_owned();
+    it
+}

@@ -1,0 +1,252 @@
+//! A scenario: a board, what is expected of each method on it, and the row of the table that comes of it.
+
+use crate::common::{Bench, Errors, kind_of, read, settle};
+use crate::paper::{Parts, Times};
+use cermd::discharge::{Plan, run};
+use cermd::pins::sim::{Kind, Scene, Sensor, SimPins};
+use cermd::pins::{Drives, Node};
+use cermd::reading::Method;
+use cermd::record::Through;
+use cermd::units::{Farad, Nanos, Ohm, Volt};
+use std::fmt::{Display, Write};
+use std::ops::RangeInclusive;
+
+/// One row of the table, and what is wrong with it.
+pub struct Scenario {
+    pub title: &'static str,
+    pub holds_if: &'static str,
+    pub cells: [Vec<String>; Method::ALL.len()],
+    pub why: String,
+    pub wrong: String,
+    seeds: String,
+}
+
+impl Scenario {
+    /// `seeds`: those that the failure is to be repeated with.
+    pub fn new(title: &'static str, holds_if: &'static str, seeds: impl Into<String>) -> Scenario {
+        let (cells, why, wrong) = (Default::default(), String::new(), String::new());
+        Scenario { title, holds_if, cells, why, wrong, seeds: seeds.into() }
+    }
+
+    /// Asserts both bounds of a value.
+    pub fn expect(&mut self, what: impl Display, value: f64, range: RangeInclusive<f64>) {
+        println!("{}: {what}: {value:.5}, expected {range:.5?}", self.title);
+        if !range.contains(&value) {
+            writeln!(
+                self.wrong,
+                "{}: {what}: {value:.5} is not in {range:.5?}, seeds {}",
+                self.title, self.seeds
+            )
+            .unwrap();
+        }
+    }
+
+    /// A figure of a method, whether it holds, and whether it was predicted to.
+    pub fn cell(&mut self, method: Method, figure: impl Display, holds: bool, expected: bool) {
+        let verdict = if holds { "**holds**" } else { "**fails**" };
+        let text = format!("{figure}: {verdict}");
+        println!("{}: {}: {text}", self.title, method.as_str());
+        if holds != expected {
+            let was = if expected { "hold" } else { "fail" };
+            writeln!(
+                self.wrong,
+                "{}: {}: was to {was}, but {text}, seeds {}",
+                self.title,
+                method.as_str(),
+                self.seeds
+            )
+            .unwrap();
+        }
+        self.cells[method as usize].push(text);
+    }
+
+    /// The row in Markdown.
+    pub fn row(&self) -> String {
+        let mut row = format!("| {} | {} |", self.title, self.holds_if);
+        for cell in &self.cells {
+            let text = if cell.is_empty() { "–".to_owned() } else { cell.join("; ") };
+            write!(row, " {text} |").unwrap();
+        }
+        row
+    }
+}
+
+/// A board that a scenario changes.
+#[derive(Debug, Clone)]
+pub struct Board {
+    pub scene: Scene,
+    pub parts: Parts,
+    /// More lines of `[measure]`.
+    pub measure: String,
+}
+
+impl Board {
+    /// `pi4` with other capacitors and resistors, and without its rare long delays.
+    pub fn quiet(parts: Parts) -> Board {
+        let mut board = Board::pi4(parts);
+        for delay in [&mut board.scene.stamps, &mut board.scene.wake, &mut board.scene.sleep] {
+            let delay = delay.as_mut().unwrap();
+            (delay.tail_probability, delay.tail_mean) = (None, None);
+        }
+        let calls = board.scene.calls.as_mut().unwrap();
+        (calls.tail_probability, calls.tail_mean) = (None, None);
+        board
+    }
+
+    /// `pi4` with other capacitors and resistors.
+    pub fn pi4(parts: Parts) -> Board {
+        Board { scene: Scene::builtin("pi4").unwrap(), parts, measure: String::new() }
+    }
+
+    /// The board of the paper.
+    pub fn paper() -> Board {
+        let measure = "resolution = \"20 ns\"\ncharge-time = \"163.84 us\"\nsettle-time = \"0 us\"\n";
+        Board {
+            scene: Scene::builtin("fpga-paper").unwrap(),
+            parts: Parts::PAPER,
+            measure: measure.to_owned(),
+        }
+    }
+
+    /// The same with more lines of `[measure]`.
+    pub fn with(&self, measure: &str) -> Board {
+        Board { measure: format!("{}{measure}\n", self.measure), ..self.clone() }
+    }
+
+    pub fn bench(&self, method: Method, r_ohm: f64, seed: u64) -> Bench {
+        let Parts { c_a, c_b, c, r_c1, r_c2, v_th } = self.parts;
+        let kind = kind_of(method);
+        let mut scene = self.scene.clone();
+        let circuit = &mut scene.circuit;
+        (circuit.c_a, circuit.c_b, circuit.c) = (Some(Farad(c_a)), Some(Farad(c_b)), Some(Farad(c)));
+        (circuit.r_c1, circuit.r_c2) = (Ohm(r_c1), Ohm(r_c2));
+        circuit.threshold.falling = Volt(v_th);
+        let scene = scene.with_kind(kind).unwrap().with_sensors(vec![Sensor::Constant(Ohm(r_ohm))]).unwrap();
+        let capacitors = match kind {
+            Kind::TwoCapacitor => {
+                format!("kind = \"two-capacitor\"\nc-a = \"{c_a} F\"\nc-b = \"{c_b} F\"")
+            }
+            _ => format!("kind = \"series-calibration\"\nc = \"{c} F\""),
+        };
+        let config = format!(
+            "[circuit]\n{capacitors}\nr-c1 = \"{r_c1} ohm\"\nr-c2 = \"{r_c2} ohm\"\nv-th = \"{v_th} V\"\n\
+             [measure]\nmethod = \"{}\"\n{}\n[[channel]]\nid = \"x\"\n[mock]\nscene = \"pi4\"\n",
+            method.as_str(),
+            self.measure
+        );
+        Bench { scene, config, seed }
+    }
+
+    /// The errors of one instrument for each seed: so many readings, after as many as it needs to settle.
+    pub fn errors(&self, method: Method, r_ohm: f64, seeds: u64, readings: usize) -> Errors {
+        let mut all = Errors::default();
+        for seed in 0..seeds {
+            let mut instrument = self.bench(method, r_ohm, seed).instrument();
+            settle(&mut instrument);
+            read(&mut instrument, 60, |_| {});
+            read(&mut instrument, readings, |reading| all.add(reading, r_ohm));
+        }
+        all
+    }
+}
+
+/// The root mean square of all errors.
+pub fn rms(errors: &Errors) -> f64 {
+    (errors.errors.iter().map(|error| error * error).sum::<f64>() / errors.count() as f64).sqrt()
+}
+
+/// The share of readings without a number.
+pub fn without_number(errors: &Errors) -> f64 {
+    let others = errors.not_ok.len() + errors.without_u;
+    others as f64 / (others + errors.count()) as f64
+}
+
+/// A relative error in percent, two digits that count.
+pub fn percent(relative: f64) -> String {
+    let percent = 100.0 * relative;
+    match percent.abs() {
+        p if p >= 9.95 => format!("{percent:.0} %"),
+        p if p >= 0.995 => format!("{percent:.1} %"),
+        p if p >= 0.0995 => format!("{percent:.2} %"),
+        _ => format!("{percent:.3} %"),
+    }
+}
+
+/// Whether the numbers are true: most readings are numbers, and 90 % of these within two of their own sigma.
+pub fn is_true(errors: &Errors) -> bool {
+    without_number(errors) < 0.1 && errors.count() > 0 && errors.coverage() >= 0.9
+}
+
+/// The figures that [`is_true`] judges.
+pub fn truth(errors: &Errors, r_ohm: f64) -> String {
+    let mut text = String::new();
+    if errors.count() > 0 {
+        write!(text, "error {}, {:.0} % in 2u", percent(rms(errors) / r_ohm), 100.0 * errors.coverage())
+            .unwrap();
+    }
+    let missing = without_number(errors);
+    if missing >= 0.005 {
+        let separator = if text.is_empty() { "" } else { ", " };
+        write!(text, "{separator}{:.0} % no number", 100.0 * missing).unwrap();
+    }
+    text
+}
+
+/// The published method, by hand: discharges without any of our rules.
+pub struct ByHand {
+    pub pins: SimPins,
+    charge: Nanos,
+    /// Subtracted from every crossing, s.
+    pub offset: f64,
+}
+
+impl ByHand {
+    /// On a board with the circuit of Fig. 1(c).
+    pub fn new(board: &Board, r_ohm: f64, seed: u64) -> ByHand {
+        let (pins, settings) = board.bench(Method::Tcdic, r_ohm, seed).parts();
+        ByHand { pins, charge: settings.charge, offset: 0.0 }
+    }
+
+    /// Crossings of one discharge, with a switch to Rc2 after so many seconds, and when that really came; `None` if one is
+    /// missing.
+    pub fn discharge(&mut self, through: Through, switch: Option<f64>) -> Option<([f64; 2], f64)> {
+        let plan = Plan {
+            through,
+            switch: switch.map(|s| (Nanos::from_seconds(s), Through::C2)),
+            chargers: Drives::CHARGE,
+            last: Node::B,
+            charge: self.charge,
+            settle: Nanos(20_000),
+            timeout: Nanos(400_000_000),
+            limit: None,
+            widest_bracket: Nanos::MAX,
+            single_call: None,
+        };
+        let record = run(&mut self.pins, plan).unwrap().result.ok()?;
+        // The equations know a single instant of the switch; between release and sink nothing moves.
+        let (at, pause) = record.switch.map_or((0.0, 0.0), |switch| (switch.at_ns, switch.on_ns - switch.at_ns));
+        let crossing = |ns: f64| (if ns > at { ns - pause } else { ns }) * 1e-9 - self.offset;
+        let at = at * 1e-9;
+        Some(([crossing(record.a_ns?), crossing(record.b_ns?)], at))
+    }
+
+    /// One cycle: c1, c2, x.
+    pub fn cycle(&mut self, switch: Option<f64>) -> Option<Times> {
+        let (c1, _) = self.discharge(Through::C1, None)?;
+        let (c2, _) = self.discharge(Through::C2, None)?;
+        let (x, switch) = self.discharge(Through::X(0), switch)?;
+        Some(Times { c1, c2, x, switch })
+    }
+
+    /// Many cycles, one after another.
+    pub fn cycles(&mut self, count: usize, switch: Option<f64>) -> Vec<Times> {
+        (0..count).filter_map(|_| self.cycle(switch)).collect()
+    }
+}
+
+/// Mean and standard deviation.
+pub fn moments(values: &[f64]) -> (f64, f64) {
+    let count = values.len() as f64;
+    let mean = values.iter().sum::<f64>() / count;
+    (mean, (values.iter().map(|value| (value - mean).powi(2)).sum::<f64>() / (count - 1.0)).sqrt())
+}
