@@ -9,8 +9,9 @@
 //! sigma^2(T) = L^2 + (k T)^2
 //! ```
 //!
-//! Two resistors give the unknowns: k of each node, and L of both. What the crossings of one discharge share (the instant of the start)
-//! is a covariance. Variances come from successive differences, so that drift is not taken for noise.
+//! Two resistors give the unknowns: k of each node, and L of both. What the crossings of one discharge share is a covariance: the
+//! instant of the start, whatever the resistor, and what a charge to another V_DD does to both in proportion to their times.
+//! Variances come from successive differences, so that drift is not taken for noise.
 
 /// Covariance of the crossings of A and B in one discharge, ns².
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -57,8 +58,10 @@ pub enum Judgement {
     Outlier,
 }
 
-/// The largest share of a crossing's variance that both crossings have in common.
-const SHARED: f64 = 0.5;
+/// The greatest correlation of both crossings of a discharge that few discharges are believed.
+const CORRELATED: f64 = 0.5;
+/// A covariance is in proportion to the times when it is so many sigma greater through R_2 than through R_1.
+const PROPORTIONAL: f64 = 3.0;
 /// Discharges taken before anything is said about noise.
 const WARM_UP: usize = 16;
 /// An outlier is farther from the running mean than so many sigma.
@@ -171,13 +174,16 @@ impl Spread {
     /// Half the mean square of successive differences, which has two degrees of freedom for three of them. With few of
     /// them, as much more as makes 2 sigma the 95 % limit of Student's distribution (to 2 % from 8 degrees on).
     fn covariance(&self) -> Covariance {
-        let freedom = (self.weight * 2.0 / 3.0).max(1.0);
-        let student = (1.0 + 1.3 / freedom).powi(2);
+        let student = (1.0 + 1.3 / self.freedom()).powi(2);
         self.sum.scaled(0.5 * student / self.weight.max(1.0))
     }
 
     fn is_known(&self) -> bool {
         self.seen == WARM_UP
+    }
+
+    fn freedom(&self) -> f64 {
+        (self.weight * 2.0 / 3.0).max(1.0)
     }
 }
 
@@ -231,15 +237,42 @@ impl Noise {
         }
         let [v1, v2] = [&self.c1, &self.c2].map(|spread| spread.covariance().at_least(self.quantisation));
         let [law_a, law_b] = Law::through([(self.c1.time, v1), (self.c2.time, v2)], self.quantisation);
-        // What is shared does not depend on the resistor; each tells it the better the less noise it has of its own.
-        let (w1, w2) = (1.0 / (v1.aa * v1.bb), 1.0 / (v2.aa * v2.bb));
-        let shared = (w1 * v1.ab + w2 * v2.ab) / (w1 + w2);
+        let freedom = self.c1.freedom().min(self.c2.freedom());
+        let shared = Shared::through([(self.c1.time, v1), (self.c2.time, v2)], freedom);
+        // Too much would make a combination of two crossings look exact: it takes many discharges to believe that.
+        let most = CORRELATED.max(1.0 - 1.0 / freedom.sqrt());
         Some(discharges.map(|[a_ns, b_ns]| {
             let (aa, bb) = (law_a.at(a_ns), law_b.at(b_ns));
-            // Each crossing is stamped by an interrupt of its own: what they share is never most of their variance, however
-            // few discharges say so. More would make the difference of two crossings look exact.
-            Covariance { aa, bb, ab: shared.max(0.0).min(SHARED * aa.min(bb)) }
+            Covariance { aa, bb, ab: shared.at(a_ns, b_ns).clamp(0.0, most * (aa * bb).sqrt()) }
         }))
+    }
+}
+
+/// Covariance of both crossings: S + s T_A T_B, ns².
+#[derive(Debug, Clone, Copy)]
+struct Shared {
+    constant: f64,
+    proportional: f64,
+}
+
+impl Shared {
+    /// Through the covariances at two pairs of times, each known with so many degrees of freedom.
+    fn through([(t1, v1), (t2, v2)]: [([f64; 2], Covariance); 2], freedom: f64) -> Shared {
+        let chance = ((v1.aa * v1.bb + v2.aa * v2.bb) / freedom).sqrt();
+        if v2.ab - v1.ab > PROPORTIONAL * chance {
+            let proportional = (v2.ab - v1.ab) / (t2[0] * t2[1] - t1[0] * t1[1]);
+            let constant = (v1.ab - proportional * t1[0] * t1[1]).max(0.0);
+            if proportional.is_finite() {
+                return Shared { constant, proportional };
+            }
+        }
+        // The same through both; each tells it the better the less noise it has of its own.
+        let (w1, w2) = (1.0 / (v1.aa * v1.bb), 1.0 / (v2.aa * v2.bb));
+        Shared { constant: (w1 * v1.ab + w2 * v2.ab) / (w1 + w2), proportional: 0.0 }
+    }
+
+    fn at(self, a_ns: f64, b_ns: f64) -> f64 {
+        self.constant + self.proportional * a_ns * b_ns
     }
 }
 

@@ -4,6 +4,8 @@
 //! seed is fixed. `docs/stability.md` is what comes out of it; `UPDATE_DOCS=1 cargo test --test stability` writes it anew.
 #![allow(clippy::unwrap_used, clippy::panic, reason = "a test that cannot be set up fails")]
 
+#[path = "stability/circuit.rs"]
+mod circuit;
 mod common;
 #[path = "stability/failures.rs"]
 mod failures;
@@ -52,7 +54,13 @@ scenarios! {
     spikes: noise::spikes,
     the_threshold_t_l: switching::threshold,
     an_early_switch: switching::denominator,
+    node_b_near_its_limit: circuit::node_b,
+    close_calibration_resistors: circuit::close_resistors,
+    slow_drift: circuit::slow_drift,
+    fast_drift: circuit::fast_drift,
+    a_restless_supply: circuit::restless_supply,
     one_ohm: switching::one_ohm,
+    ten_megohm: circuit::ten_megohm,
 }
 
 static FOUND: [OnceLock<Scenario>; SCENARIOS.len()] = [const { OnceLock::new() }; SCENARIOS.len()];

@@ -4,7 +4,7 @@ use crate::common::{Bench, Errors, kind_of, read, settle};
 use crate::paper::{Parts, Times};
 use cermd::discharge::{Plan, run};
 use cermd::pins::sim::{Kind, Scene, Sensor, SimPins};
-use cermd::pins::{Drives, Node};
+use cermd::pins::{Drives, Node, Pins};
 use cermd::reading::Method;
 use cermd::record::Through;
 use cermd::units::{Farad, Nanos, Ohm, Volt};
@@ -224,7 +224,8 @@ impl ByHand {
         };
         let record = run(&mut self.pins, plan).unwrap().result.ok()?;
         // The equations know a single instant of the switch; between release and sink nothing moves.
-        let (at, pause) = record.switch.map_or((0.0, 0.0), |switch| (switch.at_ns, switch.on_ns - switch.at_ns));
+        let (at, pause) =
+            record.switch.map_or((0.0, 0.0), |switch| (switch.at_ns, switch.on_ns - switch.at_ns));
         let crossing = |ns: f64| (if ns > at { ns - pause } else { ns }) * 1e-9 - self.offset;
         let at = at * 1e-9;
         Some(([crossing(record.a_ns?), crossing(record.b_ns?)], at))
@@ -249,4 +250,29 @@ pub fn moments(values: &[f64]) -> (f64, f64) {
     let count = values.len() as f64;
     let mean = values.iter().sum::<f64>() / count;
     (mean, (values.iter().map(|value| (value - mean).powi(2)).sum::<f64>() / (count - 1.0)).sqrt())
+}
+
+impl ByHand {
+    /// Length of a charge, s.
+    pub fn charge_s(&self) -> f64 {
+        self.charge.as_seconds()
+    }
+
+    /// When B crosses in a discharge through the sensor that has so many seconds, s.
+    pub fn wait_for(&mut self, seconds: f64) -> f64 {
+        let pins = &mut self.pins;
+        pins.drive(Drives::CHARGE).unwrap();
+        let charged = pins.now() + self.charge;
+        pins.sleep_until(charged).unwrap();
+        pins.drive(Drives::NONE).unwrap();
+        pins.arm().unwrap();
+        let start = pins.drive(Drives::x(0)).unwrap().after;
+        let until = start + Nanos::from_seconds(seconds);
+        let mut last = start;
+        while let Some(edge) = pins.edge(until).unwrap() {
+            last = edge.at;
+        }
+        pins.drive(Drives::NONE).unwrap();
+        (last - start).as_seconds()
+    }
 }

@@ -112,8 +112,11 @@ pub fn bias_of_offset(parts: &Parts, method: Method, d: f64, r_x: f64) -> f64 {
 
 pub fn offset() -> Scenario {
     let board = Board::quiet(Parts::PI4);
-    let mut it =
-        Scenario::new("Stamps 8 us late, switches not: 1 kohm", "the mean is off by less than 0.2 %", "0..40");
+    let mut it = Scenario::new(
+        "Stamps 8 us late, switches not: 1 kohm",
+        "the mean is off by less than 0.2 %",
+        "0..40",
+    );
     for method in Method::ALL {
         let switches = matches!(method, Method::Qerm | Method::Cerm);
         if switches {
@@ -137,7 +140,8 @@ pub fn offset() -> Scenario {
             }
         }
         let errors = board.errors(method, 1000.0, 40, 100);
-        let figure = format!("{}{}", if switches { "offset found " } else { "" }, percent(errors.mean() / 1000.0));
+        let figure =
+            format!("{}{}", if switches { "offset found " } else { "" }, percent(errors.mean() / 1000.0));
         it.cell(method, figure, errors.mean().abs() < 2.0, true);
     }
     it.why = "a switch is a call of our own and is not late; only crossings are. In differences of crossings the lateness cancels, \
@@ -199,7 +203,11 @@ pub fn threshold() -> Scenario {
     let jump = fixed(0.0, 1.0).errors(Method::Cerm, r_l, 20, 200).mean()
         - fixed(0.0, 0.0).errors(Method::Cerm, r_l, 20, 200).mean();
     let predicted = bias_of_offset(&parts, Method::Cerm, STAMP, r_l);
-    it.expect(format!("as printed: jump of the mean, of the predicted {predicted:.2} ohm"), jump / predicted, 0.9..=1.1);
+    it.expect(
+        format!("as printed: jump of the mean, of the predicted {predicted:.2} ohm"),
+        jump / predicted,
+        0.9..=1.1,
+    );
     let chatter = changes(&fixed(STAMP, t_l), Method::Cerm, r_l, 20);
     it.expect("fixed T_L: changes of branch by reading, predicted 0.5", chatter, 0.4..=0.6);
     it.cell(
@@ -211,7 +219,8 @@ pub fn threshold() -> Scenario {
     let direct = board.with("t-l = \"0 ns\"").errors(Method::Cerm, r_l, 40, 100);
     let inferred = board.with("t-l = \"1 s\"").errors(Method::Cerm, r_l, 40, 100);
     it.expect("offset found: errors of both branches, predicted 1", inferred.sd() / direct.sd(), 0.9..=1.1);
-    let [of_direct, of_inferred] = [&direct, &inferred].map(|errors| errors.sd() / (errors.count() as f64).sqrt());
+    let [of_direct, of_inferred] =
+        [&direct, &inferred].map(|errors| errors.sd() / (errors.count() as f64).sqrt());
     let standard_error = of_direct.hypot(of_inferred);
     it.expect(
         "offset found: jump of the mean, in standard errors",
@@ -227,7 +236,8 @@ pub fn threshold() -> Scenario {
             most = most.max(changes(&board, method, r_ohm, 8));
             worst_coverage = worst_coverage.min(board.errors(method, r_ohm, 8, 50).coverage());
         }
-        let figure = format!("{:.1} % change at the most, {:.0} % in 2u", 100.0 * most, 100.0 * worst_coverage);
+        let figure =
+            format!("{:.1} % change at the most, {:.0} % in 2u", 100.0 * most, 100.0 * worst_coverage);
         it.cell(method, figure, most < 0.05 && worst_coverage > 0.85, true);
     }
     it.why = format!(
@@ -257,7 +267,11 @@ pub fn denominator() -> Scenario {
     let cycles = by_hand.cycles(4000, Some(switch));
     let (switch, _) = moments(&cycles.iter().map(|times| times.switch).collect::<Vec<_>>());
     let away = switch * (parts.r_c2 + R_O) / 1040.0 / (2f64.sqrt() * sigma);
-    it.expect("the denominator's distance from zero, in sigma", away, 0.97 * DENOMINATOR..=1.03 * DENOMINATOR);
+    it.expect(
+        "the denominator's distance from zero, in sigma",
+        away,
+        0.97 * DENOMINATOR..=1.03 * DENOMINATOR,
+    );
     let found: Vec<f64> = cycles.iter().map(|times| paper::cerm(&parts, times)).collect();
     let share = |of: &dyn Fn(f64) -> bool| {
         found.iter().filter(|r| of((**r + R_O) / 1040.0)).count() as f64 / found.len() as f64

@@ -1,0 +1,381 @@
+//! Circuits at the edge of what the equations allow, and circuits that do not stay what they are.
+
+use crate::common::{Errors, read, settle};
+use crate::paper::{self, Noise, Parts, R_O, Times, V_DD};
+use crate::scenario::{Board, ByHand, Scenario, is_true, moments, percent, rms, truth};
+use crate::switching::PI4_NOISE;
+
+use cermd::config::{Config, Severity};
+use cermd::instrument::{Instrument, Message};
+use cermd::pins::sim::SimPins;
+use cermd::pins::sim::scene::DriftScene;
+use cermd::pins::{Armed, Bracket, Drives, Edge, Levels, Pins, PinsError};
+use cermd::reading::{Measured, Method, Status};
+use cermd::units::{Nanos, Volt};
+use std::fmt::Write;
+use rand::{RngExt, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+
+/// What the check of the configuration says about a key, if anything.
+fn finding(board: &Board, method: Method, key: &str) -> Option<Severity> {
+    let config = Config::parse(&board.bench(method, 1000.0, 0).config, "bench").unwrap();
+    config.check().iter().filter(|finding| finding.key == key).map(|finding| finding.severity).min()
+}
+
+fn expect_errors(it: &mut Scenario, method: Method, errors: &Errors, predicted: f64) {
+    it.expect(
+        format!("{}: error, of the predicted {predicted:.2} ohm", method.as_str()),
+        rms(errors) / predicted,
+        0.9..=1.15,
+    );
+}
+
+/// What Cramer and Rao allow to a discharge in full.
+fn bound(parts: &Parts, noise: Noise, r_ohm: f64) -> f64 {
+    let sigma = noise.sigma(parts, r_ohm);
+    parts.g().iter().zip(sigma).map(|(g, sigma)| (g / sigma).powi(2)).sum::<f64>().powf(-0.5)
+}
+
+pub fn node_b() -> Scenario {
+    let (limit, r_ohm) = (Parts::PI4.c_a * 1.1 / (V_DD - 1.1), 5000.0);
+    let parts = Parts { c_b: 0.96 * limit, ..Parts::PI4 };
+    let board = Board::quiet(parts);
+    let mut it = Scenario::new(
+        "C_B at 96 % of the value from which node B never crosses, 5 kohm",
+        "error below 0.2 %",
+        "0..40",
+    );
+    let times = Times::of(&parts, r_ohm, 0.0);
+    let of_times = PI4_NOISE.of_times(&parts, r_ohm);
+    for method in [Method::Tpcm, Method::Tcdic, Method::Cerm, Method::Tracked] {
+        let errors = board.errors(method, r_ohm, 40, 100);
+        match method {
+            Method::Tpcm => {
+                let predicted = times.scatter(of_times, |times| paper::tpcm(&parts, times));
+                expect_errors(&mut it, method, &errors, predicted);
+            }
+            Method::Tcdic => {
+                let predicted = times.scatter(of_times, |times| paper::tcdic(&parts, times));
+                expect_errors(&mut it, method, &errors, predicted);
+            }
+            Method::Tracked => {
+                let of_bound = rms(&errors) / bound(&parts, PI4_NOISE, r_ohm);
+                it.expect("tracked: error, of the bound of its discharge in full", of_bound, 0.9..=1.3);
+            }
+            _ => {}
+        }
+        let good = rms(&errors) < 0.002 * r_ohm && is_true(&errors);
+        it.cell(method, truth(&errors, r_ohm), good, matches!(method, Method::Tpcm | Method::Tracked));
+    }
+    let warned = finding(&board, Method::Tracked, "circuit.c-b") == Some(Severity::Warning);
+    let beyond = Board::pi4(Parts { c_b: 1.01 * limit, ..parts });
+    let refused = finding(&beyond, Method::Tracked, "circuit.c-b") == Some(Severity::Error);
+    it.expect(
+        "the configuration's check warns, and refuses C_B beyond",
+        f64::from(u8::from(warned && refused)),
+        1.0..=1.0,
+    );
+    let [a, b] = parts.s_per_volt_ohm();
+    it.why = format!(
+        "node B falls {:.0} times more slowly than A where it crosses, and eq. (11) gives both the same weight. Weighted by their \
+         noise, B does no harm. The check of the configuration warns of such a C_B, and refuses a larger one.",
+        b / a
+    );
+    it
+}
+
+pub fn close_resistors() -> Scenario {
+    let parts = Parts { r_c1: 10_000.0, ..Parts::PI4 };
+    let (board, r_ohm) = (Board::quiet(parts), 1000.0);
+    let mut it = Scenario::new(
+        "Rc1 at 10 kohm, close to Rc2 at 12.7 kohm; 1 kohm",
+        "error below 2 %, and true",
+        "0..40",
+    );
+    let full = Times::of(&parts, r_ohm, 0.0);
+    let of_full = PI4_NOISE.of_times(&parts, r_ohm);
+    for method in Method::ALL {
+        let (errors, usual) =
+            (board.errors(method, r_ohm, 40, 100), Board::quiet(Parts::PI4).errors(method, r_ohm, 40, 100));
+        let predicted = match method {
+            Method::Tpcm => Some(full.scatter(of_full, |times| paper::tpcm(&parts, times))),
+            Method::Tcdic => Some(full.scatter(of_full, |times| paper::tcdic(&parts, times))),
+            _ => None,
+        };
+        if let Some(predicted) = predicted {
+            expect_errors(&mut it, method, &errors, predicted);
+        }
+        it.expect(format!("{}: u, of the error", method.as_str()), errors.mean_u() / errors.sd(), 0.85..=1.3);
+        let figure =
+            format!("{}, {:.0} times that of 2.32 kohm", truth(&errors, r_ohm), rms(&errors) / rms(&usual));
+        let good = rms(&errors) < 0.02 * r_ohm && is_true(&errors);
+        it.cell(method, figure, good, matches!(method, Method::Qerm | Method::Tracked));
+    }
+    let warned = finding(&board, Method::Tracked, "circuit.r-c2") == Some(Severity::Warning);
+    it.expect("the configuration's check warns", f64::from(u8::from(warned)), 1.0..=1.0);
+    let ratio = (r_ohm - parts.r_c1) / (parts.r_c2 - parts.r_c1);
+    it.why = format!(
+        "R_x is extrapolated: the noise of both calibration discharges counts {:.1} and {:.1} times. u grows with it. In the circuit of \
+         QERM the second resistor is Rc1 + Rc2, far from Rc1. The check of the configuration warns.",
+        1.0 - ratio,
+        -ratio
+    );
+    it
+}
+
+pub fn slow_drift() -> Scenario {
+    let mut it = Scenario::new(
+        "C drifts by 1 %/min, V_Th by 5 mV/min, V_DD by 20 mV/min",
+        "the numbers are true at 100 ohm, 1 kohm and 16.2 kohm",
+        "0..20",
+    );
+    let mut board = Board::quiet(Parts::PI4);
+    board.scene.drift = Some(DriftScene {
+        c_per_minute: 0.01,
+        v_th_per_minute: Some(Volt(5e-3)),
+        v_dd_per_minute: Some(Volt(20e-3)),
+    });
+    for method in Method::ALL {
+        let mut all = Errors::default();
+        let mut worst = 0.0f64;
+        for r_ohm in [100.0, 1000.0, 16_200.0] {
+            let errors = board.errors(method, r_ohm, 20, 200);
+            worst = worst.max(errors.mean().abs() / errors.sd());
+            all.errors.extend(errors.errors);
+            all.us.extend(errors.us);
+            all.not_ok.extend(errors.not_ok);
+        }
+        it.expect(format!("{}: within 2u", method.as_str()), all.coverage(), 0.92..=0.98);
+        let figure = format!("mean off by {worst:.2} sigma, {:.0} % in 2u", 100.0 * all.coverage());
+        it.cell(method, figure, is_true(&all) && worst < 0.5, true);
+    }
+    // A calibration of an hour ago, as many use it: C alone has gone 60 % by then, and 1 % in a minute.
+    it.why = "a calibration in each reading is 50 ms old at the most. The tracked one takes the drift for a random walk, whose speed it \
+              learns, and calibrates more often."
+        .to_owned();
+    it
+}
+
+/// How fast C drifts, per second.
+const FAST: f64 = 0.02;
+
+pub fn fast_drift() -> Scenario {
+    let (mut board, r_ohm) = (Board::quiet(Parts::PI4), 16_200.0);
+    board.scene.drift = Some(DriftScene { c_per_minute: 60.0 * FAST, ..DriftScene::default() });
+    let parts = board.parts;
+    let mut it = Scenario::new(
+        "C drifts by 2 %/s: within a cycle; 16.2 kohm",
+        "the mean is off by less than a fifth of sigma, and the numbers are true",
+        "0..20",
+    );
+    // Discharges begin one charge and one discharge apart; the drift is linear from the start of the simulation on.
+    let mut by_hand = ByHand::new(&board, r_ohm, 1);
+    let (mut errors, mut predictions) = (Vec::new(), Vec::new());
+    for _ in 0..200 {
+        let begin = by_hand.pins.now().as_seconds();
+        let times = by_hand.cycle(None).unwrap();
+        let mut at = begin;
+        let charge = by_hand.charge_s();
+        let mut grown = |exact: [f64; 2], found: [f64; 2]| {
+            let factor = 1.0 + FAST * at;
+            at += charge + 20e-6 + found[1];
+            exact.map(|t| t * (factor - 1.0))
+        };
+        let exact = Times::of(&parts, r_ohm, 0.0);
+        let late = Times {
+            c1: grown(exact.c1, times.c1),
+            c2: grown(exact.c2, times.c2),
+            x: grown(exact.x, times.x),
+            switch: 0.0,
+        };
+        predictions.push(paper::tcdic(&parts, &exact.plus(late)) - r_ohm);
+        errors.push(paper::tcdic(&parts, &times) - r_ohm);
+    }
+    let ((bias, sd), (predicted, _)) = (moments(&errors), moments(&predictions));
+    it.expect(
+        format!("tcdic as printed: bias, predicted {predicted:.2} ohm, off by so many standard errors"),
+        (bias - predicted) / (sd / 200f64.sqrt()),
+        -4.0..=4.0,
+    );
+    it.expect("tcdic as printed: the predicted bias, of sigma", predicted / sd, 0.3..=3.0);
+    for method in Method::ALL {
+        let errors = board.errors(method, r_ohm, 20, 100);
+        let off = errors.mean() / errors.sd();
+        let figure = format!("mean off by {off:+.2} sigma, {}", truth(&errors, r_ohm));
+        it.cell(method, figure, off.abs() < 0.2 && is_true(&errors), false);
+    }
+    it.why = "between the calibration discharges and that of the sensor C grows by more than the noise. No calibration sees that."
+        .to_owned();
+    it
+}
+
+/// The supply changes from charge to charge, V rms.
+const SUPPLY: f64 = 5e-3;
+
+/// Pins whose supply has another voltage at each charge.
+struct Restless {
+    inner: SimPins,
+    rng: ChaCha8Rng,
+}
+
+impl Pins for Restless {
+    fn now(&mut self) -> Nanos {
+        self.inner.now()
+    }
+    fn drive(&mut self, on: Drives) -> Result<Bracket, PinsError> {
+        if on.contains(Drives::CHARGE_A) {
+            // The sum of twelve uniform numbers: near enough to a normal one.
+            let z = (0..12).map(|_| self.rng.random::<f64>()).sum::<f64>() - 6.0;
+            self.inner.alter(|circuit| circuit.v_dd = V_DD + SUPPLY * z);
+        }
+        self.inner.drive(on)
+    }
+    fn arm(&mut self) -> Result<Armed, PinsError> {
+        self.inner.arm()
+    }
+    fn edge(&mut self, until: Nanos) -> Result<Option<Edge>, PinsError> {
+        self.inner.edge(until)
+    }
+    fn sleep_until(&mut self, at: Nanos) -> Result<(), PinsError> {
+        self.inner.sleep_until(at)
+    }
+    fn levels(&mut self) -> Result<Levels, PinsError> {
+        self.inner.levels()
+    }
+}
+
+fn restless_errors(board: &Board, method: Method, r_ohm: f64) -> Errors {
+    let mut all = Errors::default();
+    for seed in 0..20 {
+        let (inner, settings) = board.bench(method, r_ohm, seed).parts();
+        let pins = Restless { inner, rng: ChaCha8Rng::seed_from_u64(1000 + seed) };
+        let mut instrument = Instrument::new(pins, settings);
+        let (mut before, mut readings) = (60, 0);
+        while readings < 100 {
+            let known = instrument.stats().offset_is_known;
+            instrument
+                .step(&mut |message| {
+                    if let (Message::Reading(reading), true) = (message, known) {
+                        if before > 0 {
+                            before -= 1;
+                        } else {
+                            readings += 1;
+                            all.add(&reading, r_ohm);
+                        }
+                    }
+                })
+                .unwrap();
+        }
+    }
+    all
+}
+
+pub fn restless_supply() -> Scenario {
+    let (board, r_ohm) = (Board::quiet(Parts::PI4), 5000.0);
+    let parts = board.parts;
+    let mut it = Scenario::new(
+        "V_DD changes from charge to charge by 5 mV rms, 5 kohm",
+        "the numbers are true, and the error is below 0.15 %",
+        "0..20",
+    );
+    // Both crossings of a discharge move together, in proportion to R + Ro.
+    let by_volt = |r: f64| {
+        let with = |v_dd: f64| {
+            let c_t = parts.c_a * parts.c_b / (parts.c_a + parts.c_b);
+            let b = v_dd * parts.c_a / (parts.v_th * (parts.c_a + parts.c_b) - v_dd * parts.c_b);
+            [c_t * (v_dd / parts.v_th).ln(), c_t * b.ln()]
+        };
+        let ([a0, b0], [a1, b1]) = (with(V_DD - 1e-4), with(V_DD + 1e-4));
+        [(a1 - a0) / 2e-4 * (r + R_O), (b1 - b0) / 2e-4 * (r + R_O)]
+    };
+    let exact = Times::of(&parts, r_ohm, 0.0);
+    let zero = Times { c1: [0.0; 2], c2: [0.0; 2], x: [0.0; 2], switch: 0.0 };
+    for (method, equation) in
+        [(Method::Tpcm, paper::tpcm as fn(&Parts, &Times) -> f64), (Method::Tcdic, paper::tcdic)]
+    {
+        let of_supply: f64 = [
+            Times { c1: by_volt(parts.r_c1), ..zero },
+            Times { c2: by_volt(parts.r_c2), ..zero },
+            Times { x: by_volt(r_ohm), ..zero },
+        ]
+        .iter()
+        .map(|late| {
+            let scaled = |t: [f64; 2]| t.map(|t| SUPPLY * t);
+            let late = Times { c1: scaled(late.c1), c2: scaled(late.c2), x: scaled(late.x), switch: 0.0 };
+            (equation(&parts, &exact.plus(late)) - r_ohm).powi(2)
+        })
+        .sum();
+        let of_noise = exact.scatter(PI4_NOISE.of_times(&parts, r_ohm), |times| equation(&parts, times));
+        let errors = restless_errors(&board, method, r_ohm);
+        expect_errors(&mut it, method, &errors, (of_supply + of_noise * of_noise).sqrt());
+    }
+    for method in Method::ALL {
+        let errors = restless_errors(&board, method, r_ohm);
+        let good = is_true(&errors) && rms(&errors) < 0.0015 * r_ohm;
+        it.cell(method, truth(&errors, r_ohm), good, method == Method::Tracked);
+    }
+    it.why = "the charge is another one each time, and with it both crossings, in proportion to R + Ro: no calibration before or after \
+              can take it out. What A and B share of it is learned, so that u is right, and `tracked` takes the greater part of it out \
+              by the difference of both."
+        .to_owned();
+    it
+}
+
+pub fn ten_megohm() -> Scenario {
+    let (board, r_ohm) = (Board::quiet(Parts::PI4).with("deadline = \"60 ms\""), 10e6);
+    let parts = board.parts;
+    let mut it = Scenario::new(
+        "10 Mohm, deadline 60 ms",
+        "a true bound or a true number, each reading within 200 ms",
+        "0..10",
+    );
+    let [_, g_b] = parts.g();
+    let endless = g_b * (r_ohm + R_O);
+    let mut by_hand = ByHand::new(&board, r_ohm, 1);
+    let found = by_hand.wait_for(100.0);
+    it.expect(
+        format!("as printed: B crosses after, of the predicted {endless:.2} s"),
+        found / endless,
+        0.99..=1.01,
+    );
+    it.cell(Method::Tcdic, format!("as printed: {found:.1} s"), found < 0.2, false);
+    for method in Method::ALL {
+        let (mut open, mut sound, mut count) = (0, 0, 0);
+        let (mut longest, mut lowest, mut relative) = (0.0f64, f64::INFINITY, 0.0f64);
+        for seed in 0..10 {
+            let mut instrument = board.bench(method, r_ohm, seed).instrument();
+            settle(&mut instrument);
+            read(&mut instrument, 20, |_| {});
+            read(&mut instrument, 50, |reading| {
+                count += 1;
+                longest = longest.max(reading.duration.as_seconds());
+                match reading.status {
+                    Status::Open { r_min_ohm, .. } => {
+                        open += 1;
+                        sound += i32::from(r_min_ohm <= r_ohm);
+                        lowest = lowest.min(r_min_ohm);
+                    }
+                    Status::Ok { r_ohm: Measured { value, u: Some(u) }, .. } => {
+                        sound += i32::from((value - r_ohm).abs() <= 3.0 * u);
+                        relative = relative.max(u / value);
+                    }
+                    _ => {}
+                }
+            });
+        }
+        let share = |part: i32| f64::from(part) / f64::from(count);
+        let mut figure = format!("{:.0} % true, {:.0} ms", 100.0 * share(sound), 1e3 * longest);
+        if open > 0 {
+            write!(figure, ", {:.0} % above {:.0} kohm", 100.0 * share(open), 1e-3 * lowest).unwrap();
+        }
+        if relative > 0.0 {
+            write!(figure, ", u up to {:.0} %", 100.0 * relative).unwrap();
+        }
+        let expected = method != Method::Qerm;
+        it.cell(method, figure, share(sound) > 0.97 && longest < 0.2, expected);
+    }
+    it.why = "a discharge through 10 Mohm takes seconds. Waiting ends at the deadline; then Rc1 finishes the discharge of `tracked`, which \
+              knows it to some percent."
+        .to_owned();
+    it
+}
