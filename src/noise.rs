@@ -58,8 +58,8 @@ pub enum Judgement {
     Outlier,
 }
 
-/// The greatest correlation of both crossings of a discharge that few discharges are believed.
-const CORRELATED: f64 = 0.5;
+/// The largest share of a crossing's variance that both crossings have in common, whatever the resistor.
+const SHARED: f64 = 0.5;
 /// A covariance is in proportion to the times when it is so many sigma greater through R_2 than through R_1.
 const PROPORTIONAL: f64 = 3.0;
 /// Discharges taken before anything is said about noise.
@@ -240,10 +240,16 @@ impl Noise {
         let freedom = self.c1.freedom().min(self.c2.freedom());
         let shared = Shared::through([(self.c1.time, v1), (self.c2.time, v2)], freedom);
         // Too much would make a combination of two crossings look exact: it takes many discharges to believe that.
-        let most = CORRELATED.max(1.0 - 1.0 / freedom.sqrt());
+        let correlated = 1.0 - 1.0 / freedom.sqrt();
         Some(discharges.map(|[a_ns, b_ns]| {
             let (aa, bb) = (law_a.at(a_ns), law_b.at(b_ns));
-            Covariance { aa, bb, ab: shared.at(a_ns, b_ns).clamp(0.0, most * (aa * bb).sqrt()) }
+            let most = if shared.proportional > 0.0 {
+                correlated * (aa * bb).sqrt()
+            } else {
+                // Each crossing is stamped by an interrupt of its own.
+                SHARED * aa.min(bb)
+            };
+            Covariance { aa, bb, ab: shared.at(a_ns, b_ns).clamp(0.0, most) }
         }))
     }
 }
