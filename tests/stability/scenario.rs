@@ -1,8 +1,9 @@
 //! A scenario: a board, what is expected of each method on it, and the row of the table that comes of it.
 
-use crate::common::{Bench, Errors, kind_of, read, settle};
+use crate::common::{Bench, Errors, kind_of};
 use crate::paper::{Parts, Times};
 use cermd::discharge::{Plan, run};
+use cermd::instrument::{Instrument, Message};
 use cermd::pins::sim::{Kind, Scene, Sensor, SimPins};
 use cermd::pins::{Drives, Node, Pins};
 use cermd::reading::Method;
@@ -139,16 +140,49 @@ impl Board {
 
     /// The errors of one instrument for each seed: so many readings, after as many as it needs to settle.
     pub fn errors(&self, method: Method, r_ohm: f64, seeds: u64, readings: usize) -> Errors {
+        self.errors_with(method, r_ohm, seeds, readings, |pins, _| pins)
+    }
+
+    /// The same with something around the pins of each seed.
+    pub fn errors_with<P: Pins>(
+        &self,
+        method: Method,
+        r_ohm: f64,
+        seeds: u64,
+        readings: usize,
+        around: impl Fn(SimPins, u64) -> P,
+    ) -> Errors {
         let mut all = Errors::default();
         for seed in 0..seeds {
-            let mut instrument = self.bench(method, r_ohm, seed).instrument();
-            settle(&mut instrument);
-            read(&mut instrument, 60, |_| {});
-            read(&mut instrument, readings, |reading| all.add(reading, r_ohm));
+            let (pins, settings) = self.bench(method, r_ohm, seed).parts();
+            let mut instrument = Instrument::new(around(pins, seed), settings);
+            let (mut unsettled, mut before, mut counted) = (MOST_UNSETTLED, SETTLING, 0);
+            while counted < readings {
+                if unsettled > 0 && instrument.stats().offset_is_known {
+                    unsettled = 0;
+                }
+                let mut take = |message| {
+                    let Message::Reading(reading) = message else { return };
+                    match (unsettled, before) {
+                        (0, 0) => {
+                            counted += 1;
+                            all.add(&reading, r_ohm);
+                        }
+                        (0, _) => before -= 1,
+                        _ => unsettled -= 1,
+                    }
+                };
+                instrument.step(&mut take).unwrap();
+            }
         }
         all
     }
 }
+
+/// Readings after which an instrument that has not found its offset is looked at as it is.
+const MOST_UNSETTLED: usize = 400;
+/// Readings after that which do not count.
+const SETTLING: usize = 60;
 
 /// The root mean square of all errors.
 pub fn rms(errors: &Errors) -> f64 {
@@ -193,8 +227,8 @@ pub fn truth(errors: &Errors, r_ohm: f64) -> String {
 }
 
 /// The published method, by hand: discharges without any of our rules.
-pub struct ByHand {
-    pub pins: SimPins,
+pub struct ByHand<P = SimPins> {
+    pub pins: P,
     charge: Nanos,
     /// Subtracted from every crossing, s.
     pub offset: f64,
@@ -203,8 +237,15 @@ pub struct ByHand {
 impl ByHand {
     /// On a board with the circuit of Fig. 1(c).
     pub fn new(board: &Board, r_ohm: f64, seed: u64) -> ByHand {
+        ByHand::with(board, r_ohm, seed, |pins| pins)
+    }
+}
+
+impl<P: Pins> ByHand<P> {
+    /// The same with something around the pins.
+    pub fn with(board: &Board, r_ohm: f64, seed: u64, around: impl FnOnce(SimPins) -> P) -> ByHand<P> {
         let (pins, settings) = board.bench(Method::Tcdic, r_ohm, seed).parts();
-        ByHand { pins, charge: settings.charge, offset: 0.0 }
+        ByHand { pins: around(pins), charge: settings.charge, offset: 0.0 }
     }
 
     /// Crossings of one discharge, with a switch to Rc2 after so many seconds, and when that really came; `None` if one is
@@ -243,16 +284,7 @@ impl ByHand {
     pub fn cycles(&mut self, count: usize, switch: Option<f64>) -> Vec<Times> {
         (0..count).filter_map(|_| self.cycle(switch)).collect()
     }
-}
 
-/// Mean and standard deviation.
-pub fn moments(values: &[f64]) -> (f64, f64) {
-    let count = values.len() as f64;
-    let mean = values.iter().sum::<f64>() / count;
-    (mean, (values.iter().map(|value| (value - mean).powi(2)).sum::<f64>() / (count - 1.0)).sqrt())
-}
-
-impl ByHand {
     /// Length of a charge, s.
     pub fn charge_s(&self) -> f64 {
         self.charge.as_seconds()
@@ -275,4 +307,11 @@ impl ByHand {
         pins.drive(Drives::NONE).unwrap();
         (last - start).as_seconds()
     }
+}
+
+/// Mean and standard deviation.
+pub fn moments(values: &[f64]) -> (f64, f64) {
+    let count = values.len() as f64;
+    let mean = values.iter().sum::<f64>() / count;
+    (mean, (values.iter().map(|value| (value - mean).powi(2)).sum::<f64>() / (count - 1.0)).sqrt())
 }
