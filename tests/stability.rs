@@ -9,6 +9,12 @@ mod circuit;
 mod common;
 #[path = "stability/failures.rs"]
 mod failures;
+#[path = "stability/disturbed.rs"]
+mod disturbed;
+#[path = "stability/events.rs"]
+mod events;
+#[path = "stability/interruptions.rs"]
+mod interruptions;
 #[path = "stability/noise.rs"]
 mod noise;
 #[path = "stability/paper.rs"]
@@ -61,6 +67,16 @@ scenarios! {
     a_restless_supply: circuit::restless_supply,
     one_ohm: switching::one_ohm,
     ten_megohm: circuit::ten_megohm,
+    preempted_while_it_starts: interruptions::at_the_start,
+    preempted_before_the_start: interruptions::before_the_start,
+    preempted_before_a_switch: interruptions::before_the_switch,
+    preempted_within_a_switch: interruptions::within_the_switch,
+    preempted_while_it_waits: interruptions::while_it_waits,
+    a_step_of_the_wall_clock: interruptions::wall_clock,
+    suspended_within_a_discharge: interruptions::suspended,
+    suspended_between_discharges: interruptions::suspended_between,
+    lost_edges: events::lost_edges,
+    a_full_event_buffer: events::full_buffer,
 }
 
 static FOUND: [OnceLock<Scenario>; SCENARIOS.len()] = [const { OnceLock::new() }; SCENARIOS.len()];
