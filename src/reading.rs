@@ -76,7 +76,8 @@ pub enum Fault {
     LostEvent,
     /// Two interrupts of one line fell together: the stamp is of the second.
     CoalescedEdge,
-    /// A call that switches lines took so long that its instant is not known well enough.
+    /// A call that switches lines took so long that its instant is not known well enough, or the program did not get to
+    /// start the discharge for long after its charge.
     WideBracket,
     /// A crossing is later than the other node's crossing allows.
     LatencyOutlier,

@@ -164,6 +164,8 @@ fn what_is_lost_has_a_name() {
     assert_eq!(result(&[(Node::A, 50_000, 12, 6)], high), Err(Fault::LostEvent));
     assert_eq!(result(&[A], low), Err(Fault::MissedEdge));
     assert_eq!(result(&[], b_high), Err(Fault::MissedEdge));
+    let without_a = result(&[(Node::B, 60_000, 11, 0)], low).unwrap();
+    assert_eq!((without_a.a_ns, without_a.b_ns), (None, Some(60_000.0)));
     let open = result(&[], high).unwrap();
     assert_eq!((open.a_ns, open.b_ns, open.waited_ns), (None, None, 5_000_000.0 - 500.0));
     let half = result(&[A], b_high).unwrap();
@@ -183,6 +185,23 @@ fn an_uncharged_node_and_a_slow_call_are_faults() {
     let outcome = run(&mut pins, narrow).unwrap();
     assert_eq!((outcome.result, outcome.start_call), (Err(Fault::WideBracket), Some(Nanos(1000))));
     assert_eq!(pins.on, Drives::NONE);
+}
+
+#[test]
+fn a_charge_that_was_left_alone_for_too_long_is_not_used() {
+    let start = |late: i64| {
+        let (mut discharge, _) = Discharge::new(plan(None));
+        let drove = |at: i64| Event::Drove(Bracket { before: Nanos(at), after: Nanos(at + 1000) });
+        discharge.handle(drove(0));
+        discharge.handle(Event::Slept);
+        discharge.handle(drove(1_000_000));
+        discharge.handle(Event::Slept);
+        let levels = Levels { a: true, b: true };
+        discharge.handle(Event::Armed(Armed { levels, seqno: 10, line_seqno: [4, u32::MAX] }));
+        discharge.handle(drove(1_000_000 + plan(None).settle.0 + late))
+    };
+    assert!(matches!(start(LONGEST_PAUSE.0), Action::WaitEdge(_)));
+    assert_eq!(start(LONGEST_PAUSE.0 + 1), Action::Drive(Drives::NONE));
 }
 
 #[test]
