@@ -7,12 +7,12 @@
 #[path = "stability/circuit.rs"]
 mod circuit;
 mod common;
-#[path = "stability/failures.rs"]
-mod failures;
 #[path = "stability/disturbed.rs"]
 mod disturbed;
 #[path = "stability/events.rs"]
 mod events;
+#[path = "stability/failures.rs"]
+mod failures;
 #[path = "stability/interruptions.rs"]
 mod interruptions;
 #[path = "stability/noise.rs"]
@@ -74,7 +74,7 @@ scenarios! {
     preempted_while_it_waits: interruptions::while_it_waits,
     a_step_of_the_wall_clock: interruptions::wall_clock,
     suspended_within_a_discharge: interruptions::suspended,
-    suspended_between_discharges: interruptions::suspended_between,
+    suspended_for_hours: interruptions::suspended_for_hours,
     lost_edges: events::lost_edges,
     a_full_event_buffer: events::full_buffer,
 }

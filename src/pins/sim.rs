@@ -213,6 +213,11 @@ impl Pins for SimPins {
                 if stamp_ns > self.now_ns {
                     let late_ns = self.wake.map_or(0.0, |wake| wake.draw_ns(&mut self.rng));
                     self.go_on_to(stamp_ns.saturating_add(late_ns.round() as i64));
+                    // What comes meanwhile may push it out of the buffer.
+                    self.catch_up(self.now_ns);
+                    if self.events.next_stamp_ns().is_some_and(|ns| ns > self.now_ns) {
+                        continue;
+                    }
                 }
                 let edge = self.events.take();
                 return Ok(edge.map(|edge| Edge { at: edge.at + self.epoch, ..edge }));

@@ -1,6 +1,7 @@
 //! Pins below which the computer does something else at the worst moment, once in so many discharges.
 
 use cermd::pins::sim::SimPins;
+use cermd::pins::sim::network::Wiring;
 use cermd::pins::{Armed, Bracket, Drives, Edge, Levels, Pins, PinsError};
 use cermd::units::Nanos;
 
@@ -28,11 +29,11 @@ pub enum Trouble {
 
 /// The pins. A discharge is struck when its number, counted from 0, leaves `phase` divided by `every`.
 pub struct Disturbed {
-    pub inner: SimPins,
-    pub trouble: Trouble,
-    pub lasts: Nanos,
-    pub every: u64,
-    pub phase: u64,
+    inner: SimPins,
+    trouble: Trouble,
+    lasts: Nanos,
+    every: u64,
+    phase: u64,
     charges: u64,
     on: Drives,
     started: bool,
@@ -40,6 +41,8 @@ pub struct Disturbed {
     behind: Nanos,
     stood: [Nanos; 2],
     done: bool,
+    /// What becomes of the capacitors while the system is suspended.
+    grown: f64,
 }
 
 impl Disturbed {
@@ -56,7 +59,13 @@ impl Disturbed {
             behind: Nanos::ZERO,
             stood: [Nanos::ZERO; 2],
             done: false,
+            grown: 1.0,
         }
+    }
+
+    /// The same with capacitors that grow by a factor in each suspend.
+    pub fn growing(self, grown: f64) -> Disturbed {
+        Disturbed { grown, ..self }
     }
 
     /// Whether this is the moment, which comes once in a discharge that is struck.
@@ -105,6 +114,11 @@ impl Pins for Disturbed {
             (self.charges, self.done, self.started) = (self.charges + 1, false, false);
             if self.strikes(Trouble::SuspendedBetween) {
                 self.suspend()?;
+                let grown = self.grown;
+                self.inner.alter(|circuit| match &mut circuit.wiring {
+                    Wiring::OneCapacitor { c } | Wiring::SeriesCalibration { c } => *c *= grown,
+                    Wiring::TwoCapacitor { c_a, c_b } => (*c_a, *c_b) = (*c_a * grown, *c_b * grown),
+                });
             }
         }
         let starts = !charges && !self.started && !on.is_none();

@@ -226,12 +226,20 @@ pub fn truth(errors: &Errors, r_ohm: f64) -> String {
     text
 }
 
+/// How long the calls of `pi4` take that switch one line.
+const SINGLE_CALL: Nanos = Nanos(1200);
+
+/// Between charge and start.
+const SETTLE: Nanos = Nanos(20_000);
+
 /// The published method, by hand: discharges without any of our rules.
 pub struct ByHand<P = SimPins> {
     pub pins: P,
     charge: Nanos,
     /// Subtracted from every crossing, s.
     pub offset: f64,
+    /// Between charge and start of the sensor's discharge.
+    pub pause: Nanos,
 }
 
 impl ByHand {
@@ -245,7 +253,7 @@ impl<P: Pins> ByHand<P> {
     /// The same with something around the pins.
     pub fn with(board: &Board, r_ohm: f64, seed: u64, around: impl FnOnce(SimPins) -> P) -> ByHand<P> {
         let (pins, settings) = board.bench(Method::Tcdic, r_ohm, seed).parts();
-        ByHand { pins: around(pins), charge: settings.charge, offset: 0.0 }
+        ByHand { pins: around(pins), charge: settings.charge, offset: 0.0, pause: SETTLE }
     }
 
     /// Crossings of one discharge, with a switch to Rc2 after so many seconds, and when that really came; `None` if one is
@@ -257,17 +265,16 @@ impl<P: Pins> ByHand<P> {
             chargers: Drives::CHARGE,
             last: Node::B,
             charge: self.charge,
-            settle: Nanos(20_000),
+            settle: if through.channel().is_some() { self.pause } else { SETTLE },
             timeout: Nanos(400_000_000),
             limit: None,
             widest_bracket: Nanos::MAX,
-            single_call: None,
+            single_call: Some(SINGLE_CALL),
         };
         let record = run(&mut self.pins, plan).unwrap().result.ok()?;
         // The equations know a single instant of the switch; between release and sink nothing moves.
-        let (at, pause) =
-            record.switch.map_or((0.0, 0.0), |switch| (switch.at_ns, switch.on_ns - switch.at_ns));
-        let crossing = |ns: f64| (if ns > at { ns - pause } else { ns }) * 1e-9 - self.offset;
+        let (at, on) = record.switch.map_or((0.0, f64::INFINITY), |switch| (switch.at_ns, switch.on_ns));
+        let crossing = |ns: f64| (if ns > on { ns - (on - at) } else { ns }) * 1e-9 - self.offset;
         let at = at * 1e-9;
         Some(([crossing(record.a_ns?), crossing(record.b_ns?)], at))
     }
