@@ -26,6 +26,7 @@ mod states;
 #[path = "stability/switching.rs"]
 mod switching;
 
+use cermd::reading::Method;
 use scenario::Scenario;
 use std::sync::OnceLock;
 
@@ -85,18 +86,50 @@ fn of(name: Name) -> &'static Scenario {
     FOUND[name as usize].get_or_init(SCENARIOS[name as usize])
 }
 
+const HEAD: &str = "# Where each method holds, and where it fails
+
+All of this is **simulated**, in virtual time, with the seeds that the tests name; none was measured on hardware. Written by
+`UPDATE_DOCS=1 cargo test --test stability`; do not edit.
+
+## By method
+
+Board `pi4` (2.2 uF / 680 nF, or 470 nF for `qerm`; Rc 2320 and 12700 ohm) without its rare long delays, where the row says
+nothing else. Figures are those of our methods; `as printed` are the equations of the paper on the same discharges, without any
+of our rules. *error* is the root mean square, *in 2u* the share of numbers that are off by less than two of their own sigma,
+*wrong* a number that is off by more than 5 sigma and 1 %. **holds** and **fails** are by the row's own criterion. The test
+asserts each of them, and that what fails fails as the law of the circuit predicts, from both sides. – : the method does not do what
+the row is about.
+";
+
+/// Writes the page if that is asked for; otherwise it has to be what it would be.
 #[test]
-fn every_defect_is_told_or_known_not_to_be() {
-    let (report, wrong) = states::report();
+fn the_page_is_up_to_date() {
+    let scenarios: Vec<&Scenario> =
+        FOUND.iter().zip(SCENARIOS).map(|(found, run)| found.get_or_init(run)).collect();
+    let methods: Vec<&str> = Method::ALL.iter().map(|method| method.as_str()).collect();
+    let mut page = format!(
+        "{HEAD}\n| | holds if | {} |\n|---|---|{}\n",
+        methods.join(" | "),
+        "---|".repeat(methods.len())
+    );
+    for scenario in &scenarios {
+        page += &scenario.row();
+        page.push('\n');
+    }
+    page.push_str("\nWhy:\n\n");
+    for scenario in &scenarios {
+        page += &format!("- {}: {}\n", scenario.title, scenario.why);
+    }
+    let (defects, wrong) = states::report();
+    page += &format!("\n{defects}");
+    assert!(wrong.is_empty(), "{wrong}");
     let path = concat!(env!("CARGO_MANIFEST_DIR"), "/docs/stability.md");
     if std::env::var_os("UPDATE_DOCS").is_some() {
-        std::fs::write(path, &report).unwrap();
+        std::fs::write(path, &page).unwrap();
     }
-    println!("{report}");
-    assert!(wrong.is_empty(), "{wrong}");
     let on_disk = std::fs::read_to_string(path).unwrap_or_default();
     assert!(
-        on_disk == report,
-        "{path} is out of date; write it with UPDATE_DOCS=1 cargo test --test stability"
+        on_disk == page,
+        "{path} is out of date; write it with UPDATE_DOCS=1 cargo test --test stability\n{page}"
     );
 }

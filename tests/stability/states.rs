@@ -202,11 +202,8 @@ pub fn report() -> (String, String) {
     (format!("{HEAD}\n{table}\n{REASONS}\n{reasons}"), wrong)
 }
 
-const HEAD: &str = "# Where each method holds, and where it fails\n\n\
-All of this is **simulated**: board `pi4`, a sensor of 1 kohm, deadline 60 ms, seed 1. Written by \
-`UPDATE_DOCS=1 cargo test --test stability`; do not edit.\n\n\
-## Defects of the circuit\n\n\
-Each comes while the instrument runs, and goes again; the table has what the readings say from the 100th on after it has \
+const HEAD: &str = "## Defects of the circuit\n\n\
+Board `pi4`, a sensor of 1 kohm, deadline 60 ms, seed 1. Each comes while the instrument runs, and goes again; the table has what the readings say from the 100th on after it has \
 come, the commonest first (below 2 % left out). `wrong number`: off by more than 1 % and by more than 5 of its own sigma. Each \
 method gives right numbers again by itself within 100 readings after the defect is gone, and no reading takes longer than \
 its bound.\n";
