@@ -108,17 +108,17 @@ fn the_page_is_up_to_date() {
         FOUND.iter().zip(SCENARIOS).map(|(found, run)| found.get_or_init(run)).collect();
     let methods: Vec<&str> = Method::ALL.iter().map(|method| method.as_str()).collect();
     let mut page = format!(
-        "{HEAD}\n| | holds if | {} |\n|---|---|{}\n",
+        "{HEAD}\n| # | what is wrong | holds if | {} |\n|--:|---|---|{}\n",
         methods.join(" | "),
         "---|".repeat(methods.len())
     );
-    for scenario in &scenarios {
-        page += &scenario.row();
+    for (number, scenario) in (1..).zip(&scenarios) {
+        page += &scenario.row(number);
         page.push('\n');
     }
     page.push_str("\nWhy:\n\n");
-    for scenario in &scenarios {
-        page += &format!("- {}: {}\n", scenario.title, scenario.why);
+    for (number, scenario) in (1..).zip(&scenarios) {
+        page += &format!("{number}. {}\n", scenario.why);
     }
     let (defects, wrong) = states::report();
     page += &format!("\n{defects}");

@@ -2,7 +2,7 @@
 
 use crate::common::{Errors, read, settle};
 use crate::paper::{self, Noise, Parts, R_O, Times, V_DD};
-use crate::scenario::{Board, ByHand, Scenario, is_true, moments, percent, rms, truth};
+use crate::scenario::{Board, ByHand, Scenario, is_true, moments, rms, truth};
 use crate::switching::PI4_NOISE;
 
 use cermd::config::{Config, Severity};

@@ -1,11 +1,9 @@
 //! A sensor that changes while it is read.
 
-use crate::common::{Bench, Errors, read, settle};
-use cermd::circuit::{Circuit, NOMINAL_R_CHARGE, NOMINAL_V_DD, Network};
-use cermd::pins::Node;
+use crate::common::{Bench, Errors, read};
 use cermd::pins::sim::Sensor;
 use cermd::reading::Method;
-use cermd::units::{Farad, Ohm, Seconds, Volt};
+use cermd::units::{Ohm, Seconds};
 
 const INSTRUMENTS: u64 = 20;
 

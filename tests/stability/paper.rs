@@ -69,12 +69,6 @@ impl Times {
         Times { c1: full(parts.r_c1), c2: full(parts.r_c2), x, switch }
     }
 
-    /// Of the circuits with one capacitor, in place of A's.
-    pub fn single(parts: &Parts, r_x: f64) -> Times {
-        let full = |r: f64| [parts.g_single() * (r + R_O), 0.0];
-        Times { c1: full(parts.r_c1), c2: full(parts.r_c2), x: full(r_x), switch: 0.0 }
-    }
-
     fn to_array(self) -> [f64; 7] {
         let Times { c1, c2, x, switch } = self;
         [c1[0], c1[1], c2[0], c2[1], x[0], x[1], switch]
@@ -150,20 +144,9 @@ impl Noise {
         parts.s_per_volt_ohm().map(|unit| self.jitter.hypot(self.voltage * unit * (r + R_O)))
     }
 
-    /// Of the crossing of a single capacitor.
-    pub fn sigma_single(&self, parts: &Parts, r: f64) -> f64 {
-        self.jitter.hypot(self.voltage * parts.c / parts.v_th * (r + R_O))
-    }
-
     /// Of all times, where the x discharge ends through `last`.
     pub fn of_times(&self, parts: &Parts, last: f64) -> Times {
         let [c1, c2, x] = [parts.r_c1, parts.r_c2, last].map(|r| self.sigma(parts, r));
-        Times { c1, c2, x, switch: 0.0 }
-    }
-
-    /// The same for a single capacitor.
-    pub fn of_single(&self, parts: &Parts, r_x: f64) -> Times {
-        let [c1, c2, x] = [parts.r_c1, parts.r_c2, r_x].map(|r| [self.sigma_single(parts, r), 0.0]);
         Times { c1, c2, x, switch: 0.0 }
     }
 }

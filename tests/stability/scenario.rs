@@ -62,8 +62,8 @@ impl Scenario {
     }
 
     /// The row in Markdown.
-    pub fn row(&self) -> String {
-        let mut row = format!("| {} | {} |", self.title, self.holds_if);
+    pub fn row(&self, number: usize) -> String {
+        let mut row = format!("| {number} | {} | {} |", self.title, self.holds_if);
         for cell in &self.cells {
             let text = if cell.is_empty() { "–".to_owned() } else { cell.join("; ") };
             write!(row, " {text} |").unwrap();
