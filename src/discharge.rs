@@ -53,6 +53,8 @@ pub enum Action {
     Drive(Drives),
     /// [`Pins::sleep_until`].
     Sleep(Nanos),
+    /// [`Pins::rest_until`].
+    Rest(Nanos),
     /// [`Pins::arm`].
     Arm,
     /// [`Pins::edge`].
@@ -150,7 +152,7 @@ impl Discharge {
         match (self.phase, event) {
             (Phase::Charging, Event::Drove(bracket)) => {
                 self.phase = Phase::Charged;
-                Action::Sleep(bracket.after + self.plan.charge)
+                Action::Rest(bracket.after + self.plan.charge)
             }
             (Phase::Charged, Event::Slept) => {
                 self.phase = Phase::Floating;
@@ -367,6 +369,10 @@ pub fn run<P: Pins>(pins: &mut P, plan: Plan) -> Result<Outcome, PinsError> {
             Action::Drive(on) => Event::Drove(pins.0.drive(on)?),
             Action::Sleep(at) => {
                 pins.0.sleep_until(at)?;
+                Event::Slept
+            }
+            Action::Rest(at) => {
+                pins.0.rest_until(at)?;
                 Event::Slept
             }
             Action::Arm => Event::Armed(pins.0.arm()?),

@@ -116,7 +116,7 @@ impl<P: Pins> Instrument<P> {
         let Some(period) = self.period else { return Ok(true) };
         let tick = self.tick.unwrap_or(now);
         if now < tick {
-            self.pins.sleep_until(tick.min(now + NAP))?;
+            self.pins.rest_until(tick.min(now + NAP))?;
             if tick > now + NAP {
                 return Ok(false);
             }

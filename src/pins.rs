@@ -258,6 +258,12 @@ pub trait Pins {
     /// Waits until an instant, as precisely as the system can. Edges that come meanwhile are kept.
     fn sleep_until(&mut self, at: Nanos) -> Result<(), PinsError>;
 
+    /// Waits until an instant or somewhat later, where nothing depends on how much: no processor time is spent on being
+    /// in time.
+    fn rest_until(&mut self, at: Nanos) -> Result<(), PinsError> {
+        self.sleep_until(at)
+    }
+
     /// The input levels now: tells an edge that was missed from a node that is still above its threshold.
     fn levels(&mut self) -> Result<Levels, PinsError>;
 
@@ -284,6 +290,9 @@ macro_rules! forward_pins {
             }
             fn sleep_until(&mut self, at: Nanos) -> Result<(), PinsError> {
                 (**self).sleep_until(at)
+            }
+            fn rest_until(&mut self, at: Nanos) -> Result<(), PinsError> {
+                (**self).rest_until(at)
             }
             fn levels(&mut self) -> Result<Levels, PinsError> {
                 (**self).levels()

@@ -51,6 +51,7 @@ struct Bench<'a, P> {
 
 impl<P: Pins> Bench<'_, P> {
     fn run(&mut self) -> Result<(), PinsError> {
+        self.drain()?;
         if !self.charges()? || !self.holds(true)? {
             return Ok(());
         }
@@ -95,6 +96,17 @@ impl<P: Pins> Bench<'_, P> {
         self.pins.sleep_until(charging.after + self.config.charge_time())?;
         self.pins.drive(Drives::NONE)?;
         Ok(self.pins.arm()?.levels)
+    }
+
+    /// Takes out what an earlier charge has left, or chargers without wires would seem to work. Through both resistors:
+    /// the wire of one may be cut.
+    fn drain(&mut self) -> Result<(), PinsError> {
+        let time = Nanos::from_seconds(self.config.discharge(self.config.circuit.r_second()).0);
+        for sink in [Drives::C1, Drives::C2] {
+            let driven = self.pins.drive(sink)?;
+            self.pins.sleep_until(driven.after + time)?;
+        }
+        self.pins.drive(Drives::NONE).map(drop)
     }
 
     /// Whether every node is high after a charge.

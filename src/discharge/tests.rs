@@ -146,7 +146,7 @@ fn what_is_lost_has_a_name() {
                     line_seqno: [4, u32::MAX],
                 }),
                 Action::Drive(on) => Event::Drove(pins.drive(on).unwrap()),
-                Action::Sleep(at) => {
+                Action::Sleep(at) | Action::Rest(at) => {
                     pins.sleep_until(at).unwrap();
                     Event::Slept
                 }
@@ -249,7 +249,7 @@ fn a_discharge_that_does_not_end_is_finished_through_another_resistor() {
         action = discharge.handle(match action {
             Action::Arm => Event::Armed(pins.arm().unwrap()),
             Action::Drive(on) => Event::Drove(pins.drive(on).unwrap()),
-            Action::Sleep(at) => {
+            Action::Sleep(at) | Action::Rest(at) => {
                 pins.sleep_until(at).unwrap();
                 Event::Slept
             }

@@ -14,7 +14,7 @@ use self::chips::Chip;
 use self::edges::EdgeBuffer;
 use self::error::{as_io, while_running};
 use self::request::{Switching, charging, drive_request, inputs, released, sense_request, watching};
-use self::wait::{monotonic, readable, sleep_until};
+use self::wait::{monotonic, readable, rest_until, sleep_until};
 use self::wiring::Lines;
 use super::{Armed, Bracket, Drives, Edge, Levels, Particulars, Pins, PinsError};
 use crate::units::Nanos;
@@ -198,20 +198,24 @@ impl Pins for Chardev {
             if let Some(edge) = self.edges.take(&self.lines) {
                 return Ok(Some(edge));
             }
-            if self.fetch()? {
-                continue;
-            }
-            if monotonic() >= until {
+            // Before the look: an edge of the last moment counts.
+            let is_last = monotonic() >= until;
+            let mut watched = [PollFd::new(self.sense_file.as_fd(), PollFlags::POLLIN)];
+            let is_ready = readable(&mut watched, until)
+                .map_err(|errno| while_running("ppoll", SENSE_LINES, &self.chip, errno.into()))?;
+            if !(is_ready && self.fetch()?) && is_last {
                 return Ok(None);
             }
-            let mut watched = [PollFd::new(self.sense_file.as_fd(), PollFlags::POLLIN)];
-            readable(&mut watched, until)
-                .map_err(|errno| while_running("ppoll", SENSE_LINES, &self.chip, errno.into()))?;
         }
     }
 
     fn sleep_until(&mut self, at: Nanos) -> Result<(), PinsError> {
         sleep_until(at, &mut self.margin)
+            .map_err(|errno| while_running("clock_nanosleep", "CLOCK_MONOTONIC", &self.chip, errno.into()))
+    }
+
+    fn rest_until(&mut self, at: Nanos) -> Result<(), PinsError> {
+        rest_until(at, &mut self.margin)
             .map_err(|errno| while_running("clock_nanosleep", "CLOCK_MONOTONIC", &self.chip, errno.into()))
     }
 

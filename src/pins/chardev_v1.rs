@@ -12,7 +12,7 @@ use super::chardev::chips::Chip;
 use super::chardev::error::{OpenError, while_running};
 use super::chardev::release::each_line;
 use super::chardev::to_be_driven;
-use super::chardev::wait::{SpinMargin, monotonic, readable, sleep_until};
+use super::chardev::wait::{SpinMargin, monotonic, readable, rest_until, sleep_until};
 use super::chardev::wiring::{DriveLine, Line, Wiring};
 use super::{Armed, Bracket, Drives, Edge, Levels, Node, Particulars, Pins, PinsError};
 use crate::units::Nanos;
@@ -109,6 +109,7 @@ impl ChardevV1 {
         let [Some(a), b] = [self.sense.first(), self.sense.get(1)] else { return Ok(()) };
         let mut watched = [a, b.unwrap_or(a)].map(|line| PollFd::new(line.as_fd(), PollFlags::POLLIN));
         readable(&mut watched, until)
+            .map(drop)
             .map_err(|errno| while_running("ppoll", "the sense lines", &self.chip, errno.into()))
     }
 }
@@ -158,6 +159,11 @@ impl Pins for ChardevV1 {
 
     fn sleep_until(&mut self, at: Nanos) -> Result<(), PinsError> {
         sleep_until(at, &mut self.margin)
+            .map_err(|errno| while_running("clock_nanosleep", "CLOCK_MONOTONIC", &self.chip, errno.into()))
+    }
+
+    fn rest_until(&mut self, at: Nanos) -> Result<(), PinsError> {
+        rest_until(at, &mut self.margin)
             .map_err(|errno| while_running("clock_nanosleep", "CLOCK_MONOTONIC", &self.chip, errno.into()))
     }
 

@@ -69,6 +69,17 @@ fn a_sound_board_is_described() {
 }
 
 #[test]
+fn what_an_earlier_charge_has_left_does_not_pass_for_chargers() {
+    let config = Config::parse(CONFIG, "test").unwrap();
+    let mut pins = SimPins::new(&Scene::builtin("ideal").unwrap(), None);
+    let charging = pins.drive(Drives::CHARGE).unwrap();
+    pins.sleep_until(charging.after + config.charge_time()).unwrap();
+    pins.drive(Drives::NONE).unwrap();
+    let findings = test(&mut Cut(pins, Drives::CHARGE), &config).unwrap();
+    says(&findings[0].to_string(), &["error: gpio.charge-a", "low after a charge"]);
+}
+
+#[test]
 fn cut_wires_are_named() {
     says(&complaint(|_| {}, Drives::C1), &["error: gpio.sink-c1", "through Rc1", "wire"]);
     says(&complaint(|_| {}, Drives::C2), &["error: gpio.sink-c2", "through Rc2", "wire"]);

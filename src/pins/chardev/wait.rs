@@ -31,19 +31,21 @@ fn longest_wait() -> Nanos {
         .map_or(Nanos(750_000), |tick| Nanos(tick.num_nanoseconds() / 4 * 3))
 }
 
-/// Waits until one of the descriptors can be read, at most until an instant; returns early after a long wait.
+/// Waits until one of the descriptors can be read, at most until an instant; whether one can. Returns early after a long
+/// wait.
 ///
 /// # Errors
 /// `ENODEV` when the chip behind a descriptor has disappeared, else what `ppoll` answers.
-pub(in crate::pins) fn readable(watched: &mut [PollFd], until: Nanos) -> Result<(), Errno> {
+pub(in crate::pins) fn readable(watched: &mut [PollFd], until: Nanos) -> Result<bool, Errno> {
     let time = time_left(until).min(longest_wait());
-    match ppoll(watched, Some(TimeSpec::nanoseconds(time.0)), None) {
-        Ok(_) | Err(Errno::EINTR) => {}
+    let ready = match ppoll(watched, Some(TimeSpec::nanoseconds(time.0)), None) {
+        Ok(ready) => ready > 0,
+        Err(Errno::EINTR) => false,
         Err(errno) => return Err(errno),
-    }
+    };
     let gone = PollFlags::POLLHUP | PollFlags::POLLERR | PollFlags::POLLNVAL;
     let lost = watched.iter().any(|fd| fd.revents().is_some_and(|events| events.intersects(gone)));
-    if lost { Err(Errno::ENODEV) } else { Ok(()) }
+    if lost { Err(Errno::ENODEV) } else { Ok(ready) }
 }
 
 /// How long before an instant to stop sleeping and to spin, learned from how late wake-ups come.
@@ -86,19 +88,28 @@ impl Default for SpinMargin {
 pub(in crate::pins) fn sleep_until(at: Nanos, margin: &mut SpinMargin) -> Result<(), Errno> {
     let wake = at - margin.get();
     if monotonic() < wake {
-        let until = TimeSpec::nanoseconds(wake.0);
-        while let Err(errno) =
-            clock_nanosleep(ClockId::CLOCK_MONOTONIC, ClockNanosleepFlags::TIMER_ABSTIME, &until)
-        {
-            if errno != Errno::EINTR {
-                return Err(errno);
-            }
-        }
-        margin.learn(monotonic() - wake);
+        rest_until(wake, margin)?;
     }
     while monotonic() < at {
         std::hint::spin_loop();
     }
+    Ok(())
+}
+
+/// Sleeps until an instant or somewhat later.
+///
+/// # Errors
+/// What `clock_nanosleep` answers, other than an interruption.
+pub(in crate::pins) fn rest_until(at: Nanos, margin: &mut SpinMargin) -> Result<(), Errno> {
+    let until = TimeSpec::nanoseconds(at.0);
+    while let Err(errno) =
+        clock_nanosleep(ClockId::CLOCK_MONOTONIC, ClockNanosleepFlags::TIMER_ABSTIME, &until)
+    {
+        if errno != Errno::EINTR {
+            return Err(errno);
+        }
+    }
+    margin.learn(monotonic() - at);
     Ok(())
 }
 
@@ -159,9 +170,9 @@ mod tests {
     fn a_descriptor_that_hangs_up_is_a_chip_that_is_gone() {
         let (reader, writer) = nix::unistd::pipe().unwrap();
         let wait = |until| readable(&mut [PollFd::new(reader.as_fd(), PollFlags::POLLIN)], until);
-        assert_eq!(wait(Nanos::ZERO), Ok(()), "nothing to read, and no time left");
+        assert_eq!(wait(Nanos::ZERO), Ok(false), "nothing to read, and no time left");
         nix::unistd::write(&writer, b"edge").unwrap();
-        assert_eq!(wait(Nanos::MAX), Ok(()), "something to read");
+        assert_eq!(wait(Nanos::MAX), Ok(true), "something to read");
         drop(writer);
         assert_eq!(wait(Nanos::MAX), Err(Errno::ENODEV));
     }

@@ -42,6 +42,7 @@ apt_tree() {
     local conf=$cache/apt/$1/conf tree=$2
     shift 2
     tree_is "$tree" "$*" && return
+    rm -rf "${cache:?}/deb/$tree"
     mkdir -p "$cache/deb/$tree"
     (cd "$cache/deb/$tree" && APT_CONFIG=$conf apt-get -qq download "$@")
     tree_unpack "$tree" "$*"
@@ -52,6 +53,7 @@ apt_closure() {
     local conf=$cache/apt/$1/conf tree=$2
     shift 2
     tree_is "$tree" "$*" && return
+    rm -rf "${cache:?}/deb/$tree"
     mkdir -p "$cache/deb/$tree/partial"
     APT_CONFIG=$conf apt-get -qq -y -o "Dir::Cache::archives=$cache/deb/$tree" install --download-only "$@" >/dev/null
     tree_unpack "$tree" "$*"

@@ -13,12 +13,12 @@ cpu() {
     echo $all $measuring
 }
 
-# cost SECONDS: readings, ns of all threads, ns of the measuring thread, ns of it awake to be in time.
+# cost SECONDS: readings, ns of all threads, ns of the measuring thread.
 cost() {
-    from="$(stat readings) $(cpu) $(stat spun_ns)"
+    from="$(stat readings) $(cpu)"
     sleep "$1"
-    to="$(stat readings) $(cpu) $(stat spun_ns)"
-    echo "$from $to" | mawk '{ print $5 - $1, $6 - $2, $7 - $3, $8 - $4 }'
+    to="$(stat readings) $(cpu)"
+    echo "$from $to" | mawk '{ print $4 - $1, $5 - $2, $6 - $3 }'
 }
 
 plain_us=$(tpcm 200 | sed -n 's/.*cpu_us_per_reading \([0-9.]*\).*/\1/p')
@@ -33,12 +33,17 @@ until_true 1000 offset_known
 cost 60 >ten
 stop_cermd
 
-read -r n all measuring awake <free
-mawk -v plain="$plain_us" -v n="$n" -v all="$all" -v m="$measuring" -v awake="$awake" 'BEGIN {
-    printf "CPU time of a TPCM reading, us: plain C program %.0f; cermd measuring %.0f, awake to be in time %.0f, publishing %.0f\n",
-        plain, (m - awake) / n / 1e3, awake / n / 1e3, (all - m) / n / 1e3
-}' >cost.txt
-read -r n all measuring awake <ten
-mawk -v n="$n" -v all="$all" 'BEGIN { printf "CERM, 10 readings a second: %.2f %% of a processor\n", all / 6e8 }' >>cost.txt
-cat cost.txt
+{
+    echo "## Linux $(uname -r)"
+    read -r n all measuring <free
+    mawk -v plain="$plain_us" -v n="$n" -v all="$all" -v m="$measuring" 'BEGIN {
+        print "\n| a TPCM reading, three discharges | us | beside the C program |\n|---|--:|--:|"
+        printf "| C program | %.0f | 1 |\n", plain
+        printf "| cermd, measuring | %.0f | %.2f |\n", m / n / 1e3, m / n / 1e3 / plain
+        printf "| cermd, publishing | %.0f | %.2f |\n", (all - m) / n / 1e3, (all - m) / n / 1e3 / plain
+    }'
+    read -r n all measuring <ten
+    mawk -v all="$all" 'BEGIN { printf "\nCERM, 10 readings a second: %.2f %% of the processor.\n", all / 6e8 }'
+} >cpu.md
+cat cpu.md
 mawk -v all="$all" 'BEGIN { exit !(all / 6e8 < 1) }' || fail "too dear at 10 readings a second"

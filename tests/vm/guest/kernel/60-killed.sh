@@ -24,6 +24,7 @@ while [ $round -lt 40 ]; do
     grep -v '^{"class":"[A-Z]*",.*}$' stream && fail "round $round: not a line"
     round=$((round + 1))
 done
+mawk '{ n += $3 } END { print n, "lines at clients"; exit n <= NR }' rounds || fail "no client has got a reading"
 echo "masks of lines that drove after the kill, and how often:"
 cut -d' ' -f1 rounds | sort | uniq -c
 # Charging (GPIO13 and 19) and discharging through each resistor (GPIO20, 21, 16): all were met.

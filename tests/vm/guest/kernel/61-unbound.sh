@@ -8,9 +8,10 @@ client=$!
 for round in 1 2 3; do
     sleep 1.337
     count=$(stat ok)
+    faults=$(stat pins)
     echo gpio-cermd >$driver/unbind
     sleep 2
-    [ "$(stat pins)" -gt 0 ] || cermctl stats --json || fail "round $round: no fault"
+    [ "$(stat pins)" -gt "$faults" ] || fail "round $round: no fault: $(cermctl stats --json)"
     echo gpio-cermd >$driver/bind
     sleep 2.5
     [ "$(stat ok)" -gt $((count + 10)) ] || fail "round $round: no readings after the chip has come back"
@@ -18,8 +19,8 @@ done
 stop_cermd
 wait $client
 cat cermd.log
-grep -c '"status":"fault","fault":"pins"' stream
-grep 'is gone' cermd.log
-grep 'the GPIO lines work again' cermd.log
+[ "$(grep -c '"status":"fault","fault":"pins"' stream)" -ge 3 ] || fail "clients were not told"
+[ "$(grep -c 'is gone' cermd.log)" = 3 ] || fail "the log does not say each time that the chip is gone"
+[ "$(grep -c 'the GPIO lines work again' cermd.log)" = 3 ] || fail "the log does not say each time that it is back"
 tail -n 1 stream | grep '"status":"ok"'
 [ "$(cat /sys/kernel/debug/gpio-cermd/outputs)" = 0 ] || fail "lines drive after the end"

@@ -13,8 +13,10 @@ systemctl start cermd
 pid=$(systemctl show --value --property=MainPID cermd)
 rss() { sed -n 's/^VmRSS:[^0-9]*\([0-9]*\) kB/\1/p' "/proc/$pid/status"; }
 until_true 2000 offset_known || fail "no offset is known"
+field() { sed "s/.*\"$1\":\([^,}]*\).*/\1/" stats; }
 for minute in $(seq 0 30); do
-    echo "$minute $(rss) $(stat offset_ns) $(stat offset_u_ns) $(stat readings) $(stat ok)"
+    cermctl stats --json >stats
+    echo "$minute $(rss) $(field offset_ns) $(field offset_u_ns) $(field readings) $(field ok)"
     sleep 60
 done | tee minutes
 [ "$(systemctl show --value --property=NRestarts cermd)" = 0 ] || fail "it was restarted"

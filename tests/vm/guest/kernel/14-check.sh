@@ -1,0 +1,58 @@
+# `cermctl check` on real lines: a circuit that is as it should be, then one defect at a time, each named with its line.
+. /test/lib.sh
+# check STATUS: its words, in the file `found`; nothing drives afterwards.
+check() {
+    status=0
+    cermctl check --config cermd.toml >found 2>&1 || status=$?
+    cat found
+    [ $status = "$1" ] || fail "exit status $status"
+    [ "$(cat /sys/kernel/debug/gpio-cermd/outputs)" = 0 ] || fail "lines drive"
+}
+# says WORDS: they are among what it has found.
+says() { grep -F "$1" found >/dev/null || fail "it does not say: $1"; }
+# counted TITLE: how many latencies there are below this title.
+counted() { mawk -v title="$1" '/^How/ { on = index($0, title) } on && / us |later/ { n += /#$/ ? $(NF - 1) : $NF } END { print n }' found; }
+
+write_configuration cermd.toml
+echo "== as it should be"
+check 0
+says "info: gpio: the chip is there, and every line can be had"
+says "info: realtime.priority: granted"
+says "info: wiring: the nodes charge, hold, and fall in order"
+grep -E 'info: channel.x.sink: the sensor is there and reads about (99[0-9] ohm|1(\.00[0-9])? kohm)$' found >/dev/null ||
+    fail "it does not say what the sensor reads"
+[ "$(counted "How late a sleep of 1 ms ends")" = 300 ] || fail "wake-ups: $(counted "How late a sleep of 1 ms ends")"
+[ "$(counted "How late equal crossings")" = 50 ] || fail "crossings: $(counted "How late equal crossings")"
+
+echo "== the wire of sense line A is cut"
+circuit cut 0x20
+check 1
+says "error: gpio.sense-a: node A stays high in a discharge through Rc1"
+echo "== the wire of Rc1 is cut"
+circuit cut 0x100000
+check 1
+says "error: gpio.sink-c1: nothing falls"
+echo "== the wire of a charger is cut"
+circuit cut 0x2000
+check 1
+says "error: gpio.charge-a: node A is low after a charge"
+echo "== the wire of the sensor is cut"
+circuit cut 0x10000
+check 0
+says "warning: channel.x.sink: no discharge through the sensor"
+circuit cut 0
+echo "== Rc1 and Rc2 swapped"
+circuit r_mohm 12700000,2320000,1000000,0
+check 1
+says "error: circuit.r-c1: the discharge through Rc2 takes 0.18"
+circuit r_mohm 2320000,12700000,1000000,0
+
+echo "== while the service runs"
+start_cermd cermd.toml
+status=0
+cermctl check --config cermd.toml >found 2>&1 || status=$?
+cat found
+[ $status = 0 ] || fail "exit status $status"
+says "cermd holds the lines and measures"
+stop_cermd
+[ "$(cat $parameters/conflicts)" = 0 ] || fail "lines drove against each other"
