@@ -11,9 +11,9 @@
 //! ```
 //!
 //! With `offset = "auto"`, readings flow from the first cycle on, by full discharges (in whose equations d cancels);
-//! switched ones begin when the offset is known. From then on, a split discharge now and then keeps following it. With a
-//! tracked calibration, cycles begin like that, too; once the state is known, a cycle has only those calibration
-//! discharges that pay.
+//! switched ones begin when the offset is known. Split discharges go on in each cycle until what is not known of the
+//! offset is a small part of a reading's variance; then one now and then keeps following it. With a tracked calibration,
+//! cycles begin like that, too; once the state is known, a cycle has only those calibration discharges that pay.
 
 mod calls;
 mod plan;
@@ -34,11 +34,11 @@ use plan::Memory;
 const RETRIES: u32 = 2;
 /// Calibration discharges of one cycle at the most: of each kind, each of them taken again.
 pub const MOST_CALIBRATIONS: u32 = 3 * (RETRIES + 1);
-/// Rounds of split calibration after which the offset is put in force, and again after each so many further ones.
+/// Rounds of split calibration after which the offset is put in force; from then on each round betters it at once.
 const ROUNDS: usize = 64;
 /// Rounds that the offset is the mean of, when there have been that many.
 const WINDOW: usize = 8 * ROUNDS;
-/// Once the offset is known, one cycle in so many has a split discharge.
+/// Once the offset is known well enough, one cycle in so many has a split discharge.
 const FOLLOW_EVERY: u64 = 8;
 /// Calibration discharges in one cycle of a tracked calibration at the most: more would take longer than the readings
 /// that they improve.
@@ -178,7 +178,10 @@ impl Cycle {
         if self.settings.tracked {
             return true;
         }
-        self.split.is_some() && (!self.offset_is_known() || self.stats.cycles % FOLLOW_EVERY == 0)
+        let Some(split) = &self.split else { return false };
+        let may_improve = split.taken() < WINDOW;
+        may_improve && (!self.offset_is_known() || self.offset_is_poor())
+            || self.stats.cycles % FOLLOW_EVERY == 0
     }
 
     /// Takes the outcome of the discharge that [`Cycle::next`] asked for, `now` being the time; answers a reading when
@@ -229,7 +232,7 @@ impl Cycle {
         let Ok(record) = &outcome.result else { return };
         let before = split.taken();
         split.add(c1, c2, record, self.estimator.noise());
-        if split.taken() != before && split.taken() % ROUNDS == 0 {
+        if split.taken() != before && split.taken() >= ROUNDS {
             if let Some(offset) = split.result() {
                 self.estimator.set_offset(offset);
             }

@@ -12,6 +12,10 @@
 //! Two resistors give the unknowns: k of each node, and L of both. What the crossings of one discharge share (the instant of the start)
 //! is a covariance. Variances come from successive differences, so that drift is not taken for noise.
 
+mod gate;
+
+pub use gate::Gate;
+
 /// Covariance of the crossings of A and B in one discharge, ns².
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Covariance {
@@ -61,7 +65,7 @@ pub enum Judgement {
 const SHARED: f64 = 0.5;
 /// Discharges taken before anything is said about noise.
 const WARM_UP: usize = 16;
-/// An outlier is farther from the running mean than so many sigma.
+/// An outlier is farther from the running mean than so many sigma, at least.
 const GATE: f64 = 5.0;
 /// So many outliers in a row are a step: the mean starts anew.
 const STEP: u32 = 3;
@@ -80,6 +84,7 @@ struct Spread {
     last: [f64; 2],
     sum: Covariance,
     weight: f64,
+    gate: Gate,
     outliers_in_row: u32,
 }
 
@@ -92,6 +97,7 @@ impl Spread {
         last: [0.0; 2],
         sum: Covariance { aa: 0.0, bb: 0.0, ab: 0.0 },
         weight: 0.0,
+        gate: Gate::new(GATE),
         outliers_in_row: 0,
     };
 
@@ -105,7 +111,8 @@ impl Spread {
             }
             return Judgement::Regular;
         }
-        if self.is_outlier(away, quantisation) {
+        let sigmas = self.sigmas(away, quantisation);
+        if !self.gate.admits(sigmas) {
             self.outliers_in_row += 1;
             if self.outliers_in_row < STEP {
                 return Judgement::Outlier;
@@ -162,10 +169,12 @@ impl Spread {
         self.time = self.mean;
     }
 
-    fn is_outlier(&self, away: [f64; 2], quantisation: f64) -> bool {
+    /// How far the farther node is from the running mean.
+    fn sigmas(&self, away: [f64; 2], quantisation: f64) -> f64 {
         let variance = self.covariance().at_least(quantisation);
         // The running mean has a variance of its own: 1/(2 x 16 - 1) of a single time's.
-        (0..2).any(|node| (away[node] - self.mean[node]).abs() > GATE * (1.04 * variance.node(node)).sqrt())
+        let of = |node: usize| (away[node] - self.mean[node]).abs() / (1.04 * variance.node(node)).sqrt();
+        of(0).max(of(1))
     }
 
     /// Half the mean square of successive differences, which has two degrees of freedom for three of them. With few of

@@ -23,10 +23,11 @@ impl CallGate {
         (self.seen >= FIRST).then_some(Nanos(self.single_ns as i64))
     }
 
-    /// A call longer than this was interrupted: the line may have moved anywhere in it. A call for two lines takes less
-    /// than two calls.
-    pub fn widest(&self) -> Nanos {
-        if self.seen < FIRST { Nanos::MAX } else { Nanos((4.0 * self.single_ns + 2000.0) as i64) }
+    /// A call for so many lines that takes longer than this was interrupted: a line may have moved anywhere in it. No later
+    /// time tells, for a switch that comes late looks like another resistance. A call for two lines takes less than two.
+    pub fn widest(&self, lines: u32) -> Nanos {
+        let usual = 0.5 + f64::from(lines);
+        if self.seen < FIRST { Nanos::MAX } else { Nanos((usual * self.single_ns + 1000.0) as i64) }
     }
 
     /// Takes a call for one line. Once there is a median, it steps towards each value, not by it: a long call moves it no
@@ -54,13 +55,13 @@ mod tests {
     #[test]
     fn a_long_first_call_and_long_calls_now_and_then_change_little() {
         let mut calls = CallGate::default();
-        assert_eq!((calls.single(), calls.widest()), (None, Nanos::MAX));
+        assert_eq!((calls.single(), calls.widest(1)), (None, Nanos::MAX));
         for index in 0..1000 {
             calls.add(Nanos(if index % 50 == 0 { 40_000 } else { 1100 + index % 7 * 10 }));
         }
         let single = calls.single().unwrap();
         assert!((1100..1170).contains(&single.0), "{single}");
-        assert!(calls.widest() < Nanos(7000));
+        assert!(calls.widest(1) < Nanos(3000) && calls.widest(2) > Nanos(2 * 1100));
         // Another kernel, another processor clock: it follows.
         (0..1000).for_each(|_| calls.add(Nanos(2300)));
         assert!((2290..=2300).contains(&calls.single().unwrap().0));
