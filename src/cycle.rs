@@ -30,8 +30,10 @@ use crate::units::Nanos;
 use calls::CallGate;
 use plan::Memory;
 
-/// A calibration discharge that came to nothing is taken again so many times.
+/// A calibration discharge that came to nothing is taken again so many times, and a sensor's whose calls were interrupted.
 const RETRIES: u32 = 2;
+/// Discharges of one sensor in one cycle at the most.
+pub const MOST_OF_SENSOR: u32 = RETRIES + 1;
 /// Calibration discharges of one cycle at the most: of each kind, each of them taken again.
 pub const MOST_CALIBRATIONS: u32 = 3 * (RETRIES + 1);
 /// Rounds of split calibration after which the offset is put in force; from then on each round betters it at once.
@@ -194,6 +196,11 @@ impl Cycle {
         match self.step {
             Step::Calibrate(Kind::Split) if !self.settings.tracked => self.split_done(outcome),
             Step::Calibrate(kind) => self.calibrated(kind, outcome),
+            Step::Sensor(_) if outcome.result == Err(Fault::WideBracket) && self.retries < RETRIES => {
+                // It says nothing about the sensor, and has cost little more than its charge.
+                self.retries += 1;
+                self.stats.retried += 1;
+            }
             Step::Sensor(channel) => return Some(self.sensor_done(channel, outcome, now)),
             Step::Start => {}
         }
@@ -264,9 +271,9 @@ impl Cycle {
         };
         self.began = now;
         self.step = Step::Sensor(channel + 1);
+        self.retries = 0;
         if channel + 1 == self.settings.channels.len() {
             self.step = Step::Start;
-            self.retries = 0;
             self.failed = None;
             self.stats.cycles += 1;
             self.idle_cycles = self.idle_cycles.saturating_add(1);

@@ -24,6 +24,11 @@ impl Gate {
         Gate { least, sigma: least }
     }
 
+    /// How many sigma it is wide now.
+    pub fn sigma(&self) -> f64 {
+        self.sigma
+    }
+
     /// Whether a value so many sigma away is let in.
     pub fn admits(&mut self, away: f64) -> bool {
         let admits = away <= self.sigma;
