@@ -1,0 +1,290 @@
+//! A sensor that changes while it is read: when a reading is right, by how much it is off, and what a contradiction means.
+//!
+//! For: an uncertainty that holds for a moving hand, and `unsettled` where no number does. Must not know: crossings,
+//! methods, or which discharges are taken.
+//!
+//! A discharge counts progress, so each crossing tells the *mean conductance* y = 1/(R_x+Ro) over its stretch of the
+//! discharge, from the start to that crossing (or to the switch, if that came first). While y changes steadily this mean
+//! is y in the middle of the stretch, and a weighted sum of two of them is y at the weighted mean of the middles: the
+//! instant of the reading, right to the first order. What is left is of the second order: with stretches of the lengths
+//! e_i and weights w_i,
+//!
+//! ```text
+//! error of y = y'' sum w_i (e_i²/24 + (e_i/2 - at)²/2) + y'²/y sum w_i (e_i/2 - at)²
+//! ```
+//!
+//! (the last part because resistances are averaged, not conductances). y' and y'' are those of the last few readings: the
+//! two stretches of one discharge give a slope each time, which no rhythm of readings can hide, and for a hand that
+//! trembles about a mean the root mean squares of value, slope and bend belong together as y''= y'²/y.
+
+use crate::reading::Fault;
+use crate::units::Nanos;
+
+/// Readings that are remembered.
+const POINTS: usize = 6;
+/// A reading whose predicted error is a larger share of it is no number.
+const LIMIT: f64 = 0.01;
+/// Noise does not reach so many sigma.
+const GATE: f64 = 5.0;
+/// What is so many times faster than everything before it was not to be expected.
+const SUDDEN: f64 = 3.0;
+/// Stretches that differ by a smaller share of the longer one tell no slope.
+const APART: f64 = 0.2;
+
+/// What a discharge tells of R_x, and when it was so. Times in ns since the start.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Seen {
+    /// When R_x was what the estimate says.
+    pub at_ns: f64,
+    /// What y'' and y'²/y have to be multiplied by, ns².
+    bend_ns2: f64,
+    apart_ns2: f64,
+    /// What each stretch says alone.
+    pair: Option<Pair>,
+    /// The crossings disagree by more than noise does.
+    pub contradicts: bool,
+}
+
+/// R_x by each of two stretches.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Pair {
+    r_ohm: [f64; 2],
+    /// Of their difference, ohm.
+    u_ohm: f64,
+    /// From the middle of one to the middle of the other, s; may be negative.
+    apart_s: f64,
+}
+
+impl Seen {
+    /// An estimate that rests on one stretch of the discharge.
+    pub fn over(end_ns: f64) -> Seen {
+        Seen {
+            at_ns: end_ns / 2.0,
+            bend_ns2: end_ns * end_ns / 24.0,
+            apart_ns2: 0.0,
+            pair: None,
+            contradicts: false,
+        }
+    }
+
+    /// An estimate that has `weights` (sum 1) on two stretches, which alone would say `r_ohm`; `u_ohm` is 1 sigma of the
+    /// difference.
+    pub fn over_two(end_ns: [f64; 2], weights: [f64; 2], r_ohm: [f64; 2], u_ohm: f64) -> Seen {
+        let sum = |of: &dyn Fn(f64) -> f64| weights[0] * of(end_ns[0]) + weights[1] * of(end_ns[1]);
+        let at_ns = sum(&|end| end / 2.0);
+        let apart_ns2 = sum(&|end| (end / 2.0 - at_ns).powi(2));
+        let between_ns = (end_ns[1] - end_ns[0]) / 2.0;
+        let is_apart = 2.0 * between_ns.abs() > APART * end_ns[0].max(end_ns[1]);
+        // Not `>`: what cannot be compared is no agreement.
+        let agrees = (r_ohm[1] - r_ohm[0]).abs() <= GATE * u_ohm;
+        let pair = Pair { r_ohm, u_ohm, apart_s: 1e-9 * between_ns };
+        Seen {
+            at_ns,
+            bend_ns2: (sum(&|end| end * end / 24.0) + apart_ns2 / 2.0).abs(),
+            apart_ns2: apart_ns2.abs(),
+            pair: is_apart.then_some(pair),
+            contradicts: !agrees,
+        }
+    }
+
+    /// The same, with another word on whether the crossings disagree.
+    pub fn contradicting(self, contradicts: bool) -> Seen {
+        Seen { contradicts, ..self }
+    }
+}
+
+/// A conductance, siemens, at an instant.
+#[derive(Debug, Clone, Copy, Default)]
+struct Point {
+    at: Nanos,
+    y: f64,
+    u: f64,
+    /// With 1 sigma, S/s.
+    slope: Option<[f64; 2]>,
+    /// It contradicts itself, and it is not known yet why.
+    doubtful: bool,
+}
+
+impl Point {
+    /// How fast it went from here to there, S/s.
+    fn speed_to(&self, next: &Point) -> f64 {
+        (next.y - self.y) / (next.at - self.at).as_seconds().max(1e-6)
+    }
+}
+
+/// The last readings of a sensor.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct Motion {
+    points: [Point; POINTS],
+    count: usize,
+}
+
+impl Motion {
+    /// Takes an estimate (`r_ohm` with `u_ohm`) of a discharge that began at `start`; answers what the sensor's own change
+    /// adds to its uncertainty, ohm.
+    ///
+    /// # Errors
+    /// [`Fault::LatencyOutlier`] if it contradicts itself as by one late stamp, [`Fault::Unsettled`] if the sensor has
+    /// changed too much for a number.
+    pub fn judge(
+        &mut self,
+        start: Nanos,
+        [r_ohm, u_ohm]: [f64; 2],
+        r_o_ohm: f64,
+        seen: &Seen,
+    ) -> Result<f64, Fault> {
+        let through = |r_ohm: f64| (r_ohm + r_o_ohm).max(1e-3);
+        let y = 1.0 / through(r_ohm);
+        let pair =
+            seen.pair.map(|pair| (pair.r_ohm.map(|r| 1.0 / through(r)), pair.u_ohm * y * y, pair.apart_s));
+        let point = Point {
+            at: start + Nanos(seen.at_ns as i64),
+            y,
+            u: u_ohm * y * y,
+            slope: pair.map(|([a, b], u, apart_s)| [(b - a) / apart_s, (u / apart_s).abs()]),
+            doubtful: seen.contradicts,
+        };
+        if seen.contradicts && !self.explains(&point) {
+            let Some((pair, u, _)) = pair else { return Err(Fault::LatencyOutlier) };
+            let is_late = self.is_late_stamp(pair, u);
+            self.push(point);
+            return Err(if is_late { Fault::LatencyOutlier } else { Fault::Unsettled });
+        }
+        self.settle(seen.contradicts);
+        let hidden = self.hidden(&point, pair.map(|([a, b], u, _)| (b - a).hypot(u)));
+        self.push(Point { doubtful: false, ..point });
+        let error = self.error(seen, y).hypot(hidden);
+        if error <= LIMIT * y { Ok(error / (y * y)) } else { Err(Fault::Unsettled) }
+    }
+
+    /// Takes a reading that is no number: a resistance above `r_min_ohm`.
+    pub fn is_open(&mut self, at: Nanos, r_min_ohm: f64) {
+        let y = 0.5 / r_min_ohm.max(1e-3);
+        self.settle(false);
+        self.push(Point { at, y, u: y, slope: None, doubtful: false });
+    }
+
+    /// Forgets everything.
+    pub fn forget(&mut self) {
+        self.count = 0;
+    }
+
+    /// The last resistance, Ro included, ohm; that of an unsettled reading, too.
+    pub fn last_ohm(&self) -> Option<f64> {
+        self.points().last().map(|point| 1.0 / point.y)
+    }
+
+    fn points(&self) -> &[Point] {
+        &self.points[..self.count]
+    }
+
+    fn regular(&self) -> impl DoubleEndedIterator<Item = &Point> + Clone {
+        self.points().iter().filter(|point| !point.doubtful)
+    }
+
+    fn push(&mut self, point: Point) {
+        if self.count == POINTS {
+            self.points.rotate_left(1);
+            self.count -= 1;
+        }
+        self.points[self.count] = point;
+        self.count += 1;
+    }
+
+    /// What was doubtful has been a change, or else a late stamp that says nothing.
+    fn settle(&mut self, was_change: bool) {
+        let before = *self;
+        self.count = 0;
+        for point in before.points().iter().filter(|point| was_change || !point.doubtful) {
+            self.push(Point { doubtful: false, ..*point });
+        }
+    }
+
+    /// Speeds from reading to reading, S/s.
+    fn speeds(&self) -> impl Iterator<Item = f64> {
+        self.regular().zip(self.regular().skip(1)).map(|(point, next)| point.speed_to(next))
+    }
+
+    /// Whether a slope inside of a discharge is one that the neighbours have, too. Two contradictions in a row that differ
+    /// are not the work of stamps; two that are alike may be that of a wrong calibration.
+    fn explains(&self, point: &Point) -> bool {
+        let (Some([slope, u]), Some(last)) = (point.slope, self.points().last()) else { return false };
+        if let (true, Some([before, u_before])) = (last.doubtful, last.slope) {
+            let differs = (slope - before).abs() > (0.25 * slope.abs()).max(GATE * u.hypot(u_before));
+            if differs {
+                return true;
+            }
+        }
+        let now = self.points().last().map_or(0.0, |last| last.speed_to(point).abs());
+        let speed = self.speeds().fold(now, |most, speed| most.max(speed.abs()));
+        slope.abs() <= SUDDEN * speed.max(self.slope_scatter())
+    }
+
+    /// What the slopes of the discharges scatter by beyond their noise, S/s.
+    fn slope_scatter(&self) -> f64 {
+        let slopes = || self.regular().filter_map(|point| point.slope);
+        let count = slopes().count() as f64;
+        if count < 2.0 {
+            return 0.0;
+        }
+        let mean = slopes().map(|[slope, _]| slope).sum::<f64>() / count;
+        let excess = slopes().map(|[slope, u]| (slope - mean).powi(2) - u * u).sum::<f64>() / count;
+        excess.max(0.0).sqrt()
+    }
+
+    /// Whether one late stamp would do: no node is early, and they are not later and later as a rising resistance makes
+    /// them.
+    fn is_late_stamp(&self, [a, b]: [f64; 2], u: f64) -> bool {
+        let Some(last) = self.regular().next_back() else { return true };
+        let doubt = GATE * u.hypot(last.u);
+        let is_early = a.max(b) > last.y + doubt;
+        let rises = b < a && a < last.y - doubt;
+        !is_early && !rises
+    }
+
+    /// What a change may hide that came suddenly and perhaps in the middle of this discharge: as much as its two stretches
+    /// disagree by, or half of the change.
+    fn hidden(&self, point: &Point, difference: Option<f64>) -> f64 {
+        let Some(last) = self.regular().next_back() else { return 0.0 };
+        let change = (point.y - last.y).abs();
+        let slopes = self.regular().filter_map(|point| point.slope).map(|[slope, u]| slope.abs() - 3.0 * u);
+        let speed = self.speeds().map(f64::abs).chain(slopes).fold(0.0, f64::max);
+        let expected = SUDDEN * speed * (point.at - last.at).as_seconds() + GATE * point.u.hypot(last.u);
+        if change <= expected { 0.0 } else { difference.unwrap_or(f64::INFINITY).min(change / 2.0) }
+    }
+
+    /// The predicted error of the last reading, 1 sigma, S.
+    fn error(&self, seen: &Seen, y: f64) -> f64 {
+        let count = self.count as f64;
+        if self.count < 2 {
+            return 0.0;
+        }
+        let mean = self.points().iter().map(|point| point.y).sum::<f64>() / count;
+        let spread = (self.points().iter().map(|point| (point.y - mean).powi(2)).sum::<f64>() / count).sqrt();
+        let square = self.square_between().max(self.square_inside());
+        if square <= 0.0 || spread <= 0.0 {
+            return 0.0;
+        }
+        1e-18 * (square / spread * seen.bend_ns2 + square / y * seen.apart_ns2)
+    }
+
+    /// Mean square of the speed from reading to reading, less its noise.
+    fn square_between(&self) -> f64 {
+        let pairs = self.points().windows(2).map(|pair| {
+            let noise = pair[0].u.hypot(pair[1].u) / (pair[1].at - pair[0].at).as_seconds().max(1e-6);
+            pair[0].speed_to(&pair[1]).powi(2) - noise * noise
+        });
+        (pairs.sum::<f64>() / (self.count - 1) as f64).max(0.0)
+    }
+
+    /// Mean square of the slopes inside of the discharges, less what noise makes of it (2 sigma).
+    fn square_inside(&self) -> f64 {
+        let slopes = || self.points().iter().filter_map(|point| point.slope);
+        let count = slopes().count() as f64;
+        if count == 0.0 {
+            return 0.0;
+        }
+        let factor = 1.0 + 2.0 * (2.0 / count).sqrt();
+        (slopes().map(|[slope, u]| slope * slope - factor * u * u).sum::<f64>() / count).max(0.0)
+    }
+}
