@@ -7,15 +7,15 @@
 //! discharge, from the start to that crossing (or to the switch, if that came first). While y changes steadily this mean
 //! is y in the middle of the stretch, and a weighted sum of two of them is y at the weighted mean of the middles: the
 //! instant of the reading, right to the first order. What is left is of the second order: with stretches of the lengths
-//! e_i and weights w_i,
+//! e_i, weights w_i and z = ln(R_x+Ro), relative to R_x+Ro,
 //!
 //! ```text
-//! error of y = y'' sum w_i (e_i²/24 + (e_i/2 - at)²/2) + y'²/y sum w_i (e_i/2 - at)²
+//! error = (z'' - z'²) sum w_i (e_i²/24 + (e_i/2 - at)²/2) + z'² sum w_i (e_i/2 - at)²
 //! ```
 //!
-//! (the last part because resistances are averaged, not conductances). y' and y'' are those of the last few readings: the
+//! (the last part because resistances are averaged, not conductances). z' and z'' are those of the last few readings: the
 //! two stretches of one discharge give a slope each time, which no rhythm of readings can hide, and for a hand that
-//! trembles about a mean the root mean squares of value, slope and bend belong together as y''= y'²/y.
+//! trembles about a mean the root mean squares of value, slope and bend belong together as z'' = z'²/z.
 
 use crate::reading::Fault;
 use crate::units::Nanos;
@@ -26,6 +26,8 @@ const POINTS: usize = 6;
 const LIMIT: f64 = 0.01;
 /// Noise does not reach so many sigma.
 const GATE: f64 = 5.0;
+/// But a predicted error below so many sigma is stated: the number is hardly worse for it.
+const NOISE: f64 = 3.0;
 /// What is so many times faster than everything before it was not to be expected.
 const SUDDEN: f64 = 3.0;
 /// Stretches that differ by a smaller share of the longer one tell no slope.
@@ -36,7 +38,7 @@ const APART: f64 = 0.2;
 pub struct Seen {
     /// When R_x was what the estimate says.
     pub at_ns: f64,
-    /// What y'' and y'²/y have to be multiplied by, ns².
+    /// What z'' and z'² have to be multiplied by, ns².
     bend_ns2: f64,
     apart_ns2: f64,
     /// What each stretch says alone.
@@ -53,6 +55,13 @@ struct Pair {
     u_ohm: f64,
     /// From the middle of one to the middle of the other, s; may be negative.
     apart_s: f64,
+}
+
+impl Pair {
+    /// The same as logarithms, which are `all_ohm` of what they were.
+    fn map(self, through: impl Fn(f64) -> f64, all_ohm: f64) -> Pair {
+        Pair { r_ohm: self.r_ohm.map(|r_ohm| through(r_ohm).ln()), u_ohm: self.u_ohm / all_ohm, ..self }
+    }
 }
 
 impl Seen {
@@ -93,22 +102,23 @@ impl Seen {
     }
 }
 
-/// A conductance, siemens, at an instant.
+/// What a sensor had at an instant.
 #[derive(Debug, Clone, Copy, Default)]
 struct Point {
     at: Nanos,
-    y: f64,
+    /// ln(R_x+Ro), and 1 sigma.
+    z: f64,
     u: f64,
-    /// With 1 sigma, S/s.
+    /// With 1 sigma, 1/s.
     slope: Option<[f64; 2]>,
-    /// It contradicts itself, and it is not known yet why.
+    /// It contradicts itself as if a stamp were late.
     doubtful: bool,
 }
 
 impl Point {
-    /// How fast it went from here to there, S/s.
+    /// How fast it went from here to there, 1/s.
     fn speed_to(&self, next: &Point) -> f64 {
-        (next.y - self.y) / (next.at - self.at).as_seconds().max(1e-6)
+        (next.z - self.z) / (next.at - self.at).as_seconds().max(1e-6)
     }
 }
 
@@ -134,34 +144,34 @@ impl Motion {
         seen: &Seen,
     ) -> Result<f64, Fault> {
         let through = |r_ohm: f64| (r_ohm + r_o_ohm).max(1e-3);
-        let y = 1.0 / through(r_ohm);
-        let pair =
-            seen.pair.map(|pair| (pair.r_ohm.map(|r| 1.0 / through(r)), pair.u_ohm * y * y, pair.apart_s));
-        let point = Point {
+        let all_ohm = through(r_ohm);
+        let pair = seen.pair.map(|pair| pair.map(through, all_ohm));
+        let mut point = Point {
             at: start + Nanos(seen.at_ns as i64),
-            y,
-            u: u_ohm * y * y,
-            slope: pair.map(|([a, b], u, apart_s)| [(b - a) / apart_s, (u / apart_s).abs()]),
-            doubtful: seen.contradicts,
+            z: all_ohm.ln(),
+            u: u_ohm / all_ohm,
+            slope: pair.map(|pair| {
+                [(pair.r_ohm[1] - pair.r_ohm[0]) / pair.apart_s, (pair.u_ohm / pair.apart_s).abs()]
+            }),
+            doubtful: false,
         };
         if seen.contradicts && !self.explains(&point) {
-            let Some((pair, u, _)) = pair else { return Err(Fault::LatencyOutlier) };
-            let is_late = self.is_late_stamp(pair, u);
+            let Some(pair) = pair else { return Err(Fault::LatencyOutlier) };
+            point.doubtful = self.is_late_stamp(pair);
             self.push(point);
-            return Err(if is_late { Fault::LatencyOutlier } else { Fault::Unsettled });
+            return Err(if point.doubtful { Fault::LatencyOutlier } else { Fault::Unsettled });
         }
         self.settle(seen.contradicts);
-        let hidden = self.hidden(&point, pair.map(|([a, b], u, _)| (b - a).hypot(u)));
-        self.push(Point { doubtful: false, ..point });
-        let error = self.error(seen, y).hypot(hidden);
-        if error <= LIMIT * y { Ok(error / (y * y)) } else { Err(Fault::Unsettled) }
+        let hidden = self.hidden(&point, pair.map(|pair| (pair.r_ohm[1] - pair.r_ohm[0]).hypot(pair.u_ohm)));
+        self.push(point);
+        let error = self.error(seen).hypot(hidden);
+        if error <= LIMIT.max(NOISE * point.u) { Ok(error * all_ohm) } else { Err(Fault::Unsettled) }
     }
 
     /// Takes a reading that is no number: a resistance above `r_min_ohm`.
     pub fn is_open(&mut self, at: Nanos, r_min_ohm: f64) {
-        let y = 0.5 / r_min_ohm.max(1e-3);
         self.settle(false);
-        self.push(Point { at, y, u: y, slope: None, doubtful: false });
+        self.push(Point { at, z: (2.0 * r_min_ohm.max(1e-3)).ln(), u: 0.7, slope: None, doubtful: false });
     }
 
     /// Forgets everything.
@@ -171,7 +181,7 @@ impl Motion {
 
     /// The last resistance, Ro included, ohm; that of an unsettled reading, too.
     pub fn last_ohm(&self) -> Option<f64> {
-        self.points().last().map(|point| 1.0 / point.y)
+        self.points().last().map(|point| point.z.exp())
     }
 
     fn points(&self) -> &[Point] {
@@ -200,7 +210,7 @@ impl Motion {
         }
     }
 
-    /// Speeds from reading to reading, S/s.
+    /// Speeds from reading to reading, 1/s.
     fn speeds(&self) -> impl Iterator<Item = f64> {
         self.regular().zip(self.regular().skip(1)).map(|(point, next)| point.speed_to(next))
     }
@@ -220,7 +230,7 @@ impl Motion {
         slope.abs() <= SUDDEN * speed.max(self.slope_scatter())
     }
 
-    /// What the slopes of the discharges scatter by beyond their noise, S/s.
+    /// What the slopes of the discharges scatter by beyond their noise, 1/s.
     fn slope_scatter(&self) -> f64 {
         let slopes = || self.regular().filter_map(|point| point.slope);
         let count = slopes().count() as f64;
@@ -234,11 +244,12 @@ impl Motion {
 
     /// Whether one late stamp would do: no node is early, and they are not later and later as a rising resistance makes
     /// them.
-    fn is_late_stamp(&self, [a, b]: [f64; 2], u: f64) -> bool {
+    fn is_late_stamp(&self, pair: Pair) -> bool {
         let Some(last) = self.regular().next_back() else { return true };
-        let doubt = GATE * u.hypot(last.u);
-        let is_early = a.max(b) > last.y + doubt;
-        let rises = b < a && a < last.y - doubt;
+        let doubt = GATE * pair.u_ohm.hypot(last.u);
+        let [a, b] = pair.r_ohm;
+        let is_early = a.min(b) < last.z - doubt;
+        let rises = b > a && a > last.z + doubt;
         !is_early && !rises
     }
 
@@ -246,26 +257,26 @@ impl Motion {
     /// disagree by, or half of the change.
     fn hidden(&self, point: &Point, difference: Option<f64>) -> f64 {
         let Some(last) = self.regular().next_back() else { return 0.0 };
-        let change = (point.y - last.y).abs();
+        let change = (point.z - last.z).abs();
         let slopes = self.regular().filter_map(|point| point.slope).map(|[slope, u]| slope.abs() - 3.0 * u);
         let speed = self.speeds().map(f64::abs).chain(slopes).fold(0.0, f64::max);
         let expected = SUDDEN * speed * (point.at - last.at).as_seconds() + GATE * point.u.hypot(last.u);
         if change <= expected { 0.0 } else { difference.unwrap_or(f64::INFINITY).min(change / 2.0) }
     }
 
-    /// The predicted error of the last reading, 1 sigma, S.
-    fn error(&self, seen: &Seen, y: f64) -> f64 {
+    /// The predicted error of the last reading, 1 sigma, relative.
+    fn error(&self, seen: &Seen) -> f64 {
         let count = self.count as f64;
         if self.count < 2 {
             return 0.0;
         }
-        let mean = self.points().iter().map(|point| point.y).sum::<f64>() / count;
-        let spread = (self.points().iter().map(|point| (point.y - mean).powi(2)).sum::<f64>() / count).sqrt();
+        let mean = self.points().iter().map(|point| point.z).sum::<f64>() / count;
+        let spread = (self.points().iter().map(|point| (point.z - mean).powi(2)).sum::<f64>() / count).sqrt();
         let square = self.square_between().max(self.square_inside());
         if square <= 0.0 || spread <= 0.0 {
             return 0.0;
         }
-        1e-18 * (square / spread * seen.bend_ns2 + square / y * seen.apart_ns2)
+        1e-18 * square * (seen.bend_ns2 / spread + seen.bend_ns2 + seen.apart_ns2)
     }
 
     /// Mean square of the speed from reading to reading, less its noise.
@@ -284,7 +295,7 @@ impl Motion {
         if count == 0.0 {
             return 0.0;
         }
-        let factor = 1.0 + 2.0 * (2.0 / count).sqrt();
+        let factor = 1.0 + 3.0 * (2.0 / count).sqrt();
         (slopes().map(|[slope, u]| slope * slope - factor * u * u).sum::<f64>() / count).max(0.0)
     }
 }
