@@ -53,14 +53,23 @@ struct Pair {
     r_ohm: [f64; 2],
     /// Of their difference, ohm.
     u_ohm: f64,
-    /// From the middle of one to the middle of the other, s; may be negative.
-    apart_s: f64,
+    /// From the middle of one to the middle of the other, s; may be negative. `None`: too close to tell a slope.
+    apart_s: Option<f64>,
 }
 
 impl Pair {
     /// The same as logarithms, which are `all_ohm` of what they were.
     fn map(self, through: impl Fn(f64) -> f64, all_ohm: f64) -> Pair {
         Pair { r_ohm: self.r_ohm.map(|r_ohm| through(r_ohm).ln()), u_ohm: self.u_ohm / all_ohm, ..self }
+    }
+
+    fn difference(self) -> f64 {
+        self.r_ohm[1] - self.r_ohm[0]
+    }
+
+    /// With 1 sigma.
+    fn slope(self) -> Option<[f64; 2]> {
+        self.apart_s.map(|apart_s| [self.difference() / apart_s, (self.u_ohm / apart_s).abs()])
     }
 }
 
@@ -86,12 +95,12 @@ impl Seen {
         let is_apart = 2.0 * between_ns.abs() > APART * end_ns[0].max(end_ns[1]);
         // Not `>`: what cannot be compared is no agreement.
         let agrees = (r_ohm[1] - r_ohm[0]).abs() <= GATE * u_ohm;
-        let pair = Pair { r_ohm, u_ohm, apart_s: 1e-9 * between_ns };
+        let pair = Pair { r_ohm, u_ohm, apart_s: is_apart.then_some(1e-9 * between_ns) };
         Seen {
             at_ns,
             bend_ns2: (sum(&|end| end * end / 24.0) + apart_ns2 / 2.0).abs(),
             apart_ns2: apart_ns2.abs(),
-            pair: is_apart.then_some(pair),
+            pair: Some(pair),
             contradicts: !agrees,
         }
     }
@@ -111,8 +120,18 @@ struct Point {
     u: f64,
     /// With 1 sigma, 1/s.
     slope: Option<[f64; 2]>,
+    trust: Trust,
+}
+
+/// How far a point can be trusted.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+enum Trust {
+    #[default]
+    Sound,
+    /// The sensor changed in the middle of it: a slope, but no value.
+    Mixed,
     /// It contradicts itself as if a stamp were late.
-    doubtful: bool,
+    Doubtful,
 }
 
 impl Point {
@@ -127,6 +146,7 @@ impl Point {
 pub struct Motion {
     points: [Point; POINTS],
     count: usize,
+    unsettled: bool,
 }
 
 impl Motion {
@@ -150,33 +170,40 @@ impl Motion {
             at: start + Nanos(seen.at_ns as i64),
             z: all_ohm.ln(),
             u: u_ohm / all_ohm,
-            slope: pair.map(|pair| {
-                [(pair.r_ohm[1] - pair.r_ohm[0]) / pair.apart_s, (pair.u_ohm / pair.apart_s).abs()]
-            }),
-            doubtful: false,
+            slope: pair.and_then(Pair::slope),
+            trust: Trust::Sound,
         };
         if seen.contradicts && !self.explains(&point) {
             let Some(pair) = pair else { return Err(Fault::LatencyOutlier) };
-            point.doubtful = self.is_late_stamp(pair);
+            // Where the sensor was moving already, it moves still.
+            self.unsettled |= !self.is_late_stamp(pair);
+            point.trust = if self.unsettled { Trust::Mixed } else { Trust::Doubtful };
             self.push(point);
-            return Err(if point.doubtful { Fault::LatencyOutlier } else { Fault::Unsettled });
+            return Err(if self.unsettled { Fault::Unsettled } else { Fault::LatencyOutlier });
         }
         self.settle(seen.contradicts);
-        let hidden = self.hidden(&point, pair.map(|pair| (pair.r_ohm[1] - pair.r_ohm[0]).hypot(pair.u_ohm)));
+        let hidden = self.hidden(&point, pair.map(|pair| pair.difference().hypot(pair.u_ohm)));
         self.push(point);
         let error = self.error(seen).hypot(hidden);
-        if error <= LIMIT.max(NOISE * point.u) { Ok(error * all_ohm) } else { Err(Fault::Unsettled) }
+        self.unsettled = error > LIMIT.max(NOISE * point.u);
+        if self.unsettled { Err(Fault::Unsettled) } else { Ok(error * all_ohm) }
     }
 
     /// Takes a reading that is no number: a resistance above `r_min_ohm`.
     pub fn is_open(&mut self, at: Nanos, r_min_ohm: f64) {
         self.settle(false);
-        self.push(Point { at, z: (2.0 * r_min_ohm.max(1e-3)).ln(), u: 0.7, slope: None, doubtful: false });
+        self.push(Point {
+            at,
+            z: (2.0 * r_min_ohm.max(1e-3)).ln(),
+            u: 0.7,
+            slope: None,
+            trust: Trust::Sound,
+        });
     }
 
     /// Forgets everything.
     pub fn forget(&mut self) {
-        self.count = 0;
+        *self = Motion::default();
     }
 
     /// The last resistance, Ro included, ohm; that of an unsettled reading, too.
@@ -188,8 +215,13 @@ impl Motion {
         &self.points[..self.count]
     }
 
-    fn regular(&self) -> impl DoubleEndedIterator<Item = &Point> + Clone {
-        self.points().iter().filter(|point| !point.doubtful)
+    fn sound(&self) -> impl DoubleEndedIterator<Item = &Point> + Clone {
+        self.points().iter().filter(|point| point.trust == Trust::Sound)
+    }
+
+    /// Slopes inside of discharges, each with 1 sigma.
+    fn slopes(&self) -> impl Iterator<Item = [f64; 2]> + Clone {
+        self.points().iter().filter(|point| point.trust != Trust::Doubtful).filter_map(|point| point.slope)
     }
 
     fn push(&mut self, point: Point) {
@@ -205,21 +237,25 @@ impl Motion {
     fn settle(&mut self, was_change: bool) {
         let before = *self;
         self.count = 0;
-        for point in before.points().iter().filter(|point| was_change || !point.doubtful) {
-            self.push(Point { doubtful: false, ..*point });
+        for point in before.points() {
+            match point.trust {
+                _ if was_change => self.push(Point { trust: Trust::Sound, ..*point }),
+                Trust::Doubtful => {}
+                Trust::Sound | Trust::Mixed => self.push(*point),
+            }
         }
     }
 
     /// Speeds from reading to reading, 1/s.
     fn speeds(&self) -> impl Iterator<Item = f64> {
-        self.regular().zip(self.regular().skip(1)).map(|(point, next)| point.speed_to(next))
+        self.sound().zip(self.sound().skip(1)).map(|(point, next)| point.speed_to(next))
     }
 
     /// Whether a slope inside of a discharge is one that the neighbours have, too. Two contradictions in a row that differ
     /// are not the work of stamps; two that are alike may be that of a wrong calibration.
     fn explains(&self, point: &Point) -> bool {
         let (Some([slope, u]), Some(last)) = (point.slope, self.points().last()) else { return false };
-        if let (true, Some([before, u_before])) = (last.doubtful, last.slope) {
+        if let (Trust::Doubtful, Some([before, u_before])) = (last.trust, last.slope) {
             let differs = (slope - before).abs() > (0.25 * slope.abs()).max(GATE * u.hypot(u_before));
             if differs {
                 return true;
@@ -232,20 +268,19 @@ impl Motion {
 
     /// What the slopes of the discharges scatter by beyond their noise, 1/s.
     fn slope_scatter(&self) -> f64 {
-        let slopes = || self.regular().filter_map(|point| point.slope);
-        let count = slopes().count() as f64;
+        let count = self.slopes().count() as f64;
         if count < 2.0 {
             return 0.0;
         }
-        let mean = slopes().map(|[slope, _]| slope).sum::<f64>() / count;
-        let excess = slopes().map(|[slope, u]| (slope - mean).powi(2) - u * u).sum::<f64>() / count;
+        let mean = self.slopes().map(|[slope, _]| slope).sum::<f64>() / count;
+        let excess = self.slopes().map(|[slope, u]| (slope - mean).powi(2) - u * u).sum::<f64>() / count;
         excess.max(0.0).sqrt()
     }
 
     /// Whether one late stamp would do: no node is early, and they are not later and later as a rising resistance makes
     /// them.
     fn is_late_stamp(&self, pair: Pair) -> bool {
-        let Some(last) = self.regular().next_back() else { return true };
+        let Some(last) = self.sound().next_back() else { return true };
         let doubt = GATE * pair.u_ohm.hypot(last.u);
         let [a, b] = pair.r_ohm;
         let is_early = a.min(b) < last.z - doubt;
@@ -256,9 +291,9 @@ impl Motion {
     /// What a change may hide that came suddenly and perhaps in the middle of this discharge: as much as its two stretches
     /// disagree by, or half of the change.
     fn hidden(&self, point: &Point, difference: Option<f64>) -> f64 {
-        let Some(last) = self.regular().next_back() else { return 0.0 };
+        let Some(last) = self.sound().next_back() else { return 0.0 };
         let change = (point.z - last.z).abs();
-        let slopes = self.regular().filter_map(|point| point.slope).map(|[slope, u]| slope.abs() - 3.0 * u);
+        let slopes = self.slopes().map(|[slope, u]| slope.abs() - 3.0 * u);
         let speed = self.speeds().map(f64::abs).chain(slopes).fold(0.0, f64::max);
         let expected = SUDDEN * speed * (point.at - last.at).as_seconds() + GATE * point.u.hypot(last.u);
         if change <= expected { 0.0 } else { difference.unwrap_or(f64::INFINITY).min(change / 2.0) }
@@ -266,12 +301,9 @@ impl Motion {
 
     /// The predicted error of the last reading, 1 sigma, relative.
     fn error(&self, seen: &Seen) -> f64 {
-        let count = self.count as f64;
-        if self.count < 2 {
-            return 0.0;
-        }
-        let mean = self.points().iter().map(|point| point.z).sum::<f64>() / count;
-        let spread = (self.points().iter().map(|point| (point.z - mean).powi(2)).sum::<f64>() / count).sqrt();
+        let count = self.sound().count() as f64;
+        let mean = self.sound().map(|point| point.z).sum::<f64>() / count;
+        let spread = (self.sound().map(|point| (point.z - mean).powi(2)).sum::<f64>() / count).sqrt();
         let square = self.square_between().max(self.square_inside());
         if square <= 0.0 || spread <= 0.0 {
             return 0.0;
@@ -279,23 +311,29 @@ impl Motion {
         1e-18 * square * (seen.bend_ns2 / spread + seen.bend_ns2 + seen.apart_ns2)
     }
 
-    /// Mean square of the speed from reading to reading, less its noise.
+    /// Mean square of the speed from reading to reading, less its noise, without the greatest, which may have been a step
+    /// that is over: of five of an oscillation the other four have 0.8 of it.
     fn square_between(&self) -> f64 {
-        let pairs = self.points().windows(2).map(|pair| {
-            let noise = pair[0].u.hypot(pair[1].u) / (pair[1].at - pair[0].at).as_seconds().max(1e-6);
-            pair[0].speed_to(&pair[1]).powi(2) - noise * noise
-        });
-        (pairs.sum::<f64>() / (self.count - 1) as f64).max(0.0)
+        let (mut sum, mut most, mut count) = (0.0, 0.0f64, 0.0);
+        for (point, next) in self.sound().zip(self.sound().skip(1)) {
+            let noise = point.u.hypot(next.u) / (next.at - point.at).as_seconds().max(1e-6);
+            let square = point.speed_to(next).powi(2) - noise * noise;
+            (sum, most, count) = (sum + square, most.max(square), count + 1.0);
+        }
+        if count < 2.0 { 0.0 } else { ((sum - most) / (0.8 * (count - 1.0))).max(0.0) }
     }
 
-    /// Mean square of the slopes inside of the discharges, less what noise makes of it (2 sigma).
+    /// Mean square of the slopes inside of the discharges, less its noise; 0 where a single one that noise has brought near
+    /// to the gate could make it.
     fn square_inside(&self) -> f64 {
-        let slopes = || self.points().iter().filter_map(|point| point.slope);
-        let count = slopes().count() as f64;
-        if count == 0.0 {
+        let count = self.slopes().count() as f64;
+        let normalised = self.slopes().map(|[slope, u]| (slope / u).powi(2)).sum::<f64>() / count;
+        if count == 0.0 || normalised < 1.0 + 10.0 * (2.0 / count).sqrt() {
             return 0.0;
         }
-        let factor = 1.0 + 3.0 * (2.0 / count).sqrt();
-        (slopes().map(|[slope, u]| slope * slope - factor * u * u).sum::<f64>() / count).max(0.0)
+        (self.slopes().map(|[slope, u]| slope * slope - u * u).sum::<f64>() / count).max(0.0)
     }
 }
+
+#[cfg(test)]
+mod tests;

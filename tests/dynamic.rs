@@ -108,14 +108,15 @@ fn explore() {
 
 #[test]
 fn debug() {
-    for (method, r, f) in [(Method::Tcdic, 16_200.0, 10.0), (Method::Cerm, 5000.0, 20.0)] {
+    let (method, r, f) = (Method::Tracked, 16_200.0, 20.0);
+    for seed in 0..8 {
         let sensor = Sensor::Sine { mean: Ohm(r), amplitude: Ohm(0.2 * r), frequency: Hertz(f) };
-        let bench = Bench::new("pi4", method, r, 1, "");
+        let bench = Bench::new("pi4", method, r, seed, "");
         let mut instrument = bench.instrument();
         settle(&mut instrument);
         read(&mut instrument, 40, |_| {});
         instrument.pins().connect(0, sensor.clone());
-        for _ in 0..40 {
+        for k in 0..150 {
             let mut last = None;
             read(&mut instrument, 1, |reading| last = Some(*reading));
             let reading = last.unwrap();
@@ -123,13 +124,13 @@ fn debug() {
             let before = instrument.pins().r_x(0, reading.at - cermd::units::Nanos(1_000_000)).unwrap();
             match reading.status {
                 Status::Ok { r_ohm, .. } => println!(
-                    "{:.1} err {:+.3} % u {:.3} % slope {:.2}",
+                    "{seed} {k} {:.1} err {:+.3} % u {:.3} % slope {:.2}",
                     truth,
                     100.0 * (r_ohm.value / truth - 1.0),
                     100.0 * r_ohm.u.unwrap() / truth,
                     100.0 * (truth - before) / truth
                 ),
-                s => println!("{truth:.1} {s:?}"),
+                s => println!("{seed} {k} {truth:.1} {s:?}"),
             }
         }
     }
