@@ -100,7 +100,8 @@ impl Seen {
             at_ns,
             bend_ns2: (sum(&|end| end * end / 24.0) + apart_ns2 / 2.0).abs(),
             apart_ns2: apart_ns2.abs(),
-            pair: Some(pair),
+            // One stretch that two crossings tell of cannot contradict itself by a change.
+            pair: (between_ns != 0.0).then_some(pair),
             contradicts: !agrees,
         }
     }
@@ -182,9 +183,10 @@ impl Motion {
             return Err(if self.unsettled { Fault::Unsettled } else { Fault::LatencyOutlier });
         }
         self.settle(seen.contradicts);
-        let hidden = self.hidden(&point, pair.map(|pair| pair.difference().hypot(pair.u_ohm)));
+        let is_sudden = self.is_sudden(&point);
+        let hidden = if is_sudden { self.hidden(&point, pair) } else { 0.0 };
         self.push(point);
-        let error = self.error(seen).hypot(hidden);
+        let error = self.error(seen, is_sudden).hypot(hidden);
         self.unsettled = error > LIMIT.max(NOISE * point.u);
         if self.unsettled { Err(Fault::Unsettled) } else { Ok(error * all_ohm) }
     }
@@ -288,23 +290,29 @@ impl Motion {
         !is_early && !rises
     }
 
-    /// What a change may hide that came suddenly and perhaps in the middle of this discharge: as much as its two stretches
-    /// disagree by, or half of the change.
-    fn hidden(&self, point: &Point, difference: Option<f64>) -> f64 {
-        let Some(last) = self.sound().next_back() else { return 0.0 };
-        let change = (point.z - last.z).abs();
+    /// Whether it has changed faster than anything before it.
+    fn is_sudden(&self, point: &Point) -> bool {
+        let Some(last) = self.sound().next_back() else { return false };
         let slopes = self.slopes().map(|[slope, u]| slope.abs() - 3.0 * u);
         let speed = self.speeds().map(f64::abs).chain(slopes).fold(0.0, f64::max);
         let expected = SUDDEN * speed * (point.at - last.at).as_seconds() + GATE * point.u.hypot(last.u);
-        if change <= expected { 0.0 } else { difference.unwrap_or(f64::INFINITY).min(change / 2.0) }
+        (point.z - last.z).abs() > expected
+    }
+
+    /// What a sudden change may hide that came perhaps in the middle of this discharge: as much as its two stretches
+    /// disagree by, or half of the change.
+    fn hidden(&self, point: &Point, pair: Option<Pair>) -> f64 {
+        let change = self.sound().next_back().map_or(0.0, |last| (point.z - last.z).abs());
+        let apart = pair.filter(|pair| pair.apart_s.is_some());
+        apart.map_or(f64::INFINITY, |pair| pair.difference().hypot(pair.u_ohm)).min(change / 2.0)
     }
 
     /// The predicted error of the last reading, 1 sigma, relative.
-    fn error(&self, seen: &Seen) -> f64 {
+    fn error(&self, seen: &Seen, is_sudden: bool) -> f64 {
         let count = self.sound().count() as f64;
         let mean = self.sound().map(|point| point.z).sum::<f64>() / count;
         let spread = (self.sound().map(|point| (point.z - mean).powi(2)).sum::<f64>() / count).sqrt();
-        let square = self.square_between().max(self.square_inside());
+        let square = self.square_between(is_sudden).max(self.square_inside());
         if square <= 0.0 || spread <= 0.0 {
             return 0.0;
         }
@@ -312,26 +320,33 @@ impl Motion {
     }
 
     /// Mean square of the speed from reading to reading, less its noise, without the greatest, which may have been a step
-    /// that is over: of five of an oscillation the other four have 0.8 of it.
-    fn square_between(&self) -> f64 {
-        let (mut sum, mut most, mut count) = (0.0, 0.0f64, 0.0);
+    /// that is over: of five of an oscillation the other four have 0.8 of it. A speed that grows counts alone.
+    fn square_between(&self, is_sudden: bool) -> f64 {
+        let (mut sum, mut most, mut count, mut newest) = (0.0, 0.0f64, 0.0, 0.0);
         for (point, next) in self.sound().zip(self.sound().skip(1)) {
             let noise = point.u.hypot(next.u) / (next.at - point.at).as_seconds().max(1e-6);
-            let square = point.speed_to(next).powi(2) - noise * noise;
-            (sum, most, count) = (sum + square, most.max(square), count + 1.0);
+            newest = point.speed_to(next).powi(2) - noise * noise;
+            (sum, most, count) = (sum + newest, most.max(newest), count + 1.0);
+        }
+        if count >= 2.0 && newest == most && !is_sudden {
+            return newest;
         }
         if count < 2.0 { 0.0 } else { ((sum - most) / (0.8 * (count - 1.0))).max(0.0) }
     }
 
     /// Mean square of the slopes inside of the discharges, less its noise; 0 where a single one that noise has brought near
-    /// to the gate could make it.
+    /// to the gate could make it. After a change in the middle of a discharge only what came since counts.
     fn square_inside(&self) -> f64 {
-        let count = self.slopes().count() as f64;
-        let normalised = self.slopes().map(|[slope, u]| (slope / u).powi(2)).sum::<f64>() / count;
+        let before = self.count.saturating_sub(2);
+        let is_fresh = self.points[before].trust == Trust::Mixed;
+        let since = if is_fresh { before } else { 0 };
+        let slopes = || self.points()[since..].iter().filter_map(|point| point.slope);
+        let count = slopes().count() as f64;
+        let normalised = slopes().map(|[slope, u]| (slope / u).powi(2)).sum::<f64>() / count;
         if count == 0.0 || normalised < 1.0 + 10.0 * (2.0 / count).sqrt() {
             return 0.0;
         }
-        (self.slopes().map(|[slope, u]| slope * slope - u * u).sum::<f64>() / count).max(0.0)
+        (slopes().map(|[slope, u]| slope * slope - u * u).sum::<f64>() / count).max(0.0)
     }
 }
 
