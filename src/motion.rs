@@ -30,6 +30,8 @@ const GATE: f64 = 5.0;
 const NOISE: f64 = 3.0;
 /// What is so many times faster than everything before it was not to be expected.
 const SUDDEN: f64 = 3.0;
+/// How far above its lower bound an open sensor is taken to be, in ln, give or take as much.
+const OPEN: f64 = 0.7;
 /// Stretches that differ by a smaller share of the longer one tell no slope.
 const APART: f64 = 0.2;
 
@@ -263,19 +265,21 @@ impl Motion {
                 return true;
             }
         }
-        let now = self.points().last().map_or(0.0, |last| last.speed_to(point).abs());
-        let speed = self.speeds().fold(now, |most, speed| most.max(speed.abs()));
+        let now = last.speed_to(point).abs();
+        let speed = second_greatest(self.speeds().map(f64::abs).chain([now]));
         slope.abs() <= SUDDEN * speed.max(self.slope_scatter())
     }
 
-    /// What the slopes of the discharges scatter by beyond their noise, 1/s.
+    /// What the slopes of the discharges scatter by beyond their noise and without the greatest, 1/s.
     fn slope_scatter(&self) -> f64 {
-        let count = self.slopes().count() as f64;
+        let greatest = self.slopes().map(|[slope, _]| slope.abs()).fold(0.0, f64::max);
+        let slopes = || self.slopes().filter(|[slope, _]| slope.abs() < greatest);
+        let count = slopes().count() as f64;
         if count < 2.0 {
             return 0.0;
         }
-        let mean = self.slopes().map(|[slope, _]| slope).sum::<f64>() / count;
-        let excess = self.slopes().map(|[slope, u]| (slope - mean).powi(2) - u * u).sum::<f64>() / count;
+        let mean = slopes().map(|[slope, _]| slope).sum::<f64>() / count;
+        let excess = slopes().map(|[slope, u]| (slope - mean).powi(2) - u * u).sum::<f64>() / count;
         excess.max(0.0).sqrt()
     }
 
@@ -283,7 +287,8 @@ impl Motion {
     /// them.
     fn is_late_stamp(&self, pair: Pair) -> bool {
         let Some(last) = self.sound().next_back() else { return true };
-        let doubt = GATE * pair.u_ohm.hypot(last.u);
+        // Whatever is below what an open sensor has at least is early.
+        let doubt = (GATE * pair.u_ohm.hypot(last.u)).min(OPEN);
         let [a, b] = pair.r_ohm;
         let is_early = a.min(b) < last.z - doubt;
         let rises = b > a && a > last.z + doubt;
@@ -294,7 +299,7 @@ impl Motion {
     fn is_sudden(&self, point: &Point) -> bool {
         let Some(last) = self.sound().next_back() else { return false };
         let slopes = self.slopes().map(|[slope, u]| slope.abs() - 3.0 * u);
-        let speed = self.speeds().map(f64::abs).chain(slopes).fold(0.0, f64::max);
+        let speed = second_greatest(self.speeds().map(f64::abs)).max(second_greatest(slopes));
         let expected = SUDDEN * speed * (point.at - last.at).as_seconds() + GATE * point.u.hypot(last.u);
         (point.z - last.z).abs() > expected
     }
@@ -348,6 +353,12 @@ impl Motion {
         }
         (slopes().map(|[slope, u]| slope * slope - u * u).sum::<f64>() / count).max(0.0)
     }
+}
+
+/// What is left when the greatest may have been a step; 0 for fewer than two.
+fn second_greatest(values: impl Iterator<Item = f64>) -> f64 {
+    let pick = |(most, second): (f64, f64), value: f64| (most.max(value), second.max(value.min(most)));
+    values.fold((0.0, 0.0), pick).1
 }
 
 #[cfg(test)]

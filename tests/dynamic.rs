@@ -396,72 +396,33 @@ const TAIL: &str = "
 
 #[test]
 fn debug() {
-    for (name, method, rest, sensor) in [
-        ("step", Method::Tracked, 5000.0, steps(5000.0, 16_200.0)),
-        ("step2", Method::Tracked, 5000.0, steps(5000.0, 6000.0)),
-        ("step3", Method::Tracked, 1000.0, steps(1000.0, 1300.0)),
-        ("press", Method::Tracked, 100e3, press(0.1)),
-        (
-            "sine",
-            Method::Tcdic,
-            16_200.0,
-            Sensor::Sine { mean: Ohm(16_200.0), amplitude: Ohm(3240.0), frequency: Hertz(10.0) },
-        ),
-    ] {
-        for seed in 0..INSTRUMENTS {
-            let mut instrument = quiet(method, rest, seed).instrument();
-            settle(&mut instrument);
-            read(&mut instrument, 40, |_| {});
-            instrument.pins().connect(0, sensor.clone());
-            let mut before: Vec<String> = Vec::new();
-            for k in 0..400 {
-                let mut last = None;
-                let mut rec = None;
-                while last.is_none() {
-                    instrument
-                        .step(&mut |m| match m {
-                            cermd::instrument::Message::Reading(r) => last = Some(r),
-                            cermd::instrument::Message::Discharge { record, .. } => rec = Some(record),
-                        })
-                        .unwrap();
-                }
-                let reading: Reading = last.unwrap();
-                let at = reading.at;
-                let mut r = |ns: f64| {
-                    instrument.pins().clone().r_x(0, cermd::units::Nanos(at.0 + ns as i64)).unwrap()
-                };
-                let rec = rec.unwrap();
-                let line = match reading.status {
-                    Status::Ok { r_ohm, branch, .. } => format!(
-                        "{k} t {:.4} {branch:?} {:.1} truth {:.1} u {:.2} sw {:?} a {:?} b {:?}",
-                        at.as_seconds(),
-                        r_ohm.value,
-                        r(0.0),
-                        r_ohm.u.unwrap(),
-                        rec.switch.map(|s| s.at_ns),
-                        rec.a_ns,
-                        rec.b_ns
-                    ),
-                    s => format!(
-                        "{k} t {:.4} {s:?} truth {:.1} sw {:?} a {:?} b {:?}",
-                        at.as_seconds(),
-                        r(0.0),
-                        rec.switch.map(|s| s.at_ns),
-                        rec.a_ns,
-                        rec.b_ns
-                    ),
-                };
-                if let Status::Ok { r_ohm, .. } = reading.status {
-                    let e = (r_ohm.value - r(0.0)) / r_ohm.u.unwrap();
-                    if e.abs() > 5.0 {
-                        println!(
-                            "{name} seed {seed}: {e:.1}\n   {}\n   {line}",
-                            before[before.len().saturating_sub(3)..].join("\n   ")
-                        );
-                    }
-                }
-                before.push(line);
+    for seed in 0..INSTRUMENTS {
+        let mut bench = Bench::new("pi4", Method::Tracked, 5000.0, seed, "");
+        bench.scene.stamps = bench.scene.stamps.map(|stamps| DelayScene {
+            tail_probability: Some(0.01),
+            tail_mean: Some(Seconds(200e-6)),
+            ..stamps
+        });
+        let mut instrument = bench.instrument();
+        settle(&mut instrument);
+        read(&mut instrument, 40, |_| {});
+        let mut before: Vec<String> = Vec::new();
+        for k in 0..600 {
+            let mut last = None;
+            let mut rec = None;
+            while last.is_none() {
+                instrument.step(&mut |m| match m {
+                    cermd::instrument::Message::Reading(r) => last = Some(r),
+                    cermd::instrument::Message::Discharge { record, .. } => rec = Some(record),
+                }).unwrap();
             }
+            let reading: Reading = last.unwrap();
+            let rec = rec.unwrap();
+            let line = format!("{k} {:?} sw {:?} a {:?} b {:?}", reading.status, rec.switch.map(|s| s.at_ns), rec.a_ns, rec.b_ns);
+            if format!("{:?}", reading.status).contains("Unsettled") {
+                println!("seed {seed}\n   {}\n   {line}", before[before.len().saturating_sub(3)..].join("\n   "));
+            }
+            before.push(line);
         }
     }
 }
