@@ -255,16 +255,9 @@ impl Motion {
         self.sound().zip(self.sound().skip(1)).map(|(point, next)| point.speed_to(next))
     }
 
-    /// Whether a slope inside of a discharge is one that the neighbours have, too. Two contradictions in a row that differ
-    /// are not the work of stamps; two that are alike may be that of a wrong calibration.
+    /// Whether a slope inside of a discharge is one that the neighbours have, too.
     fn explains(&self, point: &Point) -> bool {
-        let (Some([slope, u]), Some(last)) = (point.slope, self.points().last()) else { return false };
-        if let (Trust::Doubtful, Some([before, u_before])) = (last.trust, last.slope) {
-            let differs = (slope - before).abs() > (0.25 * slope.abs()).max(GATE * u.hypot(u_before));
-            if differs {
-                return true;
-            }
-        }
+        let (Some([slope, _]), Some(last)) = (point.slope, self.points().last()) else { return false };
         let now = last.speed_to(point).abs();
         let speed = second_greatest(self.speeds().map(f64::abs).chain([now]));
         slope.abs() <= SUDDEN * speed.max(self.slope_scatter())
