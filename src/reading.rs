@@ -3,6 +3,7 @@
 //! For: the states of physics kept apart from numbers, so that a fault can never become one. Must not know: how it
 //! was estimated, or how it is sent.
 
+use crate::diagnosis::Suspect;
 use crate::units::Nanos;
 use std::fmt;
 
@@ -84,6 +85,10 @@ pub enum Fault {
     NoCalibration,
     /// The calibration has changed suddenly; it is being found again.
     CalibrationStep,
+    /// Current leaves the nodes by a path of its own; through a resistor of 0 ohm a discharge would take time.
+    Leakage,
+    /// Current enters the nodes by a path of its own; through a resistor of 0 ohm a discharge would take less than no time.
+    PullUp,
     /// The times do not fit the law of the circuit (order or denominators).
     Implausible,
     /// The GPIO lines could not be used.
@@ -92,7 +97,7 @@ pub enum Fault {
 
 impl Fault {
     /// Every fault.
-    pub const ALL: [Fault; 10] = [
+    pub const ALL: [Fault; 12] = [
         Fault::NoCharge,
         Fault::MissedEdge,
         Fault::LostEvent,
@@ -101,6 +106,8 @@ impl Fault {
         Fault::LatencyOutlier,
         Fault::NoCalibration,
         Fault::CalibrationStep,
+        Fault::Leakage,
+        Fault::PullUp,
         Fault::Implausible,
         Fault::Pins,
     ];
@@ -116,6 +123,8 @@ impl Fault {
             Fault::LatencyOutlier => "latency-outlier",
             Fault::NoCalibration => "no-calibration",
             Fault::CalibrationStep => "calibration-step",
+            Fault::Leakage => "leakage",
+            Fault::PullUp => "pull-up",
             Fault::Implausible => "implausible",
             Fault::Pins => "pins",
         }
@@ -181,6 +190,8 @@ pub struct Reading {
     pub at: Nanos,
     /// What is known.
     pub status: Status,
+    /// What on the board a fault looks like.
+    pub suspect: Option<Suspect>,
     /// How it was estimated.
     pub method: Method,
     /// How long the cycle's share of this reading took, charge and calibration included.

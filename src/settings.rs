@@ -41,6 +41,8 @@ pub struct Settings {
     pub series: bool,
     /// The chargers there are.
     pub chargers: Drives,
+    /// When node A should cross in a discharge through R_1, by nominal values, for diagnosis alone.
+    pub nominal: Nanos,
     /// The node whose crossing ends a discharge.
     pub last: Node,
     /// Length of a charge.
@@ -102,6 +104,7 @@ impl Settings {
                 Network::TwoCapacitor { .. } => Drives::CHARGE,
                 _ => Drives::CHARGE_A,
             },
+            nominal: Nanos::from_seconds(circuit.crossing(Node::A, circuit.r_c1).unwrap_or_default().0),
             last: config.last_node(),
             charge: config.charge_time(),
             settle: config.settle_time(),
@@ -129,10 +132,10 @@ impl Settings {
 
     /// The longest that the share of one reading in a cycle can take, whatever is connected: every calibration discharge
     /// taken as often as it may be, each of them and the sensor's charged, waited for until its deadline, and finished
-    /// through R_1 until another. What the system takes beyond what was asked for, such as a preemption, is not in it.
+    /// through R_1 until another, and one more that is held back to look for a leak. What the system takes beyond what was asked for, such as a preemption, is not in it.
     pub fn longest_reading(&self) -> Nanos {
         let discharge = self.charge + self.settle + self.deadline + self.deadline;
-        Nanos(discharge.0 * (i64::from(crate::cycle::MOST_CALIBRATIONS) + 1))
+        Nanos(discharge.0 * (i64::from(crate::cycle::MOST_CALIBRATIONS) + 2)) + crate::leak::HOLD
     }
 
     /// The discharge of R_2.
