@@ -143,6 +143,11 @@ impl Cycle {
         self.step == Step::Start
     }
 
+    /// Whether the next discharge is held back, to look for a leak.
+    pub fn is_holding(&self) -> bool {
+        self.step == Step::Hold
+    }
+
     /// Ends the cycle: every channel that has not been read gets this fault.
     pub fn fail(&mut self, fault: Fault) {
         self.failed = Some(fault);
@@ -157,7 +162,7 @@ impl Cycle {
             self.began = now;
             self.calibrations = 0;
             self.estimator.advance(now);
-            self.step = self.next_calibration(None, now);
+            self.step = self.next_calibration(None);
         }
         match self.step {
             Step::Sensor(channel) => match self.failed {
@@ -171,7 +176,7 @@ impl Cycle {
     }
 
     /// The calibration discharge that follows `last` in this cycle, or the first sensor.
-    fn next_calibration(&self, last: Option<Kind>, now: Nanos) -> Step {
+    fn next_calibration(&self, last: Option<Kind>) -> Step {
         let next = if self.estimator.tracker().is_some() {
             let may = self.calibrations < CALIBRATIONS_PER_CYCLE;
             self.wanted().filter(|_| may)
@@ -183,13 +188,17 @@ impl Cycle {
                 Some(Kind::Second | Kind::Split) => None,
             }
         };
-        next.map_or_else(|| self.after_calibration(now), Step::Calibrate)
+        next.map_or(Step::Sensor(0), Step::Calibrate)
     }
 
-    /// The sensors, or before them, from time to time, the look for a leak.
-    fn after_calibration(&self, now: Nanos) -> Step {
-        let may = self.estimator.noise().is_known() && self.estimator.calibration().is_some();
-        if may && self.leak.is_due(now) { Step::Hold } else { Step::Sensor(0) }
+    /// The next cycle, or before it, from time to time, the look for a leak: where no reading waits for it.
+    fn after_sensors(&self, now: Nanos) -> Step {
+        let may = self.failed.is_none() && self.estimator.noise().is_known();
+        if may && self.estimator.calibration().is_some() && self.leak.is_due(now) {
+            Step::Hold
+        } else {
+            Step::Start
+        }
     }
 
     fn is_split_due(&self) -> bool {
@@ -207,8 +216,8 @@ impl Cycle {
             self.calls.add(call);
         }
         match self.step {
-            Step::Calibrate(Kind::Split) if !self.settings.tracked => self.split_done(outcome, now),
-            Step::Calibrate(kind) => self.calibrated(kind, outcome, now),
+            Step::Calibrate(Kind::Split) if !self.settings.tracked => self.split_done(outcome),
+            Step::Calibrate(kind) => self.calibrated(kind, outcome),
             Step::Hold => self.held_done(outcome, now),
             Step::Sensor(channel) => return Some(self.sensor_done(channel, outcome, now)),
             Step::Start => {}
@@ -216,7 +225,7 @@ impl Cycle {
         None
     }
 
-    fn calibrated(&mut self, kind: Kind, outcome: &Outcome, now: Nanos) {
+    fn calibrated(&mut self, kind: Kind, outcome: &Outcome) {
         self.diagnosis.take(kind, outcome);
         if let Some(fault) = self.failed {
             self.fail(fault);
@@ -236,7 +245,7 @@ impl Cycle {
             self.retries = 0;
             self.calibrations += 1;
             self.idle_cycles = 0;
-            self.step = self.next_calibration(Some(kind), now);
+            self.step = self.next_calibration(Some(kind));
             return;
         }
         self.stats.retried += 1;
@@ -251,8 +260,8 @@ impl Cycle {
     }
 
     /// A split discharge that came to nothing costs one round, not the cycle.
-    fn split_done(&mut self, outcome: &Outcome, now: Nanos) {
-        self.step = self.after_calibration(now);
+    fn split_done(&mut self, outcome: &Outcome) {
+        self.step = Step::Sensor(0);
         let (Some(split), Some((c1, c2))) = (&mut self.split, self.estimator.calibration()) else { return };
         let Ok(record) = &outcome.result else { return };
         let before = split.taken();
@@ -267,7 +276,7 @@ impl Cycle {
     /// Shorter than an ordinary discharge through R_1 by what has leaked away meanwhile. One that came to nothing tells
     /// nothing.
     fn held_done(&mut self, outcome: &Outcome, now: Nanos) {
-        self.step = Step::Sensor(0);
+        self.step = Step::Start;
         let nodes = self.settings.nodes();
         let usual = self.estimator.calibration().map(|(c1, _)| c1);
         let lost = outcome.result.ok().zip(usual).and_then(|(record, usual)| {
@@ -319,7 +328,7 @@ impl Cycle {
         self.began = now;
         self.step = Step::Sensor(channel + 1);
         if channel + 1 == self.settings.channels.len() {
-            self.step = Step::Start;
+            self.step = self.after_sensors(now);
             self.retries = 0;
             self.failed = None;
             self.stats.cycles += 1;

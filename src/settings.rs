@@ -5,6 +5,7 @@
 use crate::circuit::Network;
 use crate::config::{self, Config};
 use crate::force::{Force, Table, TableError};
+use crate::leak;
 use crate::pins::{Drives, Node};
 use crate::reading::Method;
 use crate::record::Through;
@@ -130,12 +131,22 @@ impl Settings {
         }
     }
 
+    /// The longest that one discharge can take from its charge on, whatever is connected: waited for until the deadline, and
+    /// finished through a known resistor until another.
+    fn discharge(&self) -> Nanos {
+        self.charge + self.settle + self.deadline + self.deadline
+    }
+
+    /// The longest that the measuring thread can be busy without a sign of life: with a discharge that is held back.
+    pub fn longest_step(&self) -> Nanos {
+        self.discharge() + leak::HOLD
+    }
+
     /// The longest that the share of one reading in a cycle can take, whatever is connected: every calibration discharge
     /// taken as often as it may be, each of them and the sensor's charged, waited for until its deadline, and finished
-    /// through R_1 until another, and one more that is held back to look for a leak. What the system takes beyond what was asked for, such as a preemption, is not in it.
+    /// through R_1 until another. What the system takes beyond what was asked for, such as a preemption, is not in it.
     pub fn longest_reading(&self) -> Nanos {
-        let discharge = self.charge + self.settle + self.deadline + self.deadline;
-        Nanos(discharge.0 * (i64::from(crate::cycle::MOST_CALIBRATIONS) + 2)) + crate::leak::HOLD
+        Nanos(self.discharge().0 * (i64::from(crate::cycle::MOST_CALIBRATIONS) + 1))
     }
 
     /// The discharge of R_2.

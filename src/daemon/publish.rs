@@ -39,6 +39,8 @@ pub struct Told {
     pub stats: Stats,
     /// What became of the wishes of `[realtime]`; `None` before its first word.
     pub realtime: Option<realtime::Report>,
+    /// The GPIO lines cannot be used, and are tried again.
+    pub is_away: bool,
     /// What the log has about the board.
     board: Board,
 }
@@ -100,15 +102,24 @@ pub fn report(server: &mut Server, told: &mut Told, loaded: &Loaded, report: Rep
             log_realtime(&report);
             told.realtime = Some(report);
         }
-        Report::Failed(error) => log::error!("{error}; trying again every second"),
-        Report::NotOpened(error) => log::warn!("{error}"),
-        Report::Recovered => log::info!("the GPIO lines work again"),
+        Report::Failed(error) => {
+            told.is_away = true;
+            log::error!("{error}; trying again every second");
+        }
+        Report::NotOpened(error) => {
+            told.is_away = true;
+            log::warn!("{error}");
+        }
+        Report::Recovered => {
+            told.is_away = false;
+            log::info!("the GPIO lines work again");
+        }
     }
 }
 
 /// The daemon's own fields of STATS.
 pub fn stats(told: &Told, config: &Config, uptime: Nanos) -> impl FnMut(&mut Object<'_>) {
-    let Told { stats, realtime, .. } = told;
+    let Told { stats, realtime, is_away, .. } = told;
     let backend = match config.gpio.backend {
         Backend::Chardev => "chardev",
         Backend::ChardevV1 => "chardev-v1",
@@ -118,6 +129,7 @@ pub fn stats(told: &Told, config: &Config, uptime: Nanos) -> impl FnMut(&mut Obj
     move |object| {
         object.text("backend", backend);
         object.text("method", method.unwrap_or_default());
+        object.flag("gpio_works", !is_away);
         object.number("uptime_s", uptime.as_seconds(), 9);
         object.integer("cycles", stats.cycles);
         object.integer("readings", stats.readings);

@@ -131,7 +131,7 @@ fn a_pull_beside_a_node_is_found() {
         )
     };
     for name in ["ideal", "pi4"] {
-        says(&weak(name), &["warning: wiring", "Mohm", "moisture"]);
+        says(&weak(name), &["warning: wiring", "charge leaks away as through", "moisture"]);
     }
     let up = found(|scene| scene.circuit.node_a.pull_up = Some(Ohm(50e3)), Drives::NONE);
     says(&up[0].to_string(), &["error: gpio.sense-a", "rises by itself", "no pull-up"]);
