@@ -192,7 +192,7 @@ impl Cycle {
     }
 
     /// The next cycle, or before it, from time to time, the look for a leak: where no reading waits for it.
-    fn after_sensors(&self, now: Nanos) -> Step {
+    fn after_sensors(&mut self, now: Nanos) -> Step {
         let may = self.failed.is_none() && self.estimator.noise().is_known();
         if may && self.estimator.calibration().is_some() && self.leak.is_due(now) {
             Step::Hold

@@ -40,8 +40,9 @@ pub struct LeakTest {
 
 impl LeakTest {
     /// Whether a held discharge is due.
-    pub fn is_due(&self, now: Nanos) -> bool {
-        self.taken < FIRST || self.is_surprised || self.last.is_none_or(|last| now - last >= EVERY)
+    pub fn is_due(&mut self, now: Nanos) -> bool {
+        let last = *self.last.get_or_insert(now);
+        (1..FIRST).contains(&self.taken) || self.is_surprised || now - last >= EVERY
     }
 
     /// Takes one, whether it told something or not. `lost_ns`: by how much it was shorter, with its variance; `r_ohm`: R_1.
@@ -125,7 +126,9 @@ mod tests {
     #[test]
     fn the_first_tests_follow_each_other_and_a_failed_one_counts_for_nothing() {
         let mut test = tested(4, |_| 0.0);
-        assert!(LeakTest::default().is_due(Nanos::ZERO) && !test.is_due(Nanos(1)));
+        let mut new = LeakTest::default();
+        assert!(!new.is_due(Nanos(1)) && new.is_due(EVERY + Nanos(1)) && !test.is_due(Nanos(1)));
+        assert!(tested(1, |_| 0.0).is_due(Nanos(1)));
         assert!(test.is_due(EVERY));
         test.add(None, 2320.0, EVERY);
         assert!(!test.is_due(EVERY + Nanos(1)) && test.siemens().is_none());
