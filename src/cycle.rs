@@ -238,15 +238,17 @@ impl Cycle {
 
     fn sensor_done(&mut self, channel: usize, outcome: &Outcome, now: Nanos) -> Reading {
         let settings = &self.settings.channels[channel];
-        let (status, middle) = match &outcome.result {
+        let (zero_ohm, memory) = (settings.zero_ohm, &mut self.memory[channel]);
+        let (status, at) = match &outcome.result {
             Ok(record) => {
-                let status = self.estimator.status(record, settings.zero_ohm, settings.force.as_ref());
-                (status, middle_of(record))
+                let (force, motion) = (settings.force.as_ref(), &mut memory.motion);
+                let (status, at_ns) = self.estimator.status_in_motion(record, zero_ohm, force, motion);
+                (status, record.start + Nanos(at_ns as i64))
             }
             Err(fault) => (Status::Fault(*fault), now),
         };
-        self.memory[channel].take(&status, outcome.result.ok(), settings.zero_ohm, &self.estimator);
-        self.report(channel, status, middle, now)
+        memory.take(&status, outcome.result.ok(), zero_ohm, &self.estimator);
+        self.report(channel, status, at, now)
     }
 
     fn report(&mut self, channel: usize, status: Status, at: Nanos, now: Nanos) -> Reading {
@@ -270,12 +272,4 @@ impl Cycle {
         }
         reading
     }
-}
-
-/// The middle of the part of a discharge that ran through the sensor: what R_x was then is the reading, if it changes
-/// steadily.
-fn middle_of(record: &Record) -> Nanos {
-    let end = record.b_ns.or(record.a_ns).unwrap_or(record.waited_ns);
-    let end = record.switch.map_or(end, |switch| switch.at_ns.min(end));
-    record.start + Nanos((end / 2.0) as i64)
 }

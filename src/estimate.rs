@@ -5,6 +5,7 @@
 
 use crate::method::tracked::{self, Observed, Solution};
 use crate::method::{Number, Times, cerm, dual, qerm, tcdic, tpcm};
+use crate::motion::Seen;
 use crate::noise::{Covariance, Judgement, Noise};
 use crate::offset::Offset;
 use crate::reading::{Branch, Fault, Measured, Method};
@@ -14,6 +15,7 @@ use crate::units::Nanos;
 use covariances::Covariances;
 
 mod covariances;
+mod seen;
 mod status;
 
 /// Two crossings that disagree by more sigma than this cannot both be right.
@@ -146,24 +148,32 @@ impl Estimator {
         Some([record.a_ns?, if self.nodes == 2 { record.b_ns? } else { 0.0 }])
     }
 
-    /// Estimates R_x from an x discharge.
+    /// Estimates R_x from an x discharge alone.
     ///
     /// # Errors
-    /// The fault that keeps it from being a number.
+    /// The fault that keeps it from being a number; [`Fault::LatencyOutlier`] if its crossings contradict each other.
     pub fn estimate(&self, record: &Record) -> Result<Estimate, Fault> {
+        match self.look(record)? {
+            (_, seen) if seen.contradicts => Err(Fault::LatencyOutlier),
+            (estimate, _) => Ok(estimate),
+        }
+    }
+
+    /// The same, contradictions left to who knows the sensor's motion.
+    fn look(&self, record: &Record) -> Result<(Estimate, Seen), Fault> {
         if let Some(tracker) = self.tracker().filter(|_| self.method == Method::Tracked) {
             let solution = tracked::solve(tracker, &self.observed(record)?)?;
             let r_ohm = Measured { value: solution.r_ohm, u: Some(solution.variance.sqrt()) };
-            return Ok(Estimate { branch: solution.branch, r_ohm });
+            return Ok((Estimate { branch: solution.branch, r_ohm }, solution.seen));
         }
         let (times, branch) = self.times(record)?;
-        let ratio = self.checked_ratio(&times, branch, record.u_switch_ns)?;
+        let (ratio, seen) = self.ratio_seen(&times, branch, record.u_switch_ns);
         let span = self.r2_ohm - self.r1_ohm;
         let r_ohm = self.r1_ohm + ratio.value * span;
         let u = ratio.u.map(|u| u * span);
         let sound = r_ohm.is_finite() && u.is_none_or(f64::is_finite);
         if sound {
-            Ok(Estimate { branch, r_ohm: Measured { value: r_ohm, u } })
+            Ok((Estimate { branch, r_ohm: Measured { value: r_ohm, u } }, seen))
         } else {
             Err(Fault::Implausible)
         }
@@ -224,18 +234,16 @@ impl Estimator {
         }
     }
 
-    fn checked_ratio(&self, times: &Times<f64>, branch: Branch, u_switch_ns: f64) -> Result<Measured, Fault> {
+    fn ratio_seen(&self, times: &Times<f64>, branch: Branch, u_switch_ns: f64) -> (Measured, Seen) {
         let late = match branch {
             Branch::Direct => times.x,
             Branch::Inferred => times.c2,
         };
-        let Some(covariance) = self.covariances(late, u_switch_ns) else {
-            return Ok(Measured { value: self.ratio(times, branch), u: None });
-        };
+        let covariance = self.covariances(late, u_switch_ns);
         let variables = dual::variables(times);
-        self.check_consistency(&variables, branch, &covariance)?;
         let ratio = self.ratio(&variables, branch);
-        Ok(Measured { value: ratio.value, u: Some(covariance.of(&ratio.by).sqrt()) })
+        let u = covariance.as_ref().map(|covariance| covariance.of(&ratio.by).sqrt());
+        (Measured { value: ratio.value, u }, self.seen(&variables, branch, covariance.as_ref()))
     }
 
     fn ratio<T: Number>(&self, times: &Times<T>, branch: Branch) -> T {
@@ -249,32 +257,6 @@ impl Estimator {
             (Method::Tcdic, _) | (Method::Cerm, Branch::Direct) => tcdic::ratio(times),
             (Method::Cerm, Branch::Inferred) => cerm::ratio(times),
         }
-    }
-
-    /// Both nodes tell the same resistance, or one of the stamps is a spike.
-    fn check_consistency(
-        &self,
-        times: &Times<dual::Dual>,
-        branch: Branch,
-        covariance: &Covariances,
-    ) -> Result<(), Fault> {
-        let difference = match (self.method, branch) {
-            (Method::Tcdic, _) | (Method::Cerm, Branch::Direct) => {
-                tpcm::ratio(times, 0) - tpcm::ratio(times, 1)
-            }
-            // On which side of the switch A crossed is told by the times that do not hold its own jitter.
-            (Method::Cerm, Branch::Inferred) if times.x[0].value > 0.0 => {
-                if cerm::inferred(times)[0].value > times.at.value {
-                    cerm::residual_a(times)
-                } else {
-                    cerm::residual_a_before_switch(times)
-                }
-            }
-            _ => return Ok(()),
-        };
-        let limit = GATE * covariance.of(&difference.by).sqrt();
-        // Not `>`: what cannot be compared is no agreement.
-        if difference.value.abs() <= limit { Ok(()) } else { Err(Fault::LatencyOutlier) }
     }
 
     /// The covariances of all times; `late` are the crossings that a discharge only through the resistor that ran last

@@ -18,7 +18,7 @@
 //! | what a user may decide | [`config`], [`settings`] |
 //! | the hardware behind one trait, and what stands in for it | [`pins`], [`backend`], [`realtime`] |
 //! | one discharge, and its timings | [`discharge`], [`record`], [`tape`] |
-//! | timings to ohms and newtons, pure | [`method`], [`noise`], [`offset`], [`estimate`], [`force`], [`fit`], [`replay`] |
+//! | timings to ohms and newtons, pure | [`method`], [`noise`], [`offset`], [`motion`], [`estimate`], [`force`], [`fit`], [`replay`] |
 //! | which discharges, in which order | [`cycle`], [`instrument`], [`stats`] |
 //! | what a client is told | [`reading`], [`wire`], [`server`], [`client`] |
 //! | threads, signals, the service manager | [`daemon`] |
@@ -47,6 +47,7 @@ pub mod force;
 pub mod instrument;
 pub mod law;
 pub mod method;
+pub mod motion;
 pub mod noise;
 pub mod offset;
 pub mod pins;

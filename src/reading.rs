@@ -81,6 +81,8 @@ pub enum Fault {
     WideBracket,
     /// A crossing is later than the other node's crossing allows.
     LatencyOutlier,
+    /// The sensor has changed too much during the discharge.
+    Unsettled,
     /// A calibration discharge did not end in time.
     NoCalibration,
     /// The calibration has changed suddenly; it is being found again.
@@ -93,13 +95,14 @@ pub enum Fault {
 
 impl Fault {
     /// Every fault.
-    pub const ALL: [Fault; 10] = [
+    pub const ALL: [Fault; 11] = [
         Fault::NoCharge,
         Fault::MissedEdge,
         Fault::LostEvent,
         Fault::CoalescedEdge,
         Fault::WideBracket,
         Fault::LatencyOutlier,
+        Fault::Unsettled,
         Fault::NoCalibration,
         Fault::CalibrationStep,
         Fault::Implausible,
@@ -115,6 +118,7 @@ impl Fault {
             Fault::CoalescedEdge => "coalesced-edge",
             Fault::WideBracket => "wide-bracket",
             Fault::LatencyOutlier => "latency-outlier",
+            Fault::Unsettled => "unsettled",
             Fault::NoCalibration => "no-calibration",
             Fault::CalibrationStep => "calibration-step",
             Fault::Implausible => "implausible",
@@ -178,7 +182,7 @@ pub struct Reading {
     pub channel: usize,
     /// Counts the readings of the instrument from 1.
     pub seq: u64,
-    /// The middle of the x discharge, `CLOCK_MONOTONIC`.
+    /// When R_x was what the reading says, about the middle of its part of the x discharge; `CLOCK_MONOTONIC`.
     pub at: Nanos,
     /// What is known.
     pub status: Status,

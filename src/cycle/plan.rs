@@ -4,6 +4,7 @@
 
 use super::{Branch, Cycle, Estimator, Fault, Kind, Method, Plan, Record, SplitCalibration, Status, Through};
 use crate::law::State;
+use crate::motion::Motion;
 use crate::record::Switch;
 use crate::tracker::quadratic;
 use crate::units::Nanos;
@@ -28,6 +29,8 @@ pub struct Memory {
     u_switch_ns: f64,
     /// Outliers in a row: the crossings contradict each other, or the calibration does them.
     outliers: u32,
+    /// How the sensor has changed lately.
+    pub(super) motion: Motion,
     /// How the last estimate depends on the tracked state, and its variance but for that, ohm².
     dependence: Option<(State, f64)>,
 }
@@ -38,7 +41,7 @@ impl Memory {
         if let Some(record) = record {
             self.u_switch_ns = record.u_switch_ns;
         }
-        let is_outlier = matches!(status, Status::Fault(Fault::LatencyOutlier));
+        let is_outlier = matches!(status, Status::Fault(Fault::LatencyOutlier | Fault::Unsettled));
         self.outliers = if is_outlier { self.outliers.saturating_add(1) } else { 0 };
         match status {
             Status::Ok { branch, r_ohm, .. } => {
@@ -50,6 +53,11 @@ impl Memory {
                     let part = quadratic(tracker.covariance(), &foreseen.by_state);
                     (foreseen.by_state, (foreseen.variance - part).max(0.0))
                 });
+            }
+            // Where it is by now is known well enough for a plan.
+            Status::Fault(Fault::Unsettled) => {
+                let r_o_ohm = estimator.offset().r_o_ohm.map_or(0.0, |(r_o_ohm, _)| r_o_ohm);
+                self.r_ohm = self.motion.last_ohm().map(|r_ohm| r_ohm - r_o_ohm);
             }
             // One spike says nothing about the sensor.
             Status::Fault(Fault::LatencyOutlier | Fault::WideBracket) => {}

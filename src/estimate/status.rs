@@ -5,8 +5,10 @@
 use super::{COVERAGE, Estimator, GATE};
 use crate::force::Force;
 use crate::method::tracked;
+use crate::motion::Motion;
 use crate::reading::{Fault, Measured, Method, Status};
 use crate::record::Record;
+use crate::units::Nanos;
 
 impl Estimator {
     /// The lowest resistance that leaves the last node above its threshold for `waited_ns`, ohm.
@@ -44,8 +46,41 @@ impl Estimator {
         ((a_ns - c2[0]).abs() <= 2.0 * doubt_ns).then(|| self.bound_ohm(a_ns.min(c2[0]) - doubt_ns))?
     }
 
-    /// What is known about the sensor after an x discharge.
+    /// What is known about the sensor after an x discharge alone.
     pub fn status(&self, record: &Record, zero_ohm: f64, force: Option<&Force>) -> Status {
+        let motion = &mut Motion::default();
+        self.status_in_motion(record, zero_ohm, force, motion).0
+    }
+
+    /// What is known about the sensor after an x discharge, and since the start of the discharge when, ns: the middle of its
+    /// part of it where nothing tells better.
+    pub fn status_in_motion(
+        &self,
+        record: &Record,
+        zero_ohm: f64,
+        force: Option<&Force>,
+        motion: &mut Motion,
+    ) -> (Status, f64) {
+        let mut at_ns = middle_ns(record);
+        let status = self.judged(record, zero_ohm, force, motion, &mut at_ns);
+        match status {
+            Status::Open { r_min_ohm, .. } => {
+                motion.is_open(record.start + Nanos(at_ns as i64), r_min_ohm + zero_ohm);
+            }
+            Status::Short { .. } => motion.forget(),
+            Status::Ok { .. } | Status::Fault(_) => {}
+        }
+        (status, at_ns)
+    }
+
+    fn judged(
+        &self,
+        record: &Record,
+        zero_ohm: f64,
+        force: Option<&Force>,
+        motion: &mut Motion,
+        at_ns: &mut f64,
+    ) -> Status {
         let at_bound = |r_ohm: f64| force.and_then(|force| force.at_bound(r_ohm));
         if self.last_crossing(record).is_none() && record.waited_ns > 0.0 {
             // A known resistor was to finish it, and has not: nothing of this is the sensor's.
@@ -63,11 +98,19 @@ impl Estimator {
             let r_min_ohm = (r_min_ohm - zero_ohm).max(0.0);
             return Status::Open { r_min_ohm, f_max_n: at_bound(r_min_ohm) };
         }
-        let estimate = match self.estimate(record) {
-            Ok(estimate) => estimate,
+        let (estimate, seen) = match self.look(record) {
+            Ok(found) => found,
             Err(fault) => return Status::Fault(fault),
         };
-        let r_ohm = Measured { value: estimate.r_ohm.value - zero_ohm, u: estimate.r_ohm.u };
+        *at_ns = seen.at_ns;
+        let Measured { value, u } = estimate.r_ohm;
+        let r_o_ohm = self.offset().r_o_ohm.map_or(0.0, |(r_o_ohm, _)| r_o_ohm);
+        let moved = u.map(|u| motion.judge(record.start, [value, u], r_o_ohm, &seen)).transpose();
+        let moved = match moved {
+            Ok(moved) => moved.unwrap_or(0.0),
+            Err(fault) => return Status::Fault(fault),
+        };
+        let r_ohm = Measured { value: value - zero_ohm, u: u.map(|u| u.hypot(moved)) };
         match r_ohm.u {
             Some(u) if r_ohm.value < -GATE * u => Status::Fault(Fault::Implausible),
             Some(u) if r_ohm.value <= COVERAGE * u => {
@@ -85,4 +128,10 @@ impl Estimator {
             _ => Status::Ok { branch: estimate.branch, r_ohm, f_n: force.and_then(|force| force.at(r_ohm)) },
         }
     }
+}
+
+/// The middle of the part of a discharge that ran through the sensor.
+fn middle_ns(record: &Record) -> f64 {
+    let end = record.b_ns.or(record.a_ns).unwrap_or(record.waited_ns);
+    record.switch.map_or(end, |switch| switch.at_ns.min(end)) / 2.0
 }

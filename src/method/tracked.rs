@@ -6,6 +6,7 @@
 //! the discharge.
 
 use crate::law::{Course, State};
+use crate::motion::Seen;
 use crate::noise::Covariance;
 use crate::reading::{Branch, Fault};
 use crate::record::Switch;
@@ -40,12 +41,14 @@ pub struct Solution {
     pub by_state: State,
     /// Whether the switch came before the last crossing.
     pub branch: Branch,
+    /// When it was so, and whether both crossings say so.
+    pub seen: Seen,
 }
 
 /// Solves for R_x.
 ///
 /// # Errors
-/// [`Fault::Implausible`] if no resistance fits, [`Fault::LatencyOutlier`] if the crossings contradict each other.
+/// [`Fault::Implausible`] if no resistance fits.
 pub fn solve(tracker: &Tracker, observed: &Observed) -> Result<Solution, Fault> {
     let mut r_ohm = start(tracker, observed).filter(|r| r.is_finite()).ok_or(Fault::Implausible)?;
     for _ in 0..STEPS {
@@ -54,9 +57,6 @@ pub fn solve(tracker: &Tracker, observed: &Observed) -> Result<Solution, Fault> 
         r_ohm = (r_ohm + fit.step).max(-0.99 * tracker.state()[crate::law::R_O]);
     }
     let fit = Fit::new(tracker, observed, r_ohm).ok_or(Fault::Implausible)?;
-    if fit.disagreement > GATE * GATE {
-        return Err(Fault::LatencyOutlier);
-    }
     let solution = fit.solution(r_ohm, observed.branch(tracker.state()));
     if solution.r_ohm.is_finite() && solution.variance.is_finite() {
         Ok(solution)
@@ -91,6 +91,12 @@ pub fn conductance(tracker: &Tracker, observed: &Observed) -> Option<(f64, f64)>
 }
 
 impl Observed {
+    /// How long the sensor took part in what ended with a crossing, ns.
+    fn end_ns(&self, crossing_ns: f64, state: &State) -> f64 {
+        let end_ns = crossing_ns - state[crate::law::D];
+        self.switch.map_or(end_ns, |(switch, _)| end_ns.min(switch.at_ns))
+    }
+
     fn branch(&self, state: &State) -> Branch {
         let last = self.crossings[1].or(self.crossings[0]).unwrap_or(0.0) - state[crate::law::D];
         match self.switch {
@@ -125,8 +131,7 @@ struct Fit {
     variance: f64,
     bound: f64,
     by_state: State,
-    /// The normalised square of what the crossings disagree by.
-    disagreement: f64,
+    seen: Seen,
 }
 
 impl Fit {
@@ -164,17 +169,26 @@ impl Fit {
             *by = -(weights[0] * rows[0][index] + weights[1] * rows[1][index]);
         }
         let left = [residual[0] - j[0] * step, residual[1] - j[1] * step];
+        let seen = match nodes.map(|(_, seen)| seen.map(|ns| observed.end_ns(ns, state))) {
+            [Some(a), Some(b)] => {
+                let alone = [0, 1].map(|node| r_ohm + residual[node] / j[node]);
+                let u_ohm = all.of(1.0 / j[0], -1.0 / j[1]).sqrt();
+                Seen::over_two([a, b], [weights[0] * j[0], weights[1] * j[1]], alone, u_ohm)
+            }
+            [a, b] => Seen::over(b.or(a)?),
+        };
         Some(Fit {
             step,
             variance: 1.0 / information,
             bound: 1.0 / inner(&noise, j, j)?,
             by_state,
-            disagreement: inner(&all, left, left)?,
+            seen: seen.contradicting(inner(&all, left, left)? > GATE * GATE),
         })
     }
 
     fn solution(&self, r_ohm: f64, branch: Branch) -> Solution {
-        Solution { r_ohm, variance: self.variance, bound: self.bound, by_state: self.by_state, branch }
+        let Fit { variance, bound, by_state, seen, .. } = *self;
+        Solution { r_ohm, variance, bound, by_state, branch, seen }
     }
 }
 

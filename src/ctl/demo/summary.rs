@@ -110,11 +110,7 @@ impl Tally {
 
     fn fault_names(&self) -> Option<Line> {
         let names: Vec<String> = self.faults.iter().map(|(name, count)| format!("{count} {name}")).collect();
-        let why = if self.faults.contains_key("latency-outlier") {
-            " (a late stamp, or the hand moved)"
-        } else {
-            ""
-        };
+        let why = if self.faults.contains_key("unsettled") { " (unsettled: the hand moved)" } else { "" };
         let line = row("faults").add(Style::Plain, names.join(", ")).add(Style::Dim, why);
         (!names.is_empty()).then_some(line)
     }

@@ -1,0 +1,358 @@
+//! A sensor that changes while it is read: when a reading is right, by how much it is off, and what a contradiction means.
+//!
+//! For: an uncertainty that holds for a moving hand, and `unsettled` where no number does. Must not know: crossings,
+//! methods, or which discharges are taken.
+//!
+//! A discharge counts progress, so each crossing tells the *mean conductance* y = 1/(R_x+Ro) over its stretch of the
+//! discharge, from the start to that crossing (or to the switch, if that came first). While y changes steadily this mean
+//! is y in the middle of the stretch, and a weighted sum of two of them is y at the weighted mean of the middles: the
+//! instant of the reading, right to the first order. What is left is of the second order: with stretches of the lengths
+//! e_i, weights w_i and z = ln(R_x+Ro), relative to R_x+Ro,
+//!
+//! ```text
+//! error = (z'' - z'²) sum w_i (e_i²/24 + (e_i/2 - at)²/2) + z'² sum w_i (e_i/2 - at)²
+//! ```
+//!
+//! (the last part because resistances are averaged, not conductances). z' and z'' are those of the last few readings: the
+//! two stretches of one discharge give a slope each time, which no rhythm of readings can hide, and for a hand that
+//! trembles about a mean the root mean squares of value, slope and bend belong together as z'' = z'²/z.
+
+use crate::reading::Fault;
+use crate::units::Nanos;
+
+/// Readings that are remembered.
+const POINTS: usize = 6;
+/// A reading whose predicted error is a larger share of it is no number.
+const LIMIT: f64 = 0.01;
+/// Noise does not reach so many sigma.
+const GATE: f64 = 5.0;
+/// But a predicted error below so many sigma is stated: the number is hardly worse for it.
+const NOISE: f64 = 3.0;
+/// What is so many times faster than everything before it was not to be expected.
+const SUDDEN: f64 = 3.0;
+/// How far above its lower bound an open sensor is taken to be, in ln, give or take as much.
+const OPEN: f64 = 0.7;
+/// Stretches that differ by a smaller share of the longer one tell no slope.
+const APART: f64 = 0.2;
+
+/// What a discharge tells of R_x, and when it was so. Times in ns since the start.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Seen {
+    /// When R_x was what the estimate says.
+    pub at_ns: f64,
+    /// What z'' and z'² have to be multiplied by, ns².
+    bend_ns2: f64,
+    apart_ns2: f64,
+    /// What each stretch says alone.
+    pair: Option<Pair>,
+    /// The crossings disagree by more than noise does.
+    pub contradicts: bool,
+}
+
+/// R_x by each of two stretches.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Pair {
+    r_ohm: [f64; 2],
+    /// Of their difference, ohm.
+    u_ohm: f64,
+    /// From the middle of one to the middle of the other, s; may be negative. `None`: too close to tell a slope.
+    apart_s: Option<f64>,
+}
+
+impl Pair {
+    /// The same as logarithms, which are `all_ohm` of what they were.
+    fn map(self, through: impl Fn(f64) -> f64, all_ohm: f64) -> Pair {
+        Pair { r_ohm: self.r_ohm.map(|r_ohm| through(r_ohm).ln()), u_ohm: self.u_ohm / all_ohm, ..self }
+    }
+
+    fn difference(self) -> f64 {
+        self.r_ohm[1] - self.r_ohm[0]
+    }
+
+    /// With 1 sigma.
+    fn slope(self) -> Option<[f64; 2]> {
+        self.apart_s.map(|apart_s| [self.difference() / apart_s, (self.u_ohm / apart_s).abs()])
+    }
+}
+
+impl Seen {
+    /// An estimate that rests on one stretch of the discharge.
+    pub fn over(end_ns: f64) -> Seen {
+        Seen {
+            at_ns: end_ns / 2.0,
+            bend_ns2: end_ns * end_ns / 24.0,
+            apart_ns2: 0.0,
+            pair: None,
+            contradicts: false,
+        }
+    }
+
+    /// An estimate that has `weights` (sum 1) on two stretches, which alone would say `r_ohm`; `u_ohm` is 1 sigma of the
+    /// difference.
+    pub fn over_two(end_ns: [f64; 2], weights: [f64; 2], r_ohm: [f64; 2], u_ohm: f64) -> Seen {
+        let sum = |of: &dyn Fn(f64) -> f64| weights[0] * of(end_ns[0]) + weights[1] * of(end_ns[1]);
+        let at_ns = sum(&|end| end / 2.0);
+        let apart_ns2 = sum(&|end| (end / 2.0 - at_ns).powi(2));
+        let between_ns = (end_ns[1] - end_ns[0]) / 2.0;
+        let is_apart = 2.0 * between_ns.abs() > APART * end_ns[0].max(end_ns[1]);
+        // Not `>`: what cannot be compared is no agreement.
+        let agrees = (r_ohm[1] - r_ohm[0]).abs() <= GATE * u_ohm;
+        let pair = Pair { r_ohm, u_ohm, apart_s: is_apart.then_some(1e-9 * between_ns) };
+        Seen {
+            at_ns,
+            bend_ns2: (sum(&|end| end * end / 24.0) + apart_ns2 / 2.0).abs(),
+            apart_ns2: apart_ns2.abs(),
+            // One stretch that two crossings tell of cannot contradict itself by a change.
+            pair: (between_ns != 0.0).then_some(pair),
+            contradicts: !agrees,
+        }
+    }
+
+    /// The same, with another word on whether the crossings disagree.
+    pub fn contradicting(self, contradicts: bool) -> Seen {
+        Seen { contradicts, ..self }
+    }
+}
+
+/// What a sensor had at an instant.
+#[derive(Debug, Clone, Copy, Default)]
+struct Point {
+    at: Nanos,
+    /// ln(R_x+Ro), and 1 sigma.
+    z: f64,
+    u: f64,
+    /// With 1 sigma, 1/s.
+    slope: Option<[f64; 2]>,
+    trust: Trust,
+}
+
+/// How far a point can be trusted.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+enum Trust {
+    #[default]
+    Sound,
+    /// The sensor changed in the middle of it: a slope, but no value.
+    Mixed,
+    /// It contradicts itself as if a stamp were late.
+    Doubtful,
+}
+
+impl Point {
+    /// How fast it went from here to there, 1/s.
+    fn speed_to(&self, next: &Point) -> f64 {
+        (next.z - self.z) / (next.at - self.at).as_seconds().max(1e-6)
+    }
+}
+
+/// The last readings of a sensor.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct Motion {
+    points: [Point; POINTS],
+    count: usize,
+    unsettled: bool,
+}
+
+impl Motion {
+    /// Takes an estimate (`r_ohm` with `u_ohm`) of a discharge that began at `start`; answers what the sensor's own change
+    /// adds to its uncertainty, ohm.
+    ///
+    /// # Errors
+    /// [`Fault::LatencyOutlier`] if it contradicts itself as by one late stamp, [`Fault::Unsettled`] if the sensor has
+    /// changed too much for a number.
+    pub fn judge(
+        &mut self,
+        start: Nanos,
+        [r_ohm, u_ohm]: [f64; 2],
+        r_o_ohm: f64,
+        seen: &Seen,
+    ) -> Result<f64, Fault> {
+        let through = |r_ohm: f64| (r_ohm + r_o_ohm).max(1e-3);
+        let all_ohm = through(r_ohm);
+        let pair = seen.pair.map(|pair| pair.map(through, all_ohm));
+        let mut point = Point {
+            at: start + Nanos(seen.at_ns as i64),
+            z: all_ohm.ln(),
+            u: u_ohm / all_ohm,
+            slope: pair.and_then(Pair::slope),
+            trust: Trust::Sound,
+        };
+        if seen.contradicts && !self.explains(&point) {
+            let Some(pair) = pair else { return Err(Fault::LatencyOutlier) };
+            // Where the sensor was moving already, it moves still.
+            self.unsettled |= !self.is_late_stamp(pair);
+            point.trust = if self.unsettled { Trust::Mixed } else { Trust::Doubtful };
+            self.push(point);
+            return Err(if self.unsettled { Fault::Unsettled } else { Fault::LatencyOutlier });
+        }
+        self.settle(seen.contradicts);
+        let is_sudden = self.is_sudden(&point);
+        let hidden = if is_sudden { self.hidden(&point, pair) } else { 0.0 };
+        self.push(point);
+        let error = self.error(seen, is_sudden).hypot(hidden);
+        self.unsettled = error > LIMIT.max(NOISE * point.u);
+        if self.unsettled { Err(Fault::Unsettled) } else { Ok(error * all_ohm) }
+    }
+
+    /// Takes a reading that is no number: a resistance above `r_min_ohm`.
+    pub fn is_open(&mut self, at: Nanos, r_min_ohm: f64) {
+        self.settle(false);
+        self.push(Point {
+            at,
+            z: (2.0 * r_min_ohm.max(1e-3)).ln(),
+            u: 0.7,
+            slope: None,
+            trust: Trust::Sound,
+        });
+    }
+
+    /// Forgets everything.
+    pub fn forget(&mut self) {
+        *self = Motion::default();
+    }
+
+    /// The last resistance, Ro included, ohm; that of an unsettled reading, too.
+    pub fn last_ohm(&self) -> Option<f64> {
+        self.points().last().map(|point| point.z.exp())
+    }
+
+    fn points(&self) -> &[Point] {
+        &self.points[..self.count]
+    }
+
+    fn sound(&self) -> impl DoubleEndedIterator<Item = &Point> + Clone {
+        self.points().iter().filter(|point| point.trust == Trust::Sound)
+    }
+
+    /// Slopes inside of discharges, each with 1 sigma.
+    fn slopes(&self) -> impl Iterator<Item = [f64; 2]> + Clone {
+        self.points().iter().filter(|point| point.trust != Trust::Doubtful).filter_map(|point| point.slope)
+    }
+
+    fn push(&mut self, point: Point) {
+        if self.count == POINTS {
+            self.points.rotate_left(1);
+            self.count -= 1;
+        }
+        self.points[self.count] = point;
+        self.count += 1;
+    }
+
+    /// What was doubtful has been a change, or else a late stamp that says nothing.
+    fn settle(&mut self, was_change: bool) {
+        let before = *self;
+        self.count = 0;
+        for point in before.points() {
+            match point.trust {
+                _ if was_change => self.push(Point { trust: Trust::Sound, ..*point }),
+                Trust::Doubtful => {}
+                Trust::Sound | Trust::Mixed => self.push(*point),
+            }
+        }
+    }
+
+    /// Speeds from reading to reading, 1/s.
+    fn speeds(&self) -> impl Iterator<Item = f64> {
+        self.sound().zip(self.sound().skip(1)).map(|(point, next)| point.speed_to(next))
+    }
+
+    /// Whether a slope inside of a discharge is one that the neighbours have, too.
+    fn explains(&self, point: &Point) -> bool {
+        let (Some([slope, _]), Some(last)) = (point.slope, self.points().last()) else { return false };
+        let now = last.speed_to(point).abs();
+        let speed = second_greatest(self.speeds().map(f64::abs).chain([now]));
+        slope.abs() <= SUDDEN * speed.max(self.slope_scatter())
+    }
+
+    /// What the slopes of the discharges scatter by beyond their noise and without the greatest, 1/s.
+    fn slope_scatter(&self) -> f64 {
+        let greatest = self.slopes().map(|[slope, _]| slope.abs()).fold(0.0, f64::max);
+        let slopes = || self.slopes().filter(|[slope, _]| slope.abs() < greatest);
+        let count = slopes().count() as f64;
+        if count < 2.0 {
+            return 0.0;
+        }
+        let mean = slopes().map(|[slope, _]| slope).sum::<f64>() / count;
+        let excess = slopes().map(|[slope, u]| (slope - mean).powi(2) - u * u).sum::<f64>() / count;
+        excess.max(0.0).sqrt()
+    }
+
+    /// Whether one late stamp would do: no node is early, and they are not later and later as a rising resistance makes
+    /// them.
+    fn is_late_stamp(&self, pair: Pair) -> bool {
+        let Some(last) = self.sound().next_back() else { return true };
+        // Whatever is below what an open sensor has at least is early.
+        let doubt = (GATE * pair.u_ohm.hypot(last.u)).min(OPEN);
+        let [a, b] = pair.r_ohm;
+        let is_early = a.min(b) < last.z - doubt;
+        let rises = b > a && a > last.z + doubt;
+        !is_early && !rises
+    }
+
+    /// Whether it has changed faster than anything before it.
+    fn is_sudden(&self, point: &Point) -> bool {
+        let Some(last) = self.sound().next_back() else { return false };
+        let slopes = self.slopes().map(|[slope, u]| slope.abs() - 3.0 * u);
+        let speed = second_greatest(self.speeds().map(f64::abs)).max(second_greatest(slopes));
+        let expected = SUDDEN * speed * (point.at - last.at).as_seconds() + GATE * point.u.hypot(last.u);
+        (point.z - last.z).abs() > expected
+    }
+
+    /// What a sudden change may hide that came perhaps in the middle of this discharge: as much as its two stretches
+    /// disagree by, or half of the change.
+    fn hidden(&self, point: &Point, pair: Option<Pair>) -> f64 {
+        let change = self.sound().next_back().map_or(0.0, |last| (point.z - last.z).abs());
+        let apart = pair.filter(|pair| pair.apart_s.is_some());
+        apart.map_or(f64::INFINITY, |pair| pair.difference().hypot(pair.u_ohm)).min(change / 2.0)
+    }
+
+    /// The predicted error of the last reading, 1 sigma, relative.
+    fn error(&self, seen: &Seen, is_sudden: bool) -> f64 {
+        let count = self.sound().count() as f64;
+        let mean = self.sound().map(|point| point.z).sum::<f64>() / count;
+        let spread = (self.sound().map(|point| (point.z - mean).powi(2)).sum::<f64>() / count).sqrt();
+        let square = self.square_between(is_sudden).max(self.square_inside());
+        if square <= 0.0 || spread <= 0.0 {
+            return 0.0;
+        }
+        1e-18 * square * (seen.bend_ns2 / spread + seen.bend_ns2 + seen.apart_ns2)
+    }
+
+    /// Mean square of the speed from reading to reading, less its noise, without the greatest, which may have been a step
+    /// that is over: of five of an oscillation the other four have 0.8 of it. A speed that grows counts alone.
+    fn square_between(&self, is_sudden: bool) -> f64 {
+        let (mut sum, mut most, mut count, mut newest) = (0.0, 0.0f64, 0.0, 0.0);
+        for (point, next) in self.sound().zip(self.sound().skip(1)) {
+            let noise = point.u.hypot(next.u) / (next.at - point.at).as_seconds().max(1e-6);
+            newest = point.speed_to(next).powi(2) - noise * noise;
+            (sum, most, count) = (sum + newest, most.max(newest), count + 1.0);
+        }
+        if count >= 2.0 && newest == most && !is_sudden {
+            return newest;
+        }
+        if count < 2.0 { 0.0 } else { ((sum - most) / (0.8 * (count - 1.0))).max(0.0) }
+    }
+
+    /// Mean square of the slopes inside of the discharges, less its noise; 0 where a single one that noise has brought near
+    /// to the gate could make it. After a change in the middle of a discharge only what came since counts.
+    fn square_inside(&self) -> f64 {
+        let before = self.count.saturating_sub(2);
+        let is_fresh = self.points[before].trust == Trust::Mixed;
+        let since = if is_fresh { before } else { 0 };
+        let slopes = || self.points()[since..].iter().filter_map(|point| point.slope);
+        let count = slopes().count() as f64;
+        let normalised = slopes().map(|[slope, u]| (slope / u).powi(2)).sum::<f64>() / count;
+        if count == 0.0 || normalised < 1.0 + 10.0 * (2.0 / count).sqrt() {
+            return 0.0;
+        }
+        (slopes().map(|[slope, u]| slope * slope - u * u).sum::<f64>() / count).max(0.0)
+    }
+}
+
+/// What is left when the greatest may have been a step; 0 for fewer than two.
+fn second_greatest(values: impl Iterator<Item = f64>) -> f64 {
+    let pick = |(most, second): (f64, f64), value: f64| (most.max(value), second.max(value.min(most)));
+    values.fold((0.0, 0.0), pick).1
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,141 @@
+use super::*;
+
+/// Progress at A and B, ns/ohm, and 1 sigma of a crossing, ns.
+const G: [f64; 2] = [570.0, 1070.0];
+const SIGMA_NS: f64 = 1500.0;
+const R_O: f64 = 40.0;
+
+/// What a full discharge tells whose crossings come at `t_ns`, weighted as eq. (11) does.
+fn seen(t_ns: [f64; 2]) -> ([f64; 2], Seen) {
+    let alone = [0, 1].map(|node| t_ns[node] / G[node] - R_O);
+    let weights = G.map(|g| g / (G[0] + G[1]));
+    let r_ohm = weights[0] * alone[0] + weights[1] * alone[1];
+    let u_ohm = SIGMA_NS * std::f64::consts::SQRT_2 / (G[0] + G[1]);
+    let u_difference = SIGMA_NS * (1.0 / G[0]).hypot(1.0 / G[1]);
+    ([r_ohm, u_ohm], Seen::over_two(t_ns, weights, alone, u_difference))
+}
+
+/// The crossings of a discharge from `start_s` on through a sensor that changes, in steps of 1 us.
+fn crossings(start_s: f64, r_ohm: &dyn Fn(f64) -> f64) -> [f64; 2] {
+    let (mut progress, mut t_ns, mut found) = (0.0, 0.0, [0.0; 2]);
+    for node in 0..2 {
+        while progress < G[node] {
+            progress += 1000.0 / (r_ohm(start_s + 1e-9 * (t_ns + 500.0)) + R_O);
+            t_ns += 1000.0;
+        }
+        found[node] = t_ns - (progress - G[node]) * (r_ohm(start_s + 1e-9 * t_ns) + R_O);
+    }
+    found
+}
+
+/// Judges discharges every 20 ms from `from` on; each with its instant, its error and what it was judged.
+fn judge(
+    motion: &mut Motion,
+    from: usize,
+    count: usize,
+    r_ohm: &dyn Fn(f64) -> f64,
+) -> Vec<(f64, Result<f64, Fault>)> {
+    (from..from + count)
+        .map(|index| {
+            let start = Nanos(index as i64 * 20_000_000);
+            let (estimate, seen) = seen(crossings(start.as_seconds(), r_ohm));
+            let error = estimate[0] - r_ohm(start.as_seconds() + 1e-9 * seen.at_ns);
+            (error, motion.judge(start, estimate, R_O, &seen))
+        })
+        .collect()
+}
+
+#[test]
+fn the_instant_of_a_steady_change_is_right_to_the_first_order() {
+    // 10 % in a second: 0.05 % in a discharge, of which the second order leaves a millionth part.
+    let judged = judge(&mut Motion::default(), 0, 20, &|t| 1.0 / (1.0 / 5000.0 * (1.0 + 0.1 * t)));
+    assert!(judged.iter().all(|(error, result)| error.abs() < 0.02 && result.is_ok()), "{judged:?}");
+}
+
+#[test]
+fn a_sensor_at_rest_adds_nothing_and_an_oscillation_its_second_order() {
+    let rest = judge(&mut Motion::default(), 0, 20, &|_| 5000.0);
+    assert!(rest.iter().all(|(_, result)| *result == Ok(0.0)), "{rest:?}");
+    let mut motion = Motion::default();
+    let sine = |t: f64| 5000.0 * (1.0 + 0.2 * (std::f64::consts::TAU * 9.3 * t).sin());
+    judge(&mut motion, 0, 20, &sine);
+    let judged = judge(&mut motion, 20, 200, &sine);
+    let rms = |of: &dyn Fn(&(f64, Result<f64, Fault>)) -> f64| {
+        (judged.iter().map(|one| of(one).powi(2)).sum::<f64>() / judged.len() as f64).sqrt()
+    };
+    let (error, stated) = (rms(&|one| one.0), rms(&|one| one.1.unwrap()));
+    assert!(error > 1.0 && (0.8..1.5).contains(&(stated / error)), "{error} {stated}");
+}
+
+#[test]
+fn one_late_stamp_is_an_outlier_and_forgotten() {
+    for late_ns in [[60_000.0, 0.0], [0.0, 60_000.0], [3_000_000.0, 600_000.0]] {
+        let mut motion = Motion::default();
+        judge(&mut motion, 0, 10, &|_| 5000.0);
+        let mut t_ns = crossings(0.0, &|_| 5000.0);
+        (0..2).for_each(|node| t_ns[node] += late_ns[node]);
+        let (estimate, seen) = seen(t_ns);
+        let start = Nanos(200_000_000);
+        assert_eq!(motion.judge(start, estimate, R_O, &seen), Err(Fault::LatencyOutlier), "{late_ns:?}");
+        let after = judge(&mut motion, 11, 3, &|_| 5000.0);
+        assert!(after.iter().all(|(_, result)| *result == Ok(0.0)), "{after:?}");
+    }
+}
+
+#[test]
+fn a_step_inside_of_a_discharge_is_unsettled_and_over_at_once() {
+    for after in [1000.0, 4000.0, 4800.0] {
+        let mut motion = Motion::default();
+        let step = |t: f64| if t < 0.202 { 5000.0 } else { after };
+        judge(&mut motion, 0, 10, &step);
+        let judged = judge(&mut motion, 10, 10, &step);
+        assert_eq!(judged[0].1, Err(Fault::Unsettled), "to {after}");
+        let settled = judged[1..].iter().filter(|(error, result)| error.abs() < 1.0 && result.is_ok());
+        assert!(settled.count() >= 8, "to {after}: {judged:?}");
+    }
+}
+
+#[test]
+fn what_contradicts_itself_in_the_same_way_again_and_again_is_no_change() {
+    let mut motion = Motion::default();
+    for index in 0..20 {
+        let mut t_ns = crossings(0.0, &|_| 5000.0);
+        t_ns[1] += 20_000.0;
+        let (estimate, seen) = seen(t_ns);
+        let judged = motion.judge(Nanos(index * 20_000_000), estimate, R_O, &seen);
+        assert_eq!(judged, Err(Fault::LatencyOutlier));
+    }
+}
+
+#[test]
+fn the_first_number_after_an_open_sensor_has_only_what_its_stretches_tell() {
+    let mut motion = Motion::default();
+    motion.is_open(Nanos(0), 1e6);
+    let judged = judge(&mut motion, 1, 1, &|_| 5000.0);
+    // Its stretches agree within their noise; more is not known of it.
+    assert!(matches!(judged[0].1, Ok(added) if (1.0..20.0).contains(&added)), "{judged:?}");
+    let mut motion = Motion::default();
+    motion.is_open(Nanos(0), 1e6);
+    let start = Nanos(20_000_000);
+    let alone = motion.judge(start, [5000.0, 2.0], R_O, &Seen::over(5e6));
+    assert_eq!(alone, Err(Fault::Unsettled), "one stretch alone tells nothing of a change from open");
+}
+
+#[test]
+fn nothing_makes_it_panic_or_answer_nan() {
+    let values = [0.0, -40.0, -1e9, 1.0, 1e12, f64::MAX];
+    for r_ohm in values {
+        for end in [0.0, 1.0, 1e9] {
+            let mut motion = Motion::default();
+            for index in 0..8 {
+                let at = Nanos(index / 2 * 1000);
+                let seen = Seen::over_two([end, 2.0 * end], [0.5, 0.5], [r_ohm, 2.0 * r_ohm], 1.0);
+                if let Ok(added) = motion.judge(at, [r_ohm, 1.0], R_O, &seen) {
+                    assert!(added.is_finite() && added >= 0.0, "{r_ohm} {end} {added}");
+                }
+            }
+            motion.forget();
+            assert_eq!(motion.last_ohm(), None);
+        }
+    }
+}
