@@ -131,6 +131,8 @@ struct Point {
 enum Trust {
     #[default]
     Sound,
+    /// A change that came all at once, or a stamp that was late: the next one tells.
+    Sudden,
     /// The sensor changed in the middle of it: a slope, but no value.
     Mixed,
     /// It contradicts itself as if a stamp were late.
@@ -185,8 +187,12 @@ impl Motion {
             return Err(if self.unsettled { Fault::Unsettled } else { Fault::LatencyOutlier });
         }
         self.settle(seen.contradicts);
+        self.forget_what_is_gone(&point);
         let is_sudden = self.is_sudden(&point);
         let hidden = if is_sudden { self.hidden(&point, pair) } else { 0.0 };
+        if hidden > LIMIT.max(NOISE * point.u) {
+            point.trust = Trust::Sudden;
+        }
         self.push(point);
         let error = self.error(seen, is_sudden).hypot(hidden);
         self.unsettled = error > LIMIT.max(NOISE * point.u);
@@ -199,7 +205,7 @@ impl Motion {
         self.push(Point {
             at,
             z: (2.0 * r_min_ohm.max(1e-3)).ln(),
-            u: 0.7,
+            u: OPEN,
             slope: None,
             trust: Trust::Sound,
         });
@@ -220,7 +226,7 @@ impl Motion {
     }
 
     fn sound(&self) -> impl DoubleEndedIterator<Item = &Point> + Clone {
-        self.points().iter().filter(|point| point.trust == Trust::Sound)
+        self.points().iter().filter(|point| matches!(point.trust, Trust::Sound | Trust::Sudden))
     }
 
     /// Slopes inside of discharges, each with 1 sigma.
@@ -245,8 +251,19 @@ impl Motion {
             match point.trust {
                 _ if was_change => self.push(Point { trust: Trust::Sound, ..*point }),
                 Trust::Doubtful => {}
-                Trust::Sound | Trust::Mixed => self.push(*point),
+                Trust::Sound | Trust::Sudden | Trust::Mixed => self.push(*point),
             }
+        }
+    }
+
+    /// A sensor that has at once what it had before a sudden change never changed: had it come back in the middle of this
+    /// discharge, this would be something in between.
+    fn forget_what_is_gone(&mut self, point: &Point) {
+        let Some(rest) = self.points().iter().rposition(|point| point.trust != Trust::Sudden) else { return };
+        let before = self.points[rest];
+        let is_known = before.trust == Trust::Sound && before.u < OPEN;
+        if is_known && (point.z - before.z).abs() <= GATE * point.u.hypot(before.u) {
+            self.count = rest + 1;
         }
     }
 

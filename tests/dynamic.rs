@@ -398,5 +398,6 @@ const TAIL: &str = "
 - A step in the middle of a single stretch gives a value in between. It is `unsettled` because nothing before it was as
   fast; on a sensor that steps all the time it may pass.
 - A late stamp while the sensor moves looks like motion, unless it is very late: the readings of a moving hand are as good
-  as the kernel's latency lets them.
+  as the kernel's latency lets them. With one stretch it looks so at rest, too: one reading is `unsettled`, and forgotten when
+  the next one is back.
 ";

@@ -95,6 +95,44 @@ fn a_step_inside_of_a_discharge_is_unsettled_and_over_at_once() {
     }
 }
 
+/// Judges full discharges every 20 ms that tell of one stretch alone.
+fn judge_alone(motion: &mut Motion, from: usize, r_ohm: &[f64]) -> Vec<Result<f64, Fault>> {
+    let judge = |(index, r_ohm): (usize, &f64)| {
+        motion.judge(Nanos((from + index) as i64 * 20_000_000), [*r_ohm, 2.0], R_O, &Seen::over(5e6))
+    };
+    r_ohm.iter().enumerate().map(judge).collect()
+}
+
+#[test]
+fn one_stretch_alone_that_is_far_off_costs_one_reading_if_it_is_over_at_once() {
+    let mut motion = Motion::default();
+    judge_alone(&mut motion, 0, &[5000.0; 10]);
+    // Late, once in three and then twice in a row, and at rest again.
+    let judged = judge_alone(
+        &mut motion,
+        10,
+        &[5300.0, 5000.0, 5003.0, 9000.0, 4998.0, 5000.0, 5200.0, 6100.0, 5000.0, 5000.0],
+    );
+    let numbers: Vec<bool> = judged.iter().map(|result| result.is_ok_and(|added| added < 0.01)).collect();
+    assert_eq!(numbers, [false, true, true, false, true, true, false, false, true, true], "{judged:?}");
+}
+
+#[test]
+fn a_step_within_one_stretch_alone_costs_two_readings_there_and_two_back() {
+    let mut motion = Motion::default();
+    judge_alone(&mut motion, 0, &[5000.0; 10]);
+    for (from, mixed, after) in [(10, 5500.0, 6000.0), (20, 5300.0, 5000.0)] {
+        let judged =
+            judge_alone(&mut motion, from, &[mixed, after, after, after, after, after, after, after]);
+        assert_eq!(judged[..2], [Err(Fault::Unsettled); 2], "to {after}");
+        assert!(judged[2..].iter().all(|result| matches!(result, Ok(added) if *added < 5.0)), "{judged:?}");
+    }
+    // Whatever comes after an open sensor is no return to it.
+    let mut motion = Motion::default();
+    motion.is_open(Nanos(0), 1e6);
+    assert_eq!(judge_alone(&mut motion, 1, &[5000.0, 200e3]), [Err(Fault::Unsettled); 2]);
+}
+
 #[test]
 fn what_contradicts_itself_in_the_same_way_again_and_again_is_no_change() {
     let mut motion = Motion::default();

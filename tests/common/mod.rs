@@ -121,6 +121,7 @@ pub struct Errors {
     pub us: Vec<f64>,
     pub inferred: usize,
     pub without_u: usize,
+    /// States, of faults their names.
     pub not_ok: Vec<&'static str>,
 }
 
@@ -136,6 +137,7 @@ impl Errors {
                 self.us.push(u);
                 self.inferred += usize::from(branch == cermd::reading::Branch::Inferred);
             }
+            Status::Fault(fault) => self.not_ok.push(fault.as_str()),
             status => self.not_ok.push(status.as_str()),
         }
     }

@@ -6,7 +6,7 @@ use cermd::discharge::{Plan, run};
 use cermd::instrument::{Instrument, Message};
 use cermd::pins::sim::{Kind, Scene, Sensor, SimPins};
 use cermd::pins::{Drives, Node, Pins};
-use cermd::reading::Method;
+use cermd::reading::{Fault, Method};
 use cermd::record::Through;
 use cermd::units::{Farad, Nanos, Ohm, Volt};
 use std::fmt::{Display, Write};
@@ -195,6 +195,12 @@ pub fn without_number(errors: &Errors) -> f64 {
     others as f64 / (others + errors.count()) as f64
 }
 
+/// The share of readings that a fault kept from being a number.
+pub fn share_of(errors: &Errors, fault: Fault) -> f64 {
+    let count = errors.not_ok.iter().filter(|name| **name == fault.as_str()).count();
+    count as f64 / (errors.not_ok.len() + errors.without_u + errors.count()) as f64
+}
+
 /// A relative error in percent, two digits that count.
 pub fn percent(relative: f64) -> String {
     let percent = 100.0 * relative;
@@ -219,7 +225,8 @@ pub fn truth(errors: &Errors, r_ohm: f64) -> String {
             .unwrap();
     }
     let missing = without_number(errors);
-    if missing >= 0.005 {
+    // What would be 0 %, rounded, is left out.
+    if missing > 0.005 {
         let separator = if text.is_empty() { "" } else { ", " };
         write!(text, "{separator}{:.0} % no number", 100.0 * missing).unwrap();
     }
