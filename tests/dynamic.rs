@@ -400,4 +400,7 @@ const TAIL: &str = "
 - A late stamp while the sensor moves looks like motion, unless it is very late: the readings of a moving hand are as good
   as the kernel's latency lets them. With one stretch it looks so at rest, too: one reading is `unsettled`, and forgotten when
   the next one is back.
+- Two nodes that disagree always by some sigma, by leakage or by wide-band noise at the threshold, look like a sensor that
+  every discharge catches in the same motion: at rest a part of the readings is `unsettled` then (rows 5 and 18 of
+  [stability.md](stability.md)).
 ";

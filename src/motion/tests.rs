@@ -28,13 +28,11 @@ fn crossings(start_s: f64, r_ohm: &dyn Fn(f64) -> f64) -> [f64; 2] {
     found
 }
 
-/// Judges discharges every 20 ms from `from` on; each with its instant, its error and what it was judged.
-fn judge(
-    motion: &mut Motion,
-    from: usize,
-    count: usize,
-    r_ohm: &dyn Fn(f64) -> f64,
-) -> Vec<(f64, Result<f64, Fault>)> {
+/// The error of a discharge, and what it was judged.
+type Judged = (f64, Result<f64, Fault>);
+
+/// Judges discharges every 20 ms from `from` on.
+fn judge(motion: &mut Motion, from: usize, count: usize, r_ohm: &dyn Fn(f64) -> f64) -> Vec<Judged> {
     (from..from + count)
         .map(|index| {
             let start = Nanos(index as i64 * 20_000_000);
@@ -60,7 +58,7 @@ fn a_sensor_at_rest_adds_nothing_and_an_oscillation_its_second_order() {
     let sine = |t: f64| 5000.0 * (1.0 + 0.2 * (std::f64::consts::TAU * 9.3 * t).sin());
     judge(&mut motion, 0, 20, &sine);
     let judged = judge(&mut motion, 20, 200, &sine);
-    let rms = |of: &dyn Fn(&(f64, Result<f64, Fault>)) -> f64| {
+    let rms = |of: &dyn Fn(&Judged) -> f64| {
         (judged.iter().map(|one| of(one).powi(2)).sum::<f64>() / judged.len() as f64).sqrt()
     };
     let (error, stated) = (rms(&|one| one.0), rms(&|one| one.1.unwrap()));
