@@ -67,20 +67,13 @@ pub fn lost_edges() -> Scenario {
 
 /// Whether every edge of a cycle comes.
 fn all_edges_come(by_hand: &mut ByHand, nodes: &[Node]) -> bool {
-    let charge = Nanos::from_seconds(by_hand.charge_s());
     [Drives::C1, Drives::C2, Drives::x(0)].into_iter().all(|on| {
-        let pins = &mut by_hand.pins;
-        pins.drive(Drives::CHARGE).unwrap();
-        let charged = pins.now() + charge;
-        pins.sleep_until(charged).unwrap();
-        pins.drive(Drives::NONE).unwrap();
-        pins.arm().unwrap();
-        let until = pins.drive(on).unwrap().after + Nanos(60_000_000);
+        let until = by_hand.start(on).after + Nanos(60_000_000);
         let mut seen = [false; 2];
-        while let Some(edge) = pins.edge(until).unwrap() {
+        while let Some(edge) = by_hand.pins.edge(until).unwrap() {
             seen[edge.node.index()] = true;
         }
-        pins.drive(Drives::NONE).unwrap();
+        by_hand.pins.drive(Drives::NONE).unwrap();
         nodes.iter().all(|node| seen[node.index()])
     })
 }
@@ -153,17 +146,10 @@ pub fn full_buffer() -> Scenario {
 
 /// The stamp of the first edge that the program gets, s after the start.
 fn first_edge(by_hand: &mut ByHand) -> Option<f64> {
-    let charge = Nanos::from_seconds(by_hand.charge_s());
-    let pins = &mut by_hand.pins;
-    pins.drive(Drives::CHARGE).unwrap();
-    let charged = pins.now() + charge;
-    pins.sleep_until(charged).unwrap();
-    pins.drive(Drives::NONE).unwrap();
-    pins.arm().unwrap();
-    let start = pins.drive(Drives::x(0)).unwrap();
+    let start = by_hand.start(Drives::x(0));
     // Woken by A, it finds what is in the buffer.
     let woken = start.after + Nanos(60_000_000);
-    let first = pins.edge(woken).unwrap();
-    pins.drive(Drives::NONE).unwrap();
+    let first = by_hand.pins.edge(woken).unwrap();
+    by_hand.pins.drive(Drives::NONE).unwrap();
     first.map(|edge| (edge.at - start.before).as_seconds() - STAMP)
 }

@@ -47,7 +47,7 @@ fn by_hand(
     trouble: Trouble,
     lasts: Nanos,
     switch: Option<f64>,
-    equation: fn(&Parts, &Times) -> f64,
+    equation: paper::Equation,
 ) -> Option<f64> {
     let every = if trouble == Trouble::BeforeStart { u64::MAX } else { 3 };
     let around = |pins| Disturbed::new(pins, trouble, lasts, every, 2);
@@ -67,14 +67,26 @@ fn within(center: f64, share: f64) -> std::ops::RangeInclusive<f64> {
     center - half..=center + half
 }
 
+/// What a method of ours says, where the mean of undisturbed readings is off by `bias`.
+fn of_ours(it: &mut Scenario, method: Method, errors: &Errors, bias: f64, most_missing: f64) {
+    let (wrong, missing) = (wrong_beside(errors, bias), without_number(errors));
+    let figure = format!("{:.1} % wrong, {:.0} % no number", 100.0 * wrong, 100.0 * missing);
+    it.cell(method, figure, wrong == 0.0 && missing < most_missing, true);
+}
+
 /// What each method of ours says.
 fn ours(it: &mut Scenario, board: &Board, trouble: Trouble, lasts: Nanos) {
     for method in Method::ALL {
         let undisturbed = struck(board, method, trouble, Nanos::ZERO).mean();
-        let errors = struck(board, method, trouble, lasts);
-        let (wrong, missing) = (wrong_beside(&errors, undisturbed), without_number(&errors));
-        let figure = format!("{:.1} % wrong, {:.0} % no number", 100.0 * wrong, 100.0 * missing);
-        it.cell(method, figure, wrong == 0.0 && missing < 0.2, true);
+        of_ours(it, method, &struck(board, method, trouble, lasts), undisturbed, 0.2);
+    }
+}
+
+/// What those of ours say that switch, where a switch is struck.
+fn ours_that_switch(it: &mut Scenario, board: &Board, trouble: Trouble, most_missing: f64) {
+    for method in [Method::Qerm, Method::Cerm, Method::Tracked] {
+        let board = if method == Method::Cerm { board.with("t-l = \"1 s\"") } else { board.clone() };
+        of_ours(it, method, &struck(&board, method, trouble, PREEMPTED), 0.0, most_missing);
     }
 }
 
@@ -84,26 +96,36 @@ fn scenario(title: &'static str) -> Scenario {
     Scenario::new(title, HOLDS_IF, "0..20")
 }
 
+/// A published method that is off by so many ohms.
+fn published(it: &mut Scenario, method: Method, found: f64, predicted: f64) {
+    it.expect(
+        format!("{} as printed: error, predicted {predicted:.1} ohm", method.as_str()),
+        found,
+        within(predicted, 0.05),
+    );
+    it.cell(method, format!("as printed {} off", percent(found / R_OHM)), found.abs() < 0.01 * R_OHM, false);
+}
+
+/// The published methods without a switch, each with a prediction.
+fn of_one_resistor(predicted: [f64; 2]) -> [(Method, paper::Equation, f64); 2] {
+    [(Method::Tpcm, paper::tpcm, predicted[0]), (Method::Tcdic, paper::tcdic, predicted[1])]
+}
+
 /// The published methods that start late: R_x is too high by as much as passes.
 fn published_start(it: &mut Scenario, board: &Board, trouble: Trouble, predicted: [f64; 2]) {
-    for (method, equation, predicted) in [
-        (Method::Tpcm, paper::tpcm as fn(&Parts, &Times) -> f64, predicted[0]),
-        (Method::Tcdic, paper::tcdic, predicted[1]),
-    ] {
+    for (method, equation, predicted) in of_one_resistor(predicted) {
         let undisturbed = by_hand(board, trouble, Nanos::ZERO, None, equation).unwrap();
         let found = by_hand(board, trouble, PREEMPTED, None, equation).unwrap() - undisturbed;
-        it.expect(
-            format!("{} as printed: error, predicted {predicted:.1} ohm", method.as_str()),
-            found,
-            within(predicted, 0.05),
-        );
-        it.cell(
-            method,
-            format!("as printed {} off", percent(found / R_OHM)),
-            found.abs() < 0.01 * R_OHM,
-            false,
-        );
+        published(it, method, found, predicted);
     }
+}
+
+/// The published CERM whose switch, planned after so many seconds, is struck; its equation believes in `believed`.
+fn published_switch(it: &mut Scenario, board: &Board, trouble: Trouble, switch: f64, believed: f64) {
+    let full = Times::of(&board.parts, R_OHM, 0.0);
+    let predicted = paper::cerm(&board.parts, &Times { switch: believed, ..full }) - R_OHM;
+    let found = by_hand(board, trouble, PREEMPTED, Some(switch), paper::cerm).unwrap() - R_OHM;
+    published(it, Method::Cerm, found, predicted);
 }
 
 pub fn at_the_start() -> Scenario {
@@ -142,32 +164,11 @@ pub fn before_the_start() -> Scenario {
 
 pub fn before_the_switch() -> Scenario {
     let board = Board::quiet(Parts::PI4);
-    let parts = board.parts;
     let mut it = scenario("Preempted for 50 ms before a planned switch");
-    let switch = 0.9 * parts.g()[0] * (R_OHM + R_O);
-    let late = switch + 50e-3;
+    let switch = 0.9 * board.parts.g()[0] * (R_OHM + R_O);
     // B has crossed long before: T_c2,x is negative.
-    let full = Times::of(&parts, R_OHM, 0.0);
-    let predicted = paper::cerm(&parts, &Times { switch: late, ..full }) - R_OHM;
-    let found = by_hand(&board, Trouble::BeforeSwitch, PREEMPTED, Some(switch), paper::cerm).unwrap() - R_OHM;
-    it.expect(
-        format!("cerm as printed: error, predicted {predicted:.0} ohm"),
-        found,
-        within(predicted, 0.05),
-    );
-    it.cell(
-        Method::Cerm,
-        format!("as printed {} off", percent(found / R_OHM)),
-        found.abs() < 0.01 * R_OHM,
-        false,
-    );
-    for method in [Method::Qerm, Method::Cerm, Method::Tracked] {
-        let board = if method == Method::Cerm { board.with("t-l = \"1 s\"") } else { board.clone() };
-        let errors = struck(&board, method, Trouble::BeforeSwitch, PREEMPTED);
-        let (wrong, missing) = (wrong(&errors), without_number(&errors));
-        let figure = format!("{:.1} % wrong, {:.0} % no number", 100.0 * wrong, 100.0 * missing);
-        it.cell(method, figure, wrong == 0.0 && missing < 0.01, true);
-    }
+    published_switch(&mut it, &board, Trouble::BeforeSwitch, switch, switch + 50e-3);
+    ours_that_switch(&mut it, &board, Trouble::BeforeSwitch, 0.01);
     it.why = "B crosses before the switch, and eq. (16) does not know that. It is a discharge in full then, with the equations of one."
         .to_owned();
     it
@@ -175,30 +176,10 @@ pub fn before_the_switch() -> Scenario {
 
 pub fn within_the_switch() -> Scenario {
     let board = Board::quiet(Parts::PI4);
-    let parts = board.parts;
     let mut it = scenario("Preempted for 50 ms between the clock reading and the release of the sensor");
-    let switch = 0.5 * parts.g()[0] * (R_OHM + R_O);
-    let full = Times::of(&parts, R_OHM, 0.0);
-    let predicted = paper::cerm(&parts, &Times { switch, ..full }) - R_OHM;
-    let found = by_hand(&board, Trouble::AtSwitch, PREEMPTED, Some(switch), paper::cerm).unwrap() - R_OHM;
-    it.expect(
-        format!("cerm as printed: error, predicted {predicted:.0} ohm"),
-        found,
-        within(predicted, 0.05),
-    );
-    it.cell(
-        Method::Cerm,
-        format!("as printed {} off", percent(found / R_OHM)),
-        found.abs() < 0.01 * R_OHM,
-        false,
-    );
-    for method in [Method::Qerm, Method::Cerm, Method::Tracked] {
-        let board = if method == Method::Cerm { board.with("t-l = \"1 s\"") } else { board.clone() };
-        let errors = struck(&board, method, Trouble::AtSwitch, PREEMPTED);
-        let (wrong, missing) = (wrong(&errors), without_number(&errors));
-        let figure = format!("{:.1} % wrong, {:.0} % no number", 100.0 * wrong, 100.0 * missing);
-        it.cell(method, figure, wrong == 0.0 && missing < 0.2, true);
-    }
+    let switch = 0.5 * board.parts.g()[0] * (R_OHM + R_O);
+    published_switch(&mut it, &board, Trouble::AtSwitch, switch, switch);
+    ours_that_switch(&mut it, &board, Trouble::AtSwitch, 0.2);
     it.why = "the sensor is believed released while the discharge goes on through it. `wide-bracket`, as at the start.".to_owned();
     it
 }
@@ -227,10 +208,7 @@ pub fn wall_clock() -> Scenario {
     let mut it = scenario("The wall clock is set forward by 1 s during a discharge");
     let second = Nanos(1_000_000_000);
     let [g_a, g_b] = parts.g();
-    for (method, equation, predicted) in [
-        (Method::Tpcm, paper::tpcm as fn(&Parts, &Times) -> f64, 1.0 / g_a),
-        (Method::Tcdic, paper::tcdic, 2.0 / (g_a + g_b)),
-    ] {
+    for (method, equation, predicted) in of_one_resistor([1.0 / g_a, 2.0 / (g_a + g_b)]) {
         let found = by_hand(&board, Trouble::WallClock, second, None, equation).unwrap() - R_OHM;
         it.expect(
             format!("{} by the wall clock: error, predicted {predicted:.0} ohm", method.as_str()),
@@ -242,10 +220,7 @@ pub fn wall_clock() -> Scenario {
     }
     for method in Method::ALL {
         // `CLOCK_MONOTONIC` is not set.
-        let errors = struck(&board, method, Trouble::WallClock, Nanos::ZERO);
-        let (wrong, missing) = (wrong(&errors), without_number(&errors));
-        let figure = format!("{:.1} % wrong, {:.0} % no number", 100.0 * wrong, 100.0 * missing);
-        it.cell(method, figure, wrong == 0.0 && missing < 0.01, true);
+        of_ours(&mut it, method, &struck(&board, method, Trouble::WallClock, Nanos::ZERO), 0.0, 0.01);
     }
     let two_nodes = struck(&board, Method::Tcdic, Trouble::WallClock, second);
     it.expect("tcdic of ours by the wall clock: wrong numbers", wrong(&two_nodes), 0.0..=0.0);
@@ -272,22 +247,10 @@ pub fn suspended() -> Scenario {
     let [g_a, g_b] = parts.g();
     // Both edges are stamped at the resume, 0.3 ms after the start.
     let shown = 0.3e-3;
-    for (method, equation, predicted) in [
-        (Method::Tpcm, paper::tpcm as fn(&Parts, &Times) -> f64, shown / g_a - R_O - R_OHM),
-        (Method::Tcdic, paper::tcdic, 2.0 * shown / (g_a + g_b) - R_O - R_OHM),
-    ] {
+    let predicted = [shown / g_a, 2.0 * shown / (g_a + g_b)].map(|all_ohm| all_ohm - R_O - R_OHM);
+    for (method, equation, predicted) in of_one_resistor(predicted) {
         let found = by_hand(&board, Trouble::Suspended, TEN_SECONDS, None, equation).unwrap() - R_OHM;
-        it.expect(
-            format!("{} as printed: error, predicted {predicted:.0} ohm", method.as_str()),
-            found,
-            within(predicted, 0.05),
-        );
-        it.cell(
-            method,
-            format!("as printed {} off", percent(found / R_OHM)),
-            found.abs() < 0.01 * R_OHM,
-            false,
-        );
+        published(&mut it, method, found, predicted);
     }
     ours(&mut it, &board, Trouble::Suspended, TEN_SECONDS);
     let single = struck(&board, Method::Tpcm, Trouble::Suspended, TEN_SECONDS);

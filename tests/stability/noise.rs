@@ -245,7 +245,7 @@ pub fn spikes() -> Scenario {
     let noise = Noise { jitter, ..PI4_NOISE };
     let switch = 0.9 * parts.g()[0] * (r_ohm + R_O);
     for (method, equation, switch) in [
-        (Method::Tpcm, paper::tpcm as fn(&Parts, &Times) -> f64, None),
+        (Method::Tpcm, paper::tpcm as paper::Equation, None),
         (Method::Tcdic, paper::tcdic, None),
         (Method::Cerm, paper::cerm, Some(switch)),
     ] {

@@ -102,6 +102,9 @@ impl Times {
     }
 }
 
+/// R_x from the times of a cycle, ohm.
+pub type Equation = fn(&Parts, &Times) -> f64;
+
 /// Eq. (3).
 pub fn tpcm(parts: &Parts, times: &Times) -> f64 {
     let Times { c1, c2, x, .. } = times;

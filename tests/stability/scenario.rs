@@ -5,7 +5,7 @@ use crate::paper::{Parts, Times};
 use cermd::discharge::{Plan, run};
 use cermd::instrument::{Instrument, Message};
 use cermd::pins::sim::{Kind, Scene, Sensor, SimPins};
-use cermd::pins::{Drives, Node, Pins};
+use cermd::pins::{Bracket, Drives, Node, Pins};
 use cermd::reading::{Fault, Method};
 use cermd::record::Through;
 use cermd::units::{Farad, Nanos, Ohm, Volt};
@@ -304,21 +304,26 @@ impl<P: Pins> ByHand<P> {
         self.charge.as_seconds()
     }
 
-    /// When B crosses in a discharge through the sensor that has so many seconds, s.
-    pub fn wait_for(&mut self, seconds: f64) -> f64 {
+    /// Charges, arms, and starts a discharge through the lines `on`, whose edges are left to the caller.
+    pub fn start(&mut self, on: Drives) -> Bracket {
         let pins = &mut self.pins;
         pins.drive(Drives::CHARGE).unwrap();
         let charged = pins.now() + self.charge;
         pins.sleep_until(charged).unwrap();
         pins.drive(Drives::NONE).unwrap();
         pins.arm().unwrap();
-        let start = pins.drive(Drives::x(0)).unwrap().after;
+        pins.drive(on).unwrap()
+    }
+
+    /// When B crosses in a discharge through the sensor that has so many seconds, s.
+    pub fn wait_for(&mut self, seconds: f64) -> f64 {
+        let start = self.start(Drives::x(0)).after;
         let until = start + Nanos::from_seconds(seconds);
         let mut last = start;
-        while let Some(edge) = pins.edge(until).unwrap() {
+        while let Some(edge) = self.pins.edge(until).unwrap() {
             last = edge.at;
         }
-        pins.drive(Drives::NONE).unwrap();
+        self.pins.drive(Drives::NONE).unwrap();
         (last - start).as_seconds()
     }
 }

@@ -316,8 +316,7 @@ pub fn one_ohm() -> Scenario {
     let cycles = by_hand.cycles(4000, None);
     let noise = PI4_NOISE.of_times(&parts, 1.0);
     let (f_n, exact) = ([FORCES / parts.r_c1, FORCES / parts.r_c2], Times::of(&parts, 1.0, 0.0));
-    for (method, equation) in
-        [(Method::Tpcm, paper::tpcm as fn(&Parts, &Times) -> f64), (Method::Tcdic, paper::tcdic)]
+    for (method, equation) in [(Method::Tpcm, paper::tpcm as paper::Equation), (Method::Tcdic, paper::tcdic)]
     {
         let sigma = exact.scatter(noise, |times| equation(&parts, times));
         let below = |times: &&Times| match method {
