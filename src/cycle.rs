@@ -11,9 +11,9 @@
 //! ```
 //!
 //! With `offset = "auto"`, readings flow from the first cycle on, by full discharges (in whose equations d cancels);
-//! switched ones begin when the offset is known. From then on, a split discharge now and then keeps following it. With a
-//! tracked calibration, cycles begin like that, too; once the state is known, a cycle has only those calibration
-//! discharges that pay.
+//! switched ones begin when the offset is known. Split discharges go on in each cycle until what is not known of the
+//! offset is a small part of a reading's variance; then one now and then keeps following it. With a tracked calibration,
+//! cycles begin like that, too; once the state is known, a cycle has only those calibration discharges that pay.
 
 mod calls;
 mod plan;
@@ -30,15 +30,17 @@ use crate::units::Nanos;
 use calls::CallGate;
 use plan::Memory;
 
-/// A calibration discharge that came to nothing is taken again so many times.
+/// A calibration discharge that came to nothing is taken again so many times, and a sensor's whose calls were interrupted.
 const RETRIES: u32 = 2;
+/// Discharges of one sensor in one cycle at the most.
+pub const MOST_OF_SENSOR: u32 = RETRIES + 1;
 /// Calibration discharges of one cycle at the most: of each kind, each of them taken again.
 pub const MOST_CALIBRATIONS: u32 = 3 * (RETRIES + 1);
-/// Rounds of split calibration after which the offset is put in force, and again after each so many further ones.
+/// Rounds of split calibration after which the offset is put in force; from then on each round betters it at once.
 const ROUNDS: usize = 64;
 /// Rounds that the offset is the mean of, when there have been that many.
 const WINDOW: usize = 8 * ROUNDS;
-/// Once the offset is known, one cycle in so many has a split discharge.
+/// Once the offset is known well enough, one cycle in so many has a split discharge.
 const FOLLOW_EVERY: u64 = 8;
 /// Calibration discharges in one cycle of a tracked calibration at the most: more would take longer than the readings
 /// that they improve.
@@ -178,7 +180,10 @@ impl Cycle {
         if self.settings.tracked {
             return true;
         }
-        self.split.is_some() && (!self.offset_is_known() || self.stats.cycles % FOLLOW_EVERY == 0)
+        let Some(split) = &self.split else { return false };
+        let may_improve = split.taken() < WINDOW;
+        may_improve && (!self.offset_is_known() || self.offset_is_poor())
+            || self.stats.cycles % FOLLOW_EVERY == 0
     }
 
     /// Takes the outcome of the discharge that [`Cycle::next`] asked for, `now` being the time; answers a reading when
@@ -191,6 +196,11 @@ impl Cycle {
         match self.step {
             Step::Calibrate(Kind::Split) if !self.settings.tracked => self.split_done(outcome),
             Step::Calibrate(kind) => self.calibrated(kind, outcome),
+            Step::Sensor(_) if outcome.result == Err(Fault::WideBracket) && self.retries < RETRIES => {
+                // It says nothing about the sensor, and has cost little more than its charge.
+                self.retries += 1;
+                self.stats.retried += 1;
+            }
             Step::Sensor(channel) => return Some(self.sensor_done(channel, outcome, now)),
             Step::Start => {}
         }
@@ -229,7 +239,7 @@ impl Cycle {
         let Ok(record) = &outcome.result else { return };
         let before = split.taken();
         split.add(c1, c2, record, self.estimator.noise());
-        if split.taken() != before && split.taken() % ROUNDS == 0 {
+        if split.taken() != before && split.taken() >= ROUNDS {
             if let Some(offset) = split.result() {
                 self.estimator.set_offset(offset);
             }
@@ -263,9 +273,9 @@ impl Cycle {
         };
         self.began = now;
         self.step = Step::Sensor(channel + 1);
+        self.retries = 0;
         if channel + 1 == self.settings.channels.len() {
             self.step = Step::Start;
-            self.retries = 0;
             self.failed = None;
             self.stats.cycles += 1;
             self.idle_cycles = self.idle_cycles.saturating_add(1);
@@ -273,3 +283,6 @@ impl Cycle {
         reading
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -9,7 +9,7 @@ use crate::motion::Seen;
 use crate::noise::{Covariance, Judgement, Noise};
 use crate::offset::Offset;
 use crate::reading::{Branch, Fault, Measured, Method};
-use crate::record::{Record, Switch, Through};
+use crate::record::{Record, Switch, Through, UNLIKE_CALLS};
 use crate::tracker::Tracker;
 use crate::units::Nanos;
 use covariances::Covariances;
@@ -30,6 +30,17 @@ pub struct Estimate {
     pub branch: Branch,
     /// Ohm, with 1 sigma.
     pub r_ohm: Measured,
+}
+
+/// Variances of the [ratio](crate::method) to be expected.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Predicted {
+    /// Of a direct estimate.
+    pub direct: f64,
+    /// Of an inferred one.
+    pub inferred: f64,
+    /// The part of the offset in that.
+    pub by_offset: f64,
 }
 
 /// Turns records into estimates, by one method, with the most recent calibration discharges.
@@ -94,7 +105,8 @@ impl Estimator {
     pub fn offset(&self) -> Offset {
         let Some(tracker) = self.tracker() else { return self.offset };
         let (d_ns, u_d_ns) = tracker.d_ns();
-        Offset { d_ns, u_d_ns, r_o_ohm: Some(tracker.r_o_ohm()), switch_ns: tracker.switch_ns() }
+        let r_o_ohm = Some(tracker.r_o_ohm());
+        Offset { d_ns, u_d_ns, r_o_ohm, switch_ns: tracker.switch_ns(), ..Offset::default() }
     }
 
     /// Puts another offset in force.
@@ -265,16 +277,19 @@ impl Estimator {
         let (c1, c2) = self.calibration()?;
         let offset = self.offset();
         let at = offset.switch_ns.map_or(u_switch_ns, |bound| bound.min(u_switch_ns));
-        let (noise, u_d_ns) = (self.noise(), offset.u_d_ns);
+        let (noise, u_common_ns) = (self.noise(), UNLIKE_CALLS * u_switch_ns);
+        let common = (u_common_ns * u_common_ns, offset.by_switch);
         Some(match self.tracker() {
             Some(tracker) => Covariances {
                 crossings: [Covariance::default(), Covariance::default(), noise.covariance(late)?],
                 single: [at * at, 0.0],
+                common,
                 tracker: Some(tracker),
             },
             None => Covariances {
                 crossings: noise.covariances([c1, c2, late])?,
-                single: [at * at, u_d_ns * u_d_ns],
+                single: [at * at, offset.own_variance(u_common_ns)],
+                common,
                 tracker: None,
             },
         })
@@ -282,7 +297,7 @@ impl Estimator {
 
     /// The variances of the ratio to be expected from a direct and from an inferred estimate of a sensor at `ratio`,
     /// switched at `fraction` of the time in which A crosses (for QERM: in which x and c12 together cross).
-    pub fn predict(&self, ratio: f64, fraction: f64, u_switch_ns: f64) -> Option<[f64; 2]> {
+    pub fn predict(&self, ratio: f64, fraction: f64, u_switch_ns: f64) -> Option<Predicted> {
         let (c1, c2) = self.calibration()?;
         let d = self.offset().d_ns;
         let full = [0, 1].map(|node| c1[node] + ratio * (c2[node] - c1[node]));
@@ -302,12 +317,12 @@ impl Estimator {
         let variance = |x: [f64; 2], at: f64, late: [f64; 2], branch| {
             let on = if self.method == Method::Qerm { 0.0 } else { at };
             let times = dual::variables(&Times { c1, c2, x, at, on, d });
-            Some(self.covariances(late, u_switch_ns)?.of(&self.ratio(&times, branch).by))
+            let (covariances, by) = (self.covariances(late, u_switch_ns)?, self.ratio(&times, branch).by);
+            Some((covariances.of(&by), covariances.of_offset(&by)))
         };
-        Some([
-            variance(direct_x, 0.0, direct_x, Branch::Direct)?,
-            variance(switched, at, c2, Branch::Inferred)?,
-        ])
+        let (direct, _) = variance(direct_x, 0.0, direct_x, Branch::Direct)?;
+        let (inferred, by_offset) = variance(switched, at, c2, Branch::Inferred)?;
+        Some(Predicted { direct, inferred, by_offset })
     }
 
     /// When a discharge through the sensor and R_2 at once crosses, given the crossing `x_ns` through the sensor alone;

@@ -13,6 +13,10 @@
 //! instant of the start, whatever the resistor, and what a charge to another V_DD does to both in proportion to their times.
 //! Variances come from successive differences, so that drift is not taken for noise.
 
+mod gate;
+
+pub use gate::Gate;
+
 /// Covariance of the crossings of A and B in one discharge, ns².
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Covariance {
@@ -64,7 +68,7 @@ const SHARED: f64 = 0.5;
 const PROPORTIONAL: f64 = 3.0;
 /// Discharges taken before anything is said about noise.
 const WARM_UP: usize = 16;
-/// An outlier is farther from the running mean than so many sigma.
+/// An outlier is farther from the running mean than so many sigma, at least.
 const GATE: f64 = 5.0;
 /// So many outliers in a row are a step: the mean starts anew.
 const STEP: u32 = 3;
@@ -83,6 +87,7 @@ struct Spread {
     last: [f64; 2],
     sum: Covariance,
     weight: f64,
+    gate: Gate,
     outliers_in_row: u32,
 }
 
@@ -95,6 +100,7 @@ impl Spread {
         last: [0.0; 2],
         sum: Covariance { aa: 0.0, bb: 0.0, ab: 0.0 },
         weight: 0.0,
+        gate: Gate::new(GATE),
         outliers_in_row: 0,
     };
 
@@ -108,7 +114,8 @@ impl Spread {
             }
             return Judgement::Regular;
         }
-        if self.is_outlier(away, quantisation) {
+        let sigmas = self.sigmas(away, quantisation);
+        if !self.gate.admits(sigmas) {
             self.outliers_in_row += 1;
             if self.outliers_in_row < STEP {
                 return Judgement::Outlier;
@@ -165,10 +172,12 @@ impl Spread {
         self.time = self.mean;
     }
 
-    fn is_outlier(&self, away: [f64; 2], quantisation: f64) -> bool {
+    /// How far the farther node is from the running mean.
+    fn sigmas(&self, away: [f64; 2], quantisation: f64) -> f64 {
         let variance = self.covariance().at_least(quantisation);
         // The running mean has a variance of its own: 1/(2 x 16 - 1) of a single time's.
-        (0..2).any(|node| (away[node] - self.mean[node]).abs() > GATE * (1.04 * variance.node(node)).sqrt())
+        let of = |node: usize| (away[node] - self.mean[node]).abs() / (1.04 * variance.node(node)).sqrt();
+        of(0).max(of(1))
     }
 
     /// Half the mean square of successive differences, which has two degrees of freedom for three of them. With few of
@@ -316,78 +325,4 @@ impl Law {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-    use rand::SeedableRng;
-    use rand_chacha::ChaCha8Rng;
-    use rand_distr::{Distribution, StandardNormal};
-
-    const LATENCY: f64 = 1500.0;
-    const TRIGGER: f64 = 4e-4;
-
-    /// Times with shared start jitter, latency jitter and trigger noise, a slow drift and some spikes.
-    fn learned(seed: u64, count: usize, spikes: bool) -> Noise {
-        let mut rng = ChaCha8Rng::seed_from_u64(seed);
-        let mut normal = move || -> f64 { StandardNormal.sample(&mut rng) };
-        let mut noise = Noise::new(1.0);
-        for round in 0..count {
-            let drift = 1.0 + 1e-6 * round as f64;
-            let mut crossings = |times: [f64; 2]| {
-                let start = 500.0 * normal();
-                let spike = if spikes && round % 37 == 5 { 40_000.0 } else { 0.0 };
-                times.map(|t| t * drift + start + LATENCY * normal() + TRIGGER * t * normal() + spike)
-            };
-            let (c1, c2) = (crossings([1.1e6, 1.3e6]), crossings([6.2e6, 7.4e6]));
-            noise.add_c1(c1, [0.0; 2]);
-            noise.add_c2(c2, [0.0; 2]);
-        }
-        noise
-    }
-
-    #[test]
-    fn both_parts_of_the_noise_are_found() {
-        for spikes in [false, true] {
-            let noise = learned(1, 4000, spikes);
-            for t in [1e5, 1.2e6, 7e6] {
-                let found = noise.covariance([t, t]).unwrap();
-                let truth = 500f64.powi(2) + LATENCY.powi(2) + (TRIGGER * t).powi(2);
-                for variance in [found.aa, found.bb] {
-                    assert!(
-                        (0.85..1.15).contains(&(variance / truth)),
-                        "T {t}: {variance} for {truth}, {spikes}"
-                    );
-                }
-                assert!((0.5..1.5).contains(&(found.ab / 500f64.powi(2))), "{}", found.ab);
-            }
-        }
-    }
-
-    #[test]
-    fn nothing_is_said_before_the_warm_up() {
-        assert_eq!(learned(2, WARM_UP - 1, false).covariance([1e6, 1e6]), None);
-        assert!(learned(2, WARM_UP, false).covariance([1e6, 1e6]).is_some());
-    }
-
-    #[test]
-    fn a_spike_is_an_outlier_and_a_step_is_followed() {
-        let mut noise = learned(3, 100, false);
-        let away = [1.1e6 + 60_000.0, 1.3e6 + 60_000.0];
-        assert_eq!(noise.add_c1(away, [0.0; 2]), Judgement::Outlier);
-        assert_eq!(noise.add_c1([1.1e6 * 1.0001, 1.3e6 * 1.0001], [0.0; 2]), Judgement::Regular);
-        assert_eq!(noise.add_c1(away, [0.0; 2]), Judgement::Outlier);
-        assert_eq!(noise.add_c1(away, [0.0; 2]), Judgement::Outlier);
-        assert_eq!(noise.add_c1(away, [0.0; 2]), Judgement::Regular);
-        assert_eq!(noise.add_c1(away, [0.0; 2]), Judgement::Regular);
-    }
-
-    #[test]
-    fn a_silent_circuit_still_has_the_rounding_of_stamps() {
-        let mut noise = Noise::new(1.0);
-        for _ in 0..50 {
-            noise.add_c1([1e6, 1.2e6], [0.0; 2]);
-            noise.add_c2([6e6, 7e6], [0.0; 2]);
-        }
-        let found = noise.covariance([1e5, 2e5]).unwrap();
-        assert!((found.aa - 1.0 / 12.0).abs() < 1e-12 && found.ab == 0.0, "{found:?}");
-    }
-}
+mod tests;

@@ -14,10 +14,11 @@
 //!
 //! The switch comes before either node has crossed, so both nodes tell D and d; they are weighted by the noise of their
 //! crossings. The rounds are averaged; their scatter gives the uncertainties (GUM type A). Rounds that a latency spike has
-//! spoilt are left out.
+//! spoilt are left out. What the scatter does not show is an error of s that is the same each time: the line that starts
+//! the discharge is sunk, the one that ends s is released ([`UNLIKE_CALLS`], type B).
 
 use crate::noise::{Covariance, Noise};
-use crate::record::Record;
+use crate::record::{Record, UNLIKE_CALLS};
 use crate::tracker::SwitchScatter;
 
 /// What the split calibration found; each uncertainty is 1 sigma.
@@ -31,12 +32,19 @@ pub struct Offset {
     pub r_o_ohm: Option<(f64, f64)>,
     /// Scatter of the instant of a switch at the most, ns; `None` if it was not measured.
     pub switch_ns: Option<f64>,
+    /// By how much d changes with an error that all switches have in common.
+    pub by_switch: f64,
 }
 
 impl Offset {
     /// An offset that is known from elsewhere.
     pub fn given(d_ns: f64) -> Offset {
         Offset { d_ns, ..Offset::default() }
+    }
+
+    /// The variance of d but for the error that all switches have in common, ns²; `u_common_ns`: the uncertainty of that.
+    pub fn own_variance(&self, u_common_ns: f64) -> f64 {
+        (self.u_d_ns.powi(2) - (self.by_switch * u_common_ns).powi(2)).max(0.0)
     }
 }
 
@@ -46,6 +54,9 @@ struct Round {
     r_o_ohm: f64,
     s_ns: f64,
     big_d_ns: f64,
+    /// The progress g, weighted as D was, ns/ohm.
+    g: f64,
+    u_switch_ns: f64,
     /// Of D, as far as it is due to its crossings, ns²; `None` while the noise is not known.
     variance: Option<f64>,
 }
@@ -105,11 +116,13 @@ impl SplitCalibration {
             return None;
         }
         let r_o_ohm = (s * r2 - big_d * r1) / (big_d - s);
-        let d_ns = weighted(&|node| c1[node] - (c2[node] - c1[node]) / (r2 - r1) * (r1 + r_o_ohm));
+        let g = weighted(&|node| (c2[node] - c1[node]) / (r2 - r1));
+        let d_ns = weighted(&|node| c1[node]) - g * (r1 + r_o_ohm);
         // Two crossings through R_2 are in D: the plain discharge's and the split one's.
         let variance = covariance.map(|covariance| 2.0 * covariance.of(weights[0], weights[1]));
         let sound = d_ns.is_finite() && r_o_ohm.is_finite();
-        sound.then_some(Round { d_ns, r_o_ohm, s_ns: s, big_d_ns: big_d, variance })
+        let u_switch_ns = split.u_switch_ns;
+        sound.then_some(Round { d_ns, r_o_ohm, s_ns: s, big_d_ns: big_d, g, u_switch_ns, variance })
     }
 
     /// By inverse variance; alike while the noise is not known.
@@ -130,15 +143,26 @@ impl SplitCalibration {
         self.scratch.extend(self.rounds.iter().map(|round| round.d_ns));
         let (middle, limit) = median_and_limit(&mut self.scratch);
         let kept = self.rounds.iter().filter(|round| (round.d_ns - middle).abs() <= limit);
-        let (d_ns, u_d_ns) = mean_and_uncertainty(kept.clone().map(|round| round.d_ns))?;
-        let r_o = mean_and_uncertainty(kept.clone().map(|round| round.r_o_ohm))?;
+        let mean = |of: fn(&Round) -> f64| mean_and_uncertainty(kept.clone().map(of));
+        let (d, r_o) = (mean(|round| round.d_ns)?, mean(|round| round.r_o_ohm)?);
+        let (s, big_d) = (mean(|round| round.s_ns)?.0, mean(|round| round.big_d_ns)?.0);
+        let r_o_by_switch = big_d * (self.r2_ohm - self.r1_ohm) / (big_d - s).powi(2);
+        let by_switch = -mean(|round| round.g)?.0 * r_o_by_switch;
+        let u_common_ns = UNLIKE_CALLS * mean(|round| round.u_switch_ns)?.0;
+
         let slope = (self.r2_ohm + r_o.0) / (self.r1_ohm + r_o.0);
         let known = kept.filter_map(|round| Some((round.big_d_ns - slope * round.s_ns, round.variance?)));
         let mut scatter = SwitchScatter::default();
         if let Some((mean, _)) = mean_and_uncertainty(known.clone().map(|(misfit, _)| misfit)) {
             known.for_each(|(misfit, variance)| scatter.add(misfit - mean, variance, slope));
         }
-        Some(Offset { d_ns, u_d_ns, r_o_ohm: Some(r_o), switch_ns: scatter.bound_ns() })
+        Some(Offset {
+            d_ns: d.0,
+            u_d_ns: d.1.hypot(by_switch * u_common_ns),
+            r_o_ohm: Some((r_o.0, r_o.1.hypot(r_o_by_switch * u_common_ns))),
+            switch_ns: scatter.bound_ns(),
+            by_switch,
+        })
     }
 }
 
@@ -150,8 +174,10 @@ fn median_and_limit(values: &mut [f64]) -> (f64, f64) {
 }
 
 fn median(values: &mut [f64]) -> f64 {
-    values.sort_unstable_by(f64::total_cmp);
-    (values[(values.len() - 1) / 2] + values[values.len() / 2]) / 2.0
+    let is_odd = values.len() % 2 == 1;
+    let (below, middle, _) = values.select_nth_unstable_by(values.len() / 2, f64::total_cmp);
+    let before = if is_odd { *middle } else { below.iter().copied().fold(f64::MIN, f64::max) };
+    (before + *middle) / 2.0
 }
 
 fn mean_and_uncertainty(values: impl Iterator<Item = f64> + Clone) -> Option<(f64, f64)> {

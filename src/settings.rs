@@ -4,6 +4,7 @@
 
 use crate::circuit::Network;
 use crate::config::{self, Config};
+use crate::cycle::{MOST_CALIBRATIONS, MOST_OF_SENSOR};
 use crate::force::{Force, Table, TableError};
 use crate::pins::{Drives, Node};
 use crate::reading::Method;
@@ -127,12 +128,12 @@ impl Settings {
         }
     }
 
-    /// The longest that the share of one reading in a cycle can take, whatever is connected: every calibration discharge
-    /// taken as often as it may be, each of them and the sensor's charged, waited for until its deadline, and finished
-    /// through R_1 until another. What the system takes beyond what was asked for, such as a preemption, is not in it.
+    /// The longest that the share of one reading in a cycle can take, whatever is connected: every discharge taken as often
+    /// as it may be, each of them charged, waited for until its deadline, and finished through R_1 until another. What the
+    /// system takes beyond what was asked for, such as a preemption, is not in it.
     pub fn longest_reading(&self) -> Nanos {
         let discharge = self.charge + self.settle + self.deadline + self.deadline;
-        Nanos(discharge.0 * (i64::from(crate::cycle::MOST_CALIBRATIONS) + 1))
+        Nanos(discharge.0 * i64::from(MOST_CALIBRATIONS + MOST_OF_SENSOR))
     }
 
     /// The discharge of R_2.

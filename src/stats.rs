@@ -22,7 +22,7 @@ pub struct Stats {
     pub short: u64,
     /// Readings without a number, by fault, in the order of [`Fault::ALL`].
     pub faults: [u64; Fault::ALL.len()],
-    /// Calibration discharges taken again.
+    /// Discharges taken again: calibrations that came to nothing, and sensors' whose calls were interrupted.
     pub retried: u64,
     /// The latency offset in force.
     pub offset: Offset,

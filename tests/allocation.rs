@@ -87,7 +87,7 @@ fn a_step_allocates_nothing() {
 fn eight_hours_take_no_memory_and_the_offset_stays() {
     let mut instrument = Bench::new("pi4", Method::Cerm, 1000.0, 1, "rate-hz = 2").instrument();
     let begin = instrument.pins().now();
-    let (mut lateness, mut offsets) = (Vec::with_capacity(1 << 19), Vec::with_capacity(1 << 10));
+    let (mut lateness, mut offsets) = (Vec::with_capacity(1 << 19), Vec::with_capacity(1 << 13));
     let before = ALLOCATIONS.get();
     while instrument.pins().now() - begin < Nanos(8 * 3600 * 1_000_000_000) {
         let mut a_ns = None;

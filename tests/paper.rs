@@ -128,8 +128,9 @@ fn the_predicted_uncertainty_of_both_branches_is_right_within_10_percent() {
                     assert!(found.inferred.abs_diff(index * found.count()) <= rare, "{scene} {r_ohm} {seed}");
                     all.extend(found.errors);
                     let ratio = (r_ohm - R_C1) / (R_C2 - R_C1);
-                    let variances = instrument.cycle().estimator().predict(ratio, 0.9, 0.0).unwrap();
-                    predicted.push((R_C2 - R_C1) * variances[index].sqrt());
+                    let expected = instrument.cycle().estimator().predict(ratio, 0.9, 0.0).unwrap();
+                    let variance = [expected.direct, expected.inferred][index];
+                    predicted.push((R_C2 - R_C1) * variance.sqrt());
                 }
                 let (sd, predicted) = (robust_sd(all), rms(predicted.into_iter()));
                 let row =

@@ -119,7 +119,7 @@ fn name(stem: &str) -> String {
         "offset" => "latency offset".to_owned(),
         "offset_known" => "latency offset known".to_owned(),
         "r_o" => "pin resistance".to_owned(),
-        "retried" => "calibrations retried".to_owned(),
+        "retried" => "discharges retried".to_owned(),
         "lost" => "readings lost by clients".to_owned(),
         "published" => "readings published".to_owned(),
         other => other.replace('_', " "),

@@ -3,6 +3,7 @@
 //! For: full or switched, and when; which calibration discharge pays. Must not know: what came of it.
 
 use super::{Branch, Cycle, Estimator, Fault, Kind, Method, Plan, Record, SplitCalibration, Status, Through};
+use crate::estimate::Predicted;
 use crate::law::State;
 use crate::motion::Motion;
 use crate::record::Switch;
@@ -13,6 +14,9 @@ use crate::units::Nanos;
 const HYSTERESIS: f64 = 0.8;
 /// A calibration discharge pays when the calibration makes more than this share of a reading's variance.
 const SHARE: f64 = 0.15;
+/// A split discharge pays in each cycle while the offset makes more than this share of a switched reading's variance. Its
+/// error is the same in all readings: it is a tenth of the noise of one, and as much as the noise of a mean of a hundred.
+const OFFSET_SHARE: f64 = 0.01;
 /// So many cycles without a calibration discharge are too many: a drift would not be seen.
 const LONGEST_IDLE: u32 = 16;
 /// So many outliers in a row are no spikes: the calibration may be wrong, and is looked at in each cycle.
@@ -104,7 +108,7 @@ impl Cycle {
             charge: settings.charge,
             settle: settings.settle,
             timeout: settings.deadline,
-            widest_bracket: self.calls.widest(),
+            widest_bracket: self.calls.widest(through.drives().count()),
             single_call: self.calls.single(),
         }
     }
@@ -119,27 +123,45 @@ impl Cycle {
 
     /// When to switch from the sensor to R_2, if the next x discharge of a channel is to be switched at all.
     fn switch_time(&self, channel: usize) -> Option<Nanos> {
-        let settings = &self.settings;
         if !self.offset_is_known() {
             return None;
         }
-        let memory = &self.memory[channel];
-        let [r1, r2] = settings.r_ohm;
-        let ratio = (memory.r_ohm? - r1) / (r2 - r1);
-        let (c1, c2) = self.estimator.calibration()?;
-        let x_ns = c1[0] + ratio * (c2[0] - c1[0]);
+        let (settings, memory) = (&self.settings, &self.memory[channel]);
+        let (x_ns, predicted) = self.predicted(channel)?;
         let d_ns = self.estimator.offset().d_ns;
         let wanted = match settings.t_l {
             Some(t_l) => x_ns - d_ns < t_l.as_ns(),
-            None => {
-                let predicted = self.estimator.predict(ratio, settings.switch_fraction, memory.u_switch_ns);
-                predicted
-                    .is_some_and(|[direct, inferred]| prefers_inferred(memory.inferred, direct, inferred))
-            }
+            None => predicted.is_some_and(|Predicted { direct, inferred, .. }| {
+                prefers_inferred(memory.inferred, direct, inferred)
+            }),
         };
         let a_ns = if settings.method == Method::Qerm { self.estimator.parallel_ns(x_ns)? } else { x_ns };
         let after = settings.switch_fraction * (a_ns - d_ns);
         (wanted && after >= 1.0).then_some(Nanos(after as i64))
+    }
+
+    /// When A is expected to cross in the next x discharge of a channel, and how well either branch would tell R_x.
+    fn predicted(&self, channel: usize) -> Option<(f64, Option<Predicted>)> {
+        let memory = &self.memory[channel];
+        let [r1, r2] = self.settings.r_ohm;
+        let ratio = (memory.r_ohm? - r1) / (r2 - r1);
+        let (c1, c2) = self.estimator.calibration()?;
+        let x_ns = c1[0] + ratio * (c2[0] - c1[0]);
+        Some((x_ns, self.estimator.predict(ratio, self.settings.switch_fraction, memory.u_switch_ns)))
+    }
+
+    /// Whether a reading that is switched, or would be if the offset were known exactly, owes more than a set share of its
+    /// variance to the offset.
+    pub(super) fn offset_is_poor(&self) -> bool {
+        let d_ns = self.estimator.offset().d_ns;
+        (0..self.memory.len()).filter_map(|channel| self.predicted(channel)).any(|(x_ns, predicted)| {
+            let Some(Predicted { direct, inferred, by_offset }) = predicted else { return false };
+            let wanted = match self.settings.t_l {
+                Some(t_l) => x_ns - d_ns < t_l.as_ns(),
+                None => inferred - by_offset < direct,
+            };
+            wanted && by_offset > OFFSET_SHARE * inferred
+        })
     }
 
     /// The switch that promises the least variance; `None` if a full discharge does.

@@ -12,6 +12,8 @@ pub(super) struct Covariances<'a> {
     pub crossings: [Covariance; 3],
     /// Variances of the instant of the switch and of `d`.
     pub single: [f64; 2],
+    /// The variance of an error that all switches have in common, and by how much it changes `d`.
+    pub common: (f64, f64),
     /// Where the crossings through R_1 and R_2, and d, come from instead.
     pub tracker: Option<&'a Tracker>,
 }
@@ -23,7 +25,16 @@ impl Covariances<'_> {
             self.crossings.iter().enumerate().map(|(i, block)| block.of(by[2 * i], by[2 * i + 1]));
         // When R_2 comes in hardly matters beside when the sensor goes.
         let single = by[6] * by[6] * self.single[0] + by[8] * by[8] * self.single[1];
-        crossings.sum::<f64>() + single + self.tracker.map_or(0.0, |tracker| tracked_part(tracker, by))
+        let common = self.common.0 * (by[6] + by[8] * self.common.1).powi(2);
+        crossings.sum::<f64>()
+            + single
+            + common
+            + self.tracker.map_or(0.0, |tracker| tracked_part(tracker, by))
+    }
+
+    /// The part that a better known d would take away.
+    pub fn of_offset(&self, by: &[f64; 9]) -> f64 {
+        by[8] * by[8] * self.single[1]
     }
 }
 

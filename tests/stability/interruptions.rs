@@ -135,8 +135,8 @@ pub fn at_the_start() -> Scenario {
     let [g_a, g_b] = board.parts.g();
     published_start(&mut it, &board, Trouble::AtStart, [50e-3 / g_a, 100e-3 / (g_a + g_b)]);
     ours(&mut it, &board, Trouble::AtStart, PREEMPTED);
-    it.why = "the start is counted 50 ms too early. A call that takes so much longer than others is no start: `wide-bracket`; a \
-              calibration discharge is taken again."
+    it.why = "the start is counted 50 ms too early. A call that takes so much longer than others is no start: `wide-bracket`, and the \
+              discharge is taken again."
         .to_owned();
     it
 }
@@ -157,7 +157,8 @@ pub fn before_the_start() -> Scenario {
     let predicted = [-theta / g_a, -2.0 * theta / (g_a + g_b)].map(|share| share * (R_OHM + R_O));
     published_start(&mut it, &board, Trouble::BeforeStart, predicted);
     ours(&mut it, &board, Trouble::BeforeStart, PREEMPTED);
-    it.why = "1 uA takes 96 mV off node A in 50 ms. A discharge that starts so long after its charge is no discharge: `wide-bracket`."
+    it.why = "1 uA takes 96 mV off node A in 50 ms. A discharge that starts so long after its charge is no discharge: `wide-bracket`, \
+              and it is taken again."
         .to_owned();
     it
 }

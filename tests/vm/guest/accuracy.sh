@@ -2,9 +2,11 @@
 
 # Readings left out after the resistor was changed: under way, or planned from the last one.
 SETTLING=3
+# Progress at which both nodes cross, g_A + g_B of the circuit, F.
+G_SUM=1.303013e-6
 
 # readings COUNT OHM: so many readings of a resistor, in one line:
-# ohm bias_ohm sd_ohm u_ohm ms_per_reading readings inferred faults
+# ohm bias_ohm sd_ohm u_ohm ms_per_reading readings inferred faults within_2u
 readings() {
     circuit r_mohm "2320000,12700000,${2}000,0"
     cermctl record --format csv --count $(($1 + SETTLING)) >last.csv
@@ -12,11 +14,15 @@ readings() {
         NR <= skip { next }
         { ms += $17 / 1000; all++ }
         $5 != "ok" { faults++; next }
-        { d = $6 - r; n++; s += d; q += d * d; u += $7 * $7; inferred += $16 == "inferred" }
+        {
+            d = $6 - r; n++; s += d; q += d * d; u += $7 * $7
+            inferred += $16 == "inferred"
+            within += d * d <= 4 * $7 * $7
+        }
         END {
             mean = s / n
-            printf "%d %.4f %.4f %.4f %.2f %d %d %d\n", r, mean, sqrt(q / n - mean * mean), sqrt(u / n), ms / all, n,
-                inferred, faults
+            printf "%d %.4f %.4f %.4f %.2f %d %d %d %d\n", r, mean, sqrt(q / n - mean * mean), sqrt(u / n), ms / all, n,
+                inferred, faults, within
         }' last.csv
 }
 
@@ -25,19 +31,28 @@ begin() {
     write_configuration cermd.toml "$@"
     before=$(mawk 'END { print $1 + 0 }' $discharges)
     start_cermd cermd.toml
-    cermctl record --raw --seconds 1000 --output tape &
+    cermctl record --raw --seconds 10000 --output tape &
     recorder=$!
     until_true 1000 offset_known || fail "no offset is known"
     until_true 1000 warm || fail "no noise is known"
-    kill -INT $recorder
-    wait $recorder
-    cermctl stats --json >stats.json
-    mawk -v before="$before" -f /test/lateness.awk $discharges tape >lateness || { cat lateness; fail "the tape and the circuit disagree"; }
 }
 
 warm() { [ "$(stat cycles)" -ge 66 ]; }
 
-# true_offset: mean of all that `begin` saw of the true lateness of calibration discharges, and its standard error, ns.
+# end: stops the daemon; what it has learned is in stats.json, what is true of all its discharges in `lateness`.
+end() {
+    cermctl stats --json >stats.json
+    kill -INT $recorder
+    wait $recorder
+    stop_cermd
+    mawk -v before="$before" -f /test/lateness.awk $discharges tape >lateness || { cat lateness; fail "the tape and the circuit disagree"; }
+    rm tape
+}
+
+# learned NAME: a number of stats.json.
+learned() { sed -n "s/.*\"$1\":\([^,}]*\).*/\1/p" stats.json; }
+
+# true_offset: mean of the true lateness of all calibration discharges since `begin`, and its standard error, ns.
 true_offset() {
     mawk '$1 ~ /^c/ {
         for (i = 3; i <= 5; i += 2) if ($i != "") { n += $2; s += $2 * $i; q += $2 * ($i * $i + $(i + 1) * $(i + 1)) }
@@ -45,10 +60,58 @@ true_offset() {
     END { mean = s / n; printf "%.1f %.1f\n", mean, sqrt((q / n - mean * mean) / n) }' lateness
 }
 
-# column NAME COUNT OHMS: readings of each resistor, as the file NAME.
+# column NAME COUNT OHMS: readings of each resistor, as the file NAME; four times as many where there is a limit of an ohm.
 column() {
-    for ohm in $3; do readings "$2" "$ohm"; done >"$1"
+    for ohm in $3; do
+        case $ohm in
+        100 | 1000) readings $(($2 * 4)) "$ohm" ;;
+        *) readings "$2" "$ohm" ;;
+        esac
+    done >"$1"
     cat "$1"
+}
+
+# within_limits FILE: 1 ohm at 100 ohm, 0.1 % from 1 kohm.
+within_limits() {
+    mawk '{ bias = $2 < 0 ? -$2 : $2 }
+        $1 == 100 && bias >= 1 || $1 >= 1000 && bias >= $1 / 1000 { print "over the limit:", $0; bad = 1 }
+        END { exit bad }' "$1" || fail "$1: biased"
+}
+
+# coverage FILE...: the share of readings within two of their standard uncertainties; has to be 93 to 97 %.
+coverage() {
+    mawk '{ n += $6; within += $9 } END { printf "%.1f %% of %d readings are within 2 u of the truth\n", 100 * within / n, n
+        exit !(within >= 0.93 * n && within <= 0.97 * n) }' "$@"
+}
+
+# offset_is_true NAME: what the daemon has found, against what the circuit exports: within three standard uncertainties of
+# both, one column in 400 is not; and the daemon's is less than 150 ns, or it would say nothing.
+offset_is_true() {
+    read -r truth u_truth <<-END
+	$(true_offset)
+	END
+    d=$(learned offset_ns) u=$(learned offset_u_ns)
+    echo "| $1 | $d | $u | $truth | $u_truth |" | tee -a offsets
+    mawk -v d="$d" -v u="$u" -v t="$truth" -v v="$u_truth" 'BEGIN { exit !((d - t) ^ 2 <= 9 * (u * u + v * v) && u < 150) }' ||
+        fail "$1: the offset is not the true one"
+}
+
+# as_predicted FILE: without correction, -(2 d/(g_A+g_B)) (Rc2-Rx)/(Rc2+Ro), where the switched equation was used. Three
+# standard uncertainties of the mean and of the true d.
+as_predicted() {
+    read -r truth u_truth <<-END
+	$(true_offset)
+	END
+    mawk -v d="$truth" -v u="$u_truth" -v g="$G_SUM" '$7 == $6 {
+        by = -2e-9 / g * (12700 - $1) / 12740
+        u2 = $3 * $3 / $6 + (by * u) ^ 2
+        printf "| %d | %.2f | %.2f | %.2f |\n", $1, $2, sqrt(u2), by * d
+        if (($2 - by * d) ^ 2 > 9 * u2) bad = 1
+        n++
+    }
+    END { exit bad || !n }' "$1" >"$1.txt" || status=$?
+    cat "$1.txt"
+    [ -z "${status-}" ] || fail "the bias without correction is not the predicted one"
 }
 
 # table TITLE COLUMN...: what `column` has measured, side by side, as Markdown.

@@ -1,0 +1,142 @@
+//! Made-up crossings whose noise is known.
+
+use super::*;
+use rand::SeedableRng;
+use rand_chacha::ChaCha8Rng;
+use rand_distr::{Distribution, StandardNormal};
+
+const LATENCY: f64 = 1500.0;
+const TRIGGER: f64 = 4e-4;
+
+/// Times with shared start jitter, latency jitter and trigger noise, a slow drift and some spikes.
+fn learned(seed: u64, count: usize, spikes: bool) -> Noise {
+    let mut rng = ChaCha8Rng::seed_from_u64(seed);
+    let mut normal = move || -> f64 { StandardNormal.sample(&mut rng) };
+    let mut noise = Noise::new(1.0);
+    for round in 0..count {
+        let drift = 1.0 + 1e-6 * round as f64;
+        let mut crossings = |times: [f64; 2]| {
+            let start = 500.0 * normal();
+            let spike = if spikes && round % 37 == 5 { 40_000.0 } else { 0.0 };
+            times.map(|t| t * drift + start + LATENCY * normal() + TRIGGER * t * normal() + spike)
+        };
+        let (c1, c2) = (crossings([1.1e6, 1.3e6]), crossings([6.2e6, 7.4e6]));
+        noise.add_c1(c1, [0.0; 2]);
+        noise.add_c2(c2, [0.0; 2]);
+    }
+    noise
+}
+
+#[test]
+fn both_parts_of_the_noise_are_found() {
+    for spikes in [false, true] {
+        let noise = learned(1, 4000, spikes);
+        for t in [1e5, 1.2e6, 7e6] {
+            let found = noise.covariance([t, t]).unwrap();
+            let truth = 500f64.powi(2) + LATENCY.powi(2) + (TRIGGER * t).powi(2);
+            for variance in [found.aa, found.bb] {
+                assert!(
+                    (0.85..1.15).contains(&(variance / truth)),
+                    "T {t}: {variance} for {truth}, {spikes}"
+                );
+            }
+            assert!((0.5..1.5).contains(&(found.ab / 500f64.powi(2))), "{}", found.ab);
+        }
+    }
+}
+
+#[test]
+fn nothing_is_said_before_the_warm_up() {
+    assert_eq!(learned(2, WARM_UP - 1, false).covariance([1e6, 1e6]), None);
+    assert!(learned(2, WARM_UP, false).covariance([1e6, 1e6]).is_some());
+}
+
+#[test]
+fn a_spike_is_an_outlier_and_a_step_is_followed() {
+    let mut noise = learned(3, 100, false);
+    let away = [1.1e6 + 60_000.0, 1.3e6 + 60_000.0];
+    assert_eq!(noise.add_c1(away, [0.0; 2]), Judgement::Outlier);
+    assert_eq!(noise.add_c1([1.1e6 * 1.0001, 1.3e6 * 1.0001], [0.0; 2]), Judgement::Regular);
+    assert_eq!(noise.add_c1(away, [0.0; 2]), Judgement::Outlier);
+    assert_eq!(noise.add_c1(away, [0.0; 2]), Judgement::Outlier);
+    assert_eq!(noise.add_c1(away, [0.0; 2]), Judgement::Regular);
+    assert_eq!(noise.add_c1(away, [0.0; 2]), Judgement::Regular);
+}
+
+#[test]
+fn a_silent_circuit_still_has_the_rounding_of_stamps() {
+    let mut noise = Noise::new(1.0);
+    for _ in 0..50 {
+        noise.add_c1([1e6, 1.2e6], [0.0; 2]);
+        noise.add_c2([6e6, 7e6], [0.0; 2]);
+    }
+    let found = noise.covariance([1e5, 2e5]).unwrap();
+    assert!((found.aa - 1.0 / 12.0).abs() < 1e-12 && found.ab == 0.0, "{found:?}");
+}
+
+const C1: [f64; 2] = [1.1e6, 1.3e6];
+const C2: [f64; 2] = [6.2e6, 7.4e6];
+
+/// Each crossing late by itself by `own_ns` and `own` of its time, both together by `start_ns` and, as after a charge to another
+/// voltage, by `charge` of their times.
+fn with_shared(seed: u64, count: usize, own_ns: f64, own: f64, start_ns: f64, charge: f64) -> Noise {
+    let mut rng = ChaCha8Rng::seed_from_u64(seed);
+    let mut normal = move || -> f64 { StandardNormal.sample(&mut rng) };
+    let mut noise = Noise::new(1.0);
+    let mut crossings = |times: [f64; 2]| {
+        let (start, charge) = (start_ns * normal(), charge * normal());
+        times.map(|t| t * (1.0 + charge + own * normal()) + start + own_ns * normal())
+    };
+    for _ in 0..count {
+        noise.add_c1(crossings(C1), [0.0; 2]);
+        noise.add_c2(crossings(C2), [0.0; 2]);
+    }
+    noise
+}
+
+#[test]
+fn what_a_charge_does_to_both_crossings_goes_by_their_times() {
+    let (own_ns, own, start_ns, charge) = (300.0, 1e-4, 500.0, 5e-4);
+    let noise = with_shared(4, 4000, own_ns, own, start_ns, charge);
+    for [a_ns, b_ns] in [[1e5, 1.2e5], C1, [3e6, 3.6e6], C2, [20e6, 24e6]] {
+        let found = noise.covariance([a_ns, b_ns]).unwrap();
+        let shared = |one: f64, other: f64| start_ns.powi(2) + charge.powi(2) * one * other;
+        let alone = |t: f64| own_ns.powi(2) + (own * t).powi(2);
+        let truth = Covariance {
+            aa: shared(a_ns, a_ns) + alone(a_ns),
+            bb: shared(b_ns, b_ns) + alone(b_ns),
+            ab: shared(a_ns, b_ns),
+        };
+        for (found, truth) in [(found.aa, truth.aa), (found.bb, truth.bb), (found.ab, truth.ab)] {
+            assert!((0.85..1.15).contains(&(found / truth)), "{a_ns}: {found} for {truth}");
+        }
+        // What both share is no noise of their ratio, and as much as is left is not made light of.
+        let (of_ratio, of_truth) = (found.of(1.0 / a_ns, -1.0 / b_ns), truth.of(1.0 / a_ns, -1.0 / b_ns));
+        assert!((0.7..2.0).contains(&(of_ratio / of_truth)), "{a_ns}: {of_ratio} for {of_truth}");
+    }
+}
+
+#[test]
+fn nothing_in_proportion_is_shared_by_chance() {
+    let claims = |charge: f64| {
+        let claims = |seed: &u64| {
+            let noise = with_shared(*seed, 60, 1500.0, 4e-4, 500.0, charge);
+            noise.covariance([20e6, 24e6]).unwrap().ab > 10.0 * 500f64.powi(2)
+        };
+        (0..300).filter(claims).count()
+    };
+    assert!(claims(0.0) <= 3);
+    // With as much again that is shared, the same discharges tell.
+    assert!(claims(8e-4) > 250);
+}
+
+#[test]
+fn crossings_that_share_everything_are_still_two() {
+    for count in [20, 200, 2000] {
+        let found = with_shared(5, count, 0.0, 0.0, 0.0, 1e-3).covariance(C2).unwrap();
+        let left = found.of(1.0 / C2[0], -1.0 / C2[1]) / (found.aa / C2[0].powi(2));
+        let freedom = count as f64 * 2.0 / 3.0;
+        // 2 (1 - correlation), where that is believed up to 1 - 1/sqrt(freedom).
+        assert!((1.5..3.0).contains(&(left * freedom.sqrt())), "{count}: {left}");
+    }
+}
