@@ -14,6 +14,7 @@ use crate::units::Nanos;
 use covariances::Covariances;
 
 mod covariances;
+mod leakage;
 mod status;
 
 /// Two crossings that disagree by more sigma than this cannot both be right.
@@ -41,6 +42,8 @@ pub struct Estimator {
     noise: Noise,
     c1: Option<[f64; 2]>,
     c2: Option<[f64; 2]>,
+    /// What leaks, as far as that is known.
+    leak_siemens: f64,
     /// With it, c1 and c2 are only used until it is ready.
     tracker: Option<Tracker>,
 }
@@ -50,7 +53,18 @@ impl Estimator {
     /// `nodes`.
     pub fn new(method: Method, r1_ohm: f64, r2_ohm: f64, nodes: usize, offset: Offset) -> Estimator {
         let noise = Noise::new(1.0);
-        Estimator { method, r1_ohm, r2_ohm, nodes, offset, noise, c1: None, c2: None, tracker: None }
+        Estimator {
+            method,
+            r1_ohm,
+            r2_ohm,
+            nodes,
+            offset,
+            noise,
+            c1: None,
+            c2: None,
+            leak_siemens: 0.0,
+            tracker: None,
+        }
     }
 
     /// The same, with a calibration that is followed instead of taken anew for each reading.

@@ -3,6 +3,7 @@
 //! For: the states of physics kept apart from numbers, so that a fault can never become one. Must not know: how it
 //! was estimated, or how it is sent.
 
+use crate::diagnosis::Suspect;
 use crate::units::Nanos;
 use std::fmt;
 
@@ -85,6 +86,10 @@ pub enum Fault {
     NoCalibration,
     /// The calibration has changed suddenly; it is being found again.
     CalibrationStep,
+    /// Current leaves the nodes by a path of its own; through a resistor of 0 ohm a discharge would take time.
+    Leakage,
+    /// Current enters the nodes by a path of its own; through a resistor of 0 ohm a discharge would take less than no time.
+    PullUp,
     /// The times do not fit the law of the circuit (order or denominators).
     Implausible,
     /// The GPIO lines could not be used.
@@ -93,7 +98,7 @@ pub enum Fault {
 
 impl Fault {
     /// Every fault.
-    pub const ALL: [Fault; 10] = [
+    pub const ALL: [Fault; 12] = [
         Fault::NoCharge,
         Fault::MissedEdge,
         Fault::LostEvent,
@@ -102,6 +107,8 @@ impl Fault {
         Fault::LatencyOutlier,
         Fault::NoCalibration,
         Fault::CalibrationStep,
+        Fault::Leakage,
+        Fault::PullUp,
         Fault::Implausible,
         Fault::Pins,
     ];
@@ -117,6 +124,8 @@ impl Fault {
             Fault::LatencyOutlier => "latency-outlier",
             Fault::NoCalibration => "no-calibration",
             Fault::CalibrationStep => "calibration-step",
+            Fault::Leakage => "leakage",
+            Fault::PullUp => "pull-up",
             Fault::Implausible => "implausible",
             Fault::Pins => "pins",
         }
@@ -182,6 +191,8 @@ pub struct Reading {
     pub at: Nanos,
     /// What is known.
     pub status: Status,
+    /// What on the board a fault looks like.
+    pub suspect: Option<Suspect>,
     /// How it was estimated.
     pub method: Method,
     /// How long the cycle's share of this reading took, charge and calibration included.

@@ -46,6 +46,9 @@ impl Estimator {
 
     /// What is known about the sensor after an x discharge.
     pub fn status(&self, record: &Record, zero_ohm: f64, force: Option<&Force>) -> Status {
+        if let Err(fault) = self.check_paths() {
+            return Status::Fault(fault);
+        }
         let at_bound = |r_ohm: f64| force.and_then(|force| force.at_bound(r_ohm));
         if self.last_crossing(record).is_none() && record.waited_ns > 0.0 {
             // A known resistor was to finish it, and has not: nothing of this is the sensor's.
@@ -67,7 +70,15 @@ impl Estimator {
             Ok(estimate) => estimate,
             Err(fault) => return Status::Fault(fault),
         };
-        let r_ohm = Measured { value: estimate.r_ohm.value - zero_ohm, u: estimate.r_ohm.u };
+        let Some(r_ohm) = self.with_leak(estimate.r_ohm) else {
+            // The leak only ever makes it read lower.
+            let r_min_ohm = estimate.r_ohm.value - zero_ohm - COVERAGE * estimate.r_ohm.u.unwrap_or(0.0);
+            return match r_min_ohm > 0.0 {
+                true => Status::Open { r_min_ohm, f_max_n: at_bound(r_min_ohm) },
+                false => Status::Fault(Fault::Leakage),
+            };
+        };
+        let r_ohm = Measured { value: r_ohm.value - zero_ohm, u: r_ohm.u };
         match r_ohm.u {
             Some(u) if r_ohm.value < -GATE * u => Status::Fault(Fault::Implausible),
             Some(u) if r_ohm.value <= COVERAGE * u => {
