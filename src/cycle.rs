@@ -227,10 +227,19 @@ impl Cycle {
 
     fn calibrated(&mut self, kind: Kind, outcome: &Outcome) {
         self.diagnosis.take(kind, outcome);
-        if let Some(fault) = self.failed {
-            self.fail(fault);
-            return;
+        if self.failed.is_none() {
+            self.calibrate(kind, outcome);
         }
+        // Lost already; the plain discharges tell whether it is a resistor's wire or a node.
+        self.step = match (self.failed, kind) {
+            (Some(Fault::NoCalibration), Kind::Split) => Step::Calibrate(Kind::First),
+            (Some(Fault::NoCalibration), Kind::First) => Step::Calibrate(Kind::Second),
+            (Some(_), _) => Step::Sensor(0),
+            (None, _) => self.step,
+        };
+    }
+
+    fn calibrate(&mut self, kind: Kind, outcome: &Outcome) {
         let tracks = self.estimator.tracker().is_some();
         let result = outcome.result.and_then(|record| self.estimator.calibrate(&record));
         let is_spike = result == Err(Fault::LatencyOutlier);
@@ -252,10 +261,6 @@ impl Cycle {
         self.retries += 1;
         if self.retries > RETRIES {
             self.fail(result.err().unwrap_or(Fault::NoCalibration));
-            if self.failed == Some(Fault::NoCalibration) && kind == Kind::First {
-                // Lost already; the other resistor tells whether it is this one's wire or a node.
-                self.step = Step::Calibrate(Kind::Second);
-            }
         }
     }
 
@@ -290,7 +295,10 @@ impl Cycle {
             })
         });
         self.leak.add(lost, self.settings.r_ohm[0], now);
-        self.estimator.set_leak(self.leak.siemens().unwrap_or(0.0));
+        self.estimator.set_leak(self.leak.likely_siemens());
+        if self.leak.has_changed() {
+            self.estimator.begin_anew();
+        }
     }
 
     fn sensor_done(&mut self, channel: usize, outcome: &Outcome, now: Nanos) -> Reading {

@@ -85,6 +85,13 @@ impl Estimator {
         self.tracker.as_ref().filter(|tracker| tracker.is_ready())
     }
 
+    /// Finds a tracked calibration again, from the beginning.
+    pub fn begin_anew(&mut self) {
+        if let Some(tracker) = &mut self.tracker {
+            tracker.begin_anew();
+        }
+    }
+
     /// Lets the tracked calibration grow older.
     pub fn advance(&mut self, now: Nanos) {
         if let Some(tracker) = self.tracker.as_mut().filter(|tracker| tracker.is_ready()) {

@@ -3,9 +3,10 @@
 //! For: telling a leak from other capacitors, which discharges through two known resistors cannot. Must not know: how
 //! discharges are taken.
 //!
-//! While everything floats for the time h, a leak of conductance G takes G h off the way to the threshold, and nothing else
-//! does. The discharge through R_1 that follows is shorter by G h (R_1+Ro) than one that begins at once. A pull-up
-//! does nothing then, since the nodes are at V_DD already: it shows in Ro ([`Fault::PullUp`](crate::reading::Fault::PullUp)).
+//! While everything floats for the time h, a leak of conductance G takes G h off the way to the threshold. The discharge
+//! through R_1 that follows is shorter by G h (R_1+Ro) than one that begins at once. Nothing else does that but a dielectric
+//! that goes on taking charge in, as that of X7R does. A pull-up does nothing then, since the nodes are at V_DD already: it
+//! shows in Ro ([`Fault::PullUp`](crate::reading::Fault::PullUp)).
 //!
 //! What a leak at node A does to a reading: a discharge through R takes g (R+Ro) / (1 + G (R+Ro)), and two-point calibration
 //! makes of it a resistance that is too high between R_1 and R_2 and too low elsewhere: [`error_ohm`].
@@ -16,12 +17,14 @@ use crate::units::Nanos;
 pub const HOLD: Nanos = Nanos(20_000_000);
 /// From one held discharge to the next.
 pub const EVERY: Nanos = Nanos(5_000_000_000);
-/// Held discharges that are remembered.
-const REMEMBERED: usize = 16;
+/// Held discharges that are remembered: of three minutes.
+const REMEMBERED: usize = 32;
 /// The first ones follow each other; fewer tell nothing.
 const FIRST: usize = 4;
 /// A leak is one beyond so many sigma.
 const GATE: f64 = 4.0;
+/// Beyond so many sigma from the others a single one may be news: another look does no harm.
+const SURPRISE: f64 = 2.5;
 /// A leak through less than this is a defect, not an imperfection: capacitors insulate more than 1 Gohm, pulls of
 /// processors are 30 to 100 kohm.
 pub const GROSS_SIEMENS: f64 = 1.0 / 200e3;
@@ -36,6 +39,8 @@ pub struct LeakTest {
     /// The last one disagrees with those before it: a spike, or news.
     is_surprised: bool,
     last: Option<Nanos>,
+    /// The leak when it last changed.
+    before: f64,
 }
 
 impl LeakTest {
@@ -54,17 +59,36 @@ impl LeakTest {
         self.variance = siemens_by(variance.sqrt(), r_ohm).powi(2);
         self.taken += 1;
         let away = self.siemens[(self.taken - 1) % REMEMBERED] - self.median();
-        self.is_surprised = away.abs() > GATE * self.variance.sqrt();
+        self.is_surprised = away.abs() > SURPRISE * self.variance.sqrt();
     }
 
-    /// The leak, siemens, if there is one that shows. The median: a spike is no leak.
+    /// The leak, siemens, if there is one that shows.
     pub fn siemens(&self) -> Option<f64> {
-        let (count, median) = (self.taken.min(REMEMBERED), self.median());
-        // The variance of a median is pi/2 times that of the mean.
-        let u = (self.variance * std::f64::consts::FRAC_PI_2 / count as f64).sqrt();
-        (count >= FIRST && median > GATE * u).then_some(median)
+        let leak = self.likely_siemens();
+        (leak > self.gate()).then_some(leak)
     }
 
+    /// Whether the leak has come, grown or gone since this last was so.
+    pub fn has_changed(&mut self) -> bool {
+        let leak = self.likely_siemens();
+        let has_changed = (leak - self.before).abs() > self.gate();
+        if has_changed {
+            self.before = leak;
+        }
+        has_changed
+    }
+
+    fn gate(&self) -> f64 {
+        // The variance of a median is pi/2 times that of the mean.
+        GATE * (self.variance * std::f64::consts::FRAC_PI_2 / self.taken.min(REMEMBERED) as f64).sqrt()
+    }
+
+    /// The likely leak, siemens, whether it shows or not: nobody has seen that there is none.
+    pub fn likely_siemens(&self) -> f64 {
+        if self.taken < FIRST { 0.0 } else { self.median().max(0.0) }
+    }
+
+    /// A spike is no leak, so it is not the mean.
     fn median(&self) -> f64 {
         let count = self.taken.min(REMEMBERED);
         let mut sorted = self.siemens;
@@ -106,9 +130,14 @@ mod tests {
         assert_eq!(tested(3, |_| 46_400.0).siemens(), None);
         let found = tested(4, |_| 46_400.0).siemens().unwrap();
         assert!((found * 1e6 - 1.0).abs() < 1e-9, "{found}");
-        assert_eq!(tested(16, |index| if index % 4 == 0 { 200_000.0 } else { 1000.0 }).siemens(), None);
+        let spikes = tested(16, |index| if index % 4 == 0 { 200_000.0 } else { 1000.0 });
+        assert_eq!(spikes.siemens(), None);
+        // What does not show may still be there.
+        assert!((spikes.likely_siemens() - siemens_by(1000.0, 2320.0)).abs() < 1e-15);
+        assert_eq!(tested(16, |_| -1000.0).likely_siemens(), 0.0);
         // One that goes is forgotten.
-        assert_eq!(tested(32, |index| if index < 16 { 46_400.0 } else { 0.0 }).siemens(), None);
+        let gone = tested(2 * REMEMBERED, |index| if index < REMEMBERED { 46_400.0 } else { 0.0 });
+        assert_eq!((gone.siemens(), gone.likely_siemens()), (None, 0.0));
     }
 
     #[test]
@@ -136,13 +165,14 @@ mod tests {
 
     #[test]
     fn a_leak_that_comes_is_looked_at_again_at_once() {
-        let mut test = tested(16, |_| 0.0);
+        let mut test = tested(REMEMBERED, |_| 0.0);
         let mut more = 0;
-        while test.siemens().is_none() {
+        while !test.has_changed() {
             test.add(Some((46_400.0, 8e6)), 2320.0, Nanos::ZERO);
             more += 1;
             assert!(test.is_due(Nanos(1)) || test.siemens().is_some());
         }
-        assert!((8..=9).contains(&more), "{more}");
+        assert!(test.siemens().is_some() && !test.has_changed());
+        assert!((REMEMBERED / 2..=REMEMBERED / 2 + 1).contains(&more), "{more}");
     }
 }

@@ -18,7 +18,7 @@ const UNKNOWN_NS: f64 = 10_000.0;
 const TOLERANCE: f64 = 0.08;
 
 impl Estimator {
-    /// Takes over what is known about a leak, siemens; 0: none shows.
+    /// Takes over how strong a leak there likely is, siemens.
     pub fn set_leak(&mut self, siemens: f64) {
         self.leak_siemens = siemens;
     }
@@ -55,7 +55,8 @@ impl Estimator {
         Some(((c1[0] - self.offset.d_ns) / per_ohm - self.r1_ohm, u_ns / per_ohm, unknown_ns / per_ohm))
     }
 
-    /// The same estimate with what the leak may have made of it in its uncertainty; `None` if it may be any higher one.
+    /// The same estimate with what the leak may have made of it in its uncertainty; `None` if the sensor may have any higher
+    /// resistance.
     pub(super) fn with_leak(&self, r_ohm: Measured) -> Option<Measured> {
         let error_ohm = leak::error_ohm(self.leak_siemens, [self.r1_ohm, self.r2_ohm], r_ohm.value)?;
         let is_bounded = r_ohm.value < self.r2_ohm || r_ohm.value > COVERAGE * error_ohm.abs();

@@ -71,12 +71,10 @@ impl Estimator {
             Err(fault) => return Status::Fault(fault),
         };
         let Some(r_ohm) = self.with_leak(estimate.r_ohm) else {
-            // The leak only ever makes it read lower.
-            let r_min_ohm = estimate.r_ohm.value - zero_ohm - COVERAGE * estimate.r_ohm.u.unwrap_or(0.0);
-            return match r_min_ohm > 0.0 {
-                true => Status::Open { r_min_ohm, f_max_n: at_bound(r_min_ohm) },
-                false => Status::Fault(Fault::Leakage),
-            };
+            // The leak only ever makes it read lower; so far up it is the reciprocal that is known to +-u.
+            let Measured { value, u } = estimate.r_ohm;
+            let r_min_ohm = (value / (1.0 + COVERAGE * u.unwrap_or(0.0) / value) - zero_ohm).max(0.0);
+            return Status::Open { r_min_ohm, f_max_n: at_bound(r_min_ohm) };
         };
         let r_ohm = Measured { value: r_ohm.value - zero_ohm, u: r_ohm.u };
         match r_ohm.u {
