@@ -19,8 +19,8 @@ pub const HOLD: Nanos = Nanos(20_000_000);
 pub const EVERY: Nanos = Nanos(5_000_000_000);
 /// Held discharges that are remembered: of three minutes.
 const REMEMBERED: usize = 32;
-/// The first ones follow each other; fewer tell nothing.
-const FIRST: usize = 4;
+/// The first ones follow each other; fewer tell little.
+const FIRST: usize = 16;
 /// A leak is one beyond so many sigma.
 const GATE: f64 = 4.0;
 /// Beyond so many sigma from the others a single one may be news: another look does no harm.
@@ -127,14 +127,14 @@ mod tests {
     #[test]
     fn a_megohm_shows_at_once_and_spikes_do_not() {
         // 20 ms / 1 Mohm * 2320 ohm.
-        assert_eq!(tested(3, |_| 46_400.0).siemens(), None);
-        let found = tested(4, |_| 46_400.0).siemens().unwrap();
+        assert_eq!(tested(FIRST - 1, |_| 46_400.0).siemens(), None);
+        let found = tested(FIRST, |_| 46_400.0).siemens().unwrap();
         assert!((found * 1e6 - 1.0).abs() < 1e-9, "{found}");
-        let spikes = tested(16, |index| if index % 4 == 0 { 200_000.0 } else { 1000.0 });
+        let spikes = tested(FIRST, |index| if index % 4 == 0 { 200_000.0 } else { 1000.0 });
         assert_eq!(spikes.siemens(), None);
         // What does not show may still be there.
         assert!((spikes.likely_siemens() - siemens_by(1000.0, 2320.0)).abs() < 1e-15);
-        assert_eq!(tested(16, |_| -1000.0).likely_siemens(), 0.0);
+        assert_eq!(tested(FIRST, |_| -1000.0).likely_siemens(), 0.0);
         // One that goes is forgotten.
         let gone = tested(2 * REMEMBERED, |index| if index < REMEMBERED { 46_400.0 } else { 0.0 });
         assert_eq!((gone.siemens(), gone.likely_siemens()), (None, 0.0));
@@ -154,7 +154,7 @@ mod tests {
 
     #[test]
     fn the_first_tests_follow_each_other_and_a_failed_one_counts_for_nothing() {
-        let mut test = tested(4, |_| 0.0);
+        let mut test = tested(FIRST, |_| 0.0);
         let mut new = LeakTest::default();
         assert!(!new.is_due(Nanos(1)) && new.is_due(EVERY + Nanos(1)) && !test.is_due(Nanos(1)));
         assert!(tested(1, |_| 0.0).is_due(Nanos(1)));

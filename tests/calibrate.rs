@@ -61,23 +61,18 @@ fn zero(json: &str, truth_ohm: f64) -> f64 {
 
 #[test]
 fn a_short_circuit_tells_zeros_of_both_signs() {
-    for method in ["cerm", "tracked"] {
-        zeros_of_both_signs(&daemon_by(method, SHORT, SHORT));
-    }
-}
-
-fn zeros_of_both_signs(daemon: &Daemon) {
+    let daemon = daemon(SHORT, SHORT);
     for (id, truth_ohm) in [("thumb", 4.0), ("index", -6.0)] {
-        let before = config(daemon);
+        let before = config(&daemon);
         let arguments = ["zero", "--channel", id, "--count", "100", "--yes", "--json"];
-        let json = stdout(&mut calibrate(daemon, &arguments));
+        let json = stdout(&mut calibrate(&daemon, &arguments));
         let line: Value = serde_json::from_str(&json).unwrap();
         assert_eq!((&line["channel"], &line["updated"]), (&id.into(), &true.into()));
         let kept = line["kept"].as_str().unwrap();
         assert_eq!(fs::read_to_string(kept).unwrap(), before);
         // Another one within this second would have the same name.
         fs::remove_file(kept).unwrap();
-        let after = config(daemon);
+        let after = config(&daemon);
         let new: Vec<&str> = after.lines().filter(|line| !before.contains(line)).collect();
         let written: f64 = new[0].strip_prefix("zero-ohm = ").unwrap().parse().unwrap();
         assert!(new.len() == 1 && (written - zero(&json, truth_ohm)).abs() < 1e-4, "{new:?}");
@@ -87,14 +82,9 @@ fn zeros_of_both_signs(daemon: &Daemon) {
 
 #[test]
 fn a_reference_is_taken_off() {
-    for method in ["cerm", "tracked"] {
-        reference(&daemon_by(method, "constant = \"10 ohm\"", SHORT));
-    }
-}
-
-fn reference(daemon: &Daemon) {
+    let daemon = daemon("constant = \"10 ohm\"", SHORT);
     let arguments = ["reference", "10 ohm", "--channel", "thumb", "--count", "100", "--json"];
-    let json = stdout(calibrate(daemon, &arguments).write_stdin("n\n"));
+    let json = stdout(calibrate(&daemon, &arguments).write_stdin("n\n"));
     zero(&json, 4.0);
     assert_eq!(serde_json::from_str::<Value>(&json).unwrap()["updated"], false);
     assert!(kept(daemon.folder.path()).is_empty());
