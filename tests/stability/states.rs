@@ -28,19 +28,16 @@ const WRONG: (f64, f64) = (5.0, 0.01);
 /// What the system may add to a reading.
 const FOR_THE_SYSTEM: Nanos = Nanos(20_000_000);
 
-/// A defect, what a fault because of it may look like, and which methods are known to give a wrong number, and why nothing
-/// can tell.
+/// A defect, and what a fault because of it may look like.
 struct Defect {
     name: &'static str,
     change: fn(&mut Circuit),
     suspects: &'static [Suspect],
     to_notice: usize,
-    unnoticed: &'static [Method],
-    why: &'static str,
 }
 
 const fn defect(name: &'static str, change: fn(&mut Circuit), suspects: &'static [Suspect]) -> Defect {
-    Defect { name, change, suspects, to_notice: TO_NOTICE, unnoticed: &[], why: "" }
+    Defect { name, change, suspects, to_notice: TO_NOTICE }
 }
 
 fn capacitors(circuit: &mut Circuit, factor_a: f64, factor_b: f64) {
@@ -177,8 +174,7 @@ fn examine(defect: &Defect, method: Method) -> (String, Option<String>) {
     if !sights.is_empty() && faults * 20 > ill.readings && told * 20 < faults * 19 {
         write!(wrong, "{faults} faults, {told} of them with a suspect; ").unwrap();
     }
-    let is_unnoticed = ill.wrong * 20 > ill.readings;
-    if is_unnoticed != defect.unnoticed.contains(&method) {
+    if ill.wrong * 20 > ill.readings {
         write!(wrong, "wrong {} of {}, {} before that; ", ill.wrong, ill.readings, noticing.wrong).unwrap();
     }
     if cured.wrong * 50 > AFTER || cured.names.get("ok").is_none_or(|ok| *ok * 20 < AFTER * 19) {
@@ -200,7 +196,6 @@ pub fn report() -> (String, String) {
         write!(table, " {} |", method.as_str()).unwrap();
     }
     table.push_str("\n|---|---|---|---|---|---|---|\n");
-    let mut reasons = String::new();
     for defect in &DEFECTS {
         let sights: Vec<_> = defect.suspects.iter().map(|suspect| suspect.sight()).collect();
         write!(table, "| {} | {} |", defect.name, sights.join("; or: ")).unwrap();
@@ -210,12 +205,8 @@ pub fn report() -> (String, String) {
             wrong.extend(failure);
         }
         table.push('\n');
-        if !defect.why.is_empty() {
-            writeln!(reasons, "- {}: {}", defect.name, defect.why).unwrap();
-        }
     }
-    let reasons = if reasons.is_empty() { reasons } else { format!("\n{REASONS}\n{reasons}") };
-    (format!("{HEAD}\n{table}{reasons}"), wrong)
+    (format!("{HEAD}\n{table}"), wrong)
 }
 
 const HEAD: &str = "## Defects of the circuit\n\n\
@@ -224,5 +215,3 @@ the readings say from the 100th on after it has come (150 kohm of leakage, found
 the commonest first (below 2 % left out). `wrong number`: off by more than 1 % and by more than 5 of its own sigma. Each \
 method gives right numbers again by itself within as many readings after the defect is gone, and no reading takes longer than \
 its bound. `looks like`: what the readings' `hint` begins with; what to look at follows there.\n";
-
-const REASONS: &str = "Why some go unnoticed:\n";
