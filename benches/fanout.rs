@@ -113,6 +113,7 @@ fn reading(seq: u64) -> Reading {
         seq,
         at: Nanos(81_234_567_890 + seq as i64 * 10_000_000),
         status: Status::Ok { branch: Branch::Direct, r_ohm, f_n },
+        suspect: None,
         method: Method::Cerm,
         duration: Nanos(9_000_000),
     }

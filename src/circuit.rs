@@ -15,7 +15,8 @@ use crate::units::{Farad, Ohm, Seconds, Volt};
 pub const NOMINAL_V_DD: Volt = Volt(3.3);
 /// Falling threshold V_Th of an input when nothing else is said.
 pub const NOMINAL_V_TH: Volt = Volt(1.3);
-/// Rp + Ro of a charger when nothing else is said: 3.3 V over it stay below the 16 mA that a pin may deliver.
+/// Rp + Ro of a charger when nothing else is said, 180 ohm and a pin of 40 ohm: 3.3 V over it stay below the 16 mA that a pin
+/// may deliver. The parts of hw/wiring.md, 220 ohm and 40 ohm, leave more room; hw/cermd.toml says so.
 pub const NOMINAL_R_CHARGE: Ohm = Ohm(220.0);
 /// Output resistance Ro of a sinking pin, for predictions only.
 pub const NOMINAL_R_O: Ohm = Ohm(40.0);

@@ -18,8 +18,10 @@
 mod calls;
 mod plan;
 
+use crate::diagnosis::Diagnosis;
 use crate::discharge::{Outcome, Plan};
 use crate::estimate::Estimator;
+use crate::leak::LeakTest;
 use crate::offset::{Offset, SplitCalibration};
 use crate::reading::{Branch, Fault, Method, Reading, Status};
 use crate::record::{Record, Through};
@@ -59,6 +61,8 @@ pub enum Next {
 enum Step {
     Start,
     Calibrate(Kind),
+    /// R_1, held back: looks for a leak.
+    Hold,
     Sensor(usize),
 }
 
@@ -70,6 +74,8 @@ pub struct Cycle {
     split: Option<SplitCalibration>,
     memory: Vec<Memory>,
     calls: CallGate,
+    leak: LeakTest,
+    diagnosis: Diagnosis,
     step: Step,
     retries: u32,
     /// Calibration discharges of this cycle, and cycles since the last one.
@@ -99,6 +105,8 @@ impl Cycle {
             split,
             memory: vec![Memory::default(); settings.channels.len()],
             calls: CallGate::default(),
+            leak: LeakTest::default(),
+            diagnosis: Diagnosis::new(settings.r_ohm, settings.series, nodes, settings.nominal.as_ns()),
             step: Step::Start,
             retries: 0,
             calibrations: 0,
@@ -115,6 +123,7 @@ impl Cycle {
         let mut stats = self.stats;
         stats.offset = self.estimator.offset();
         stats.offset_is_known = self.offset_is_known();
+        stats.leak_siemens = self.leak.siemens();
         stats.tracking = self.estimator.tracker().map(|tracker| tracker.counts());
         stats
     }
@@ -134,6 +143,11 @@ impl Cycle {
     /// Whether a cycle is about to begin.
     pub fn is_at_start(&self) -> bool {
         self.step == Step::Start
+    }
+
+    /// Whether the next discharge is held back, to look for a leak.
+    pub fn is_holding(&self) -> bool {
+        self.step == Step::Hold
     }
 
     /// Ends the cycle: every channel that has not been read gets this fault.
@@ -158,21 +172,34 @@ impl Cycle {
                 None => Next::Discharge(self.sensor_plan(channel)),
             },
             Step::Calibrate(kind) => Next::Discharge(self.calibration_plan(kind)),
+            Step::Hold => Next::Discharge(self.held_plan()),
             Step::Start => Next::Discharge(self.calibration_plan(Kind::First)),
         }
     }
 
     /// The calibration discharge that follows `last` in this cycle, or the first sensor.
     fn next_calibration(&self, last: Option<Kind>) -> Step {
-        if self.estimator.tracker().is_some() {
+        let next = if self.estimator.tracker().is_some() {
             let may = self.calibrations < CALIBRATIONS_PER_CYCLE;
-            return self.wanted().filter(|_| may).map_or(Step::Sensor(0), Step::Calibrate);
-        }
-        match last {
-            None => Step::Calibrate(Kind::First),
-            Some(Kind::First) => Step::Calibrate(Kind::Second),
-            Some(Kind::Second) if self.is_split_due() => Step::Calibrate(Kind::Split),
-            Some(Kind::Second | Kind::Split) => Step::Sensor(0),
+            self.wanted().filter(|_| may)
+        } else {
+            match last {
+                None => Some(Kind::First),
+                Some(Kind::First) => Some(Kind::Second),
+                Some(Kind::Second) if self.is_split_due() => Some(Kind::Split),
+                Some(Kind::Second | Kind::Split) => None,
+            }
+        };
+        next.map_or(Step::Sensor(0), Step::Calibrate)
+    }
+
+    /// The next cycle, or before it, from time to time, the look for a leak: where no reading waits for it.
+    fn after_sensors(&mut self, now: Nanos) -> Step {
+        let may = self.failed.is_none() && self.estimator.noise().is_known();
+        if may && self.estimator.calibration().is_some() && self.leak.is_due(now) {
+            Step::Hold
+        } else {
+            Step::Start
         }
     }
 
@@ -201,6 +228,7 @@ impl Cycle {
                 self.retries += 1;
                 self.stats.retried += 1;
             }
+            Step::Hold => self.held_done(outcome, now),
             Step::Sensor(channel) => return Some(self.sensor_done(channel, outcome, now)),
             Step::Start => {}
         }
@@ -208,6 +236,20 @@ impl Cycle {
     }
 
     fn calibrated(&mut self, kind: Kind, outcome: &Outcome) {
+        self.diagnosis.take(kind, outcome);
+        if self.failed.is_none() {
+            self.calibrate(kind, outcome);
+        }
+        // Lost already; the plain discharges tell whether it is a resistor's wire or a node.
+        self.step = match (self.failed, kind) {
+            (Some(Fault::NoCalibration), Kind::Split) => Step::Calibrate(Kind::First),
+            (Some(Fault::NoCalibration), Kind::First) => Step::Calibrate(Kind::Second),
+            (Some(_), _) => Step::Sensor(0),
+            (None, _) => self.step,
+        };
+    }
+
+    fn calibrate(&mut self, kind: Kind, outcome: &Outcome) {
         let tracks = self.estimator.tracker().is_some();
         let result = outcome.result.and_then(|record| self.estimator.calibrate(&record));
         let is_spike = result == Err(Fault::LatencyOutlier);
@@ -228,7 +270,7 @@ impl Cycle {
         self.stats.retried += 1;
         self.retries += 1;
         if self.retries > RETRIES {
-            self.fail(if is_spike { Fault::LatencyOutlier } else { Fault::NoCalibration });
+            self.fail(result.err().unwrap_or(Fault::NoCalibration));
         }
     }
 
@@ -246,7 +288,31 @@ impl Cycle {
         }
     }
 
+    /// Shorter than an ordinary discharge through R_1 by what has leaked away meanwhile. One that came to nothing tells
+    /// nothing.
+    fn held_done(&mut self, outcome: &Outcome, now: Nanos) {
+        self.step = Step::Start;
+        let nodes = self.settings.nodes();
+        let usual = self.estimator.calibration().map(|(c1, _)| c1);
+        let lost = outcome.result.ok().zip(usual).and_then(|(record, usual)| {
+            let noise = self.estimator.noise().covariance(usual)?;
+            let [a_ns, b_ns] = [usual[0] - record.a_ns?, usual[1] - record.b_ns.unwrap_or(0.0)];
+            // The two discharges have their own noise each.
+            Some(if nodes == 1 {
+                (a_ns, 2.0 * noise.aa)
+            } else {
+                ((a_ns + b_ns) / 2.0, 2.0 * noise.of(0.5, 0.5))
+            })
+        });
+        self.leak.add(lost, self.settings.r_ohm[0], now);
+        self.estimator.set_leak(self.leak.likely_siemens());
+        if self.leak.has_changed() {
+            self.estimator.begin_anew();
+        }
+    }
+
     fn sensor_done(&mut self, channel: usize, outcome: &Outcome, now: Nanos) -> Reading {
+        self.diagnosis.take_sensor(outcome);
         let settings = &self.settings.channels[channel];
         let (zero_ohm, memory) = (settings.zero_ohm, &mut self.memory[channel]);
         let (status, at) = match &outcome.result {
@@ -263,11 +329,19 @@ impl Cycle {
 
     fn report(&mut self, channel: usize, status: Status, at: Nanos, now: Nanos) -> Reading {
         self.stats.count(&status);
+        let suspect = match status {
+            Status::Fault(fault) => self.diagnosis.suspect(fault),
+            _ => None,
+        };
+        if suspect.is_some() || !matches!(status, Status::Fault(_)) {
+            self.stats.suspect = suspect;
+        }
         let reading = Reading {
             channel,
             seq: self.stats.readings,
             at,
             status,
+            suspect,
             method: self.settings.method,
             duration: now - self.began,
         };
@@ -275,7 +349,7 @@ impl Cycle {
         self.step = Step::Sensor(channel + 1);
         self.retries = 0;
         if channel + 1 == self.settings.channels.len() {
-            self.step = Step::Start;
+            self.step = self.after_sensors(now);
             self.failed = None;
             self.stats.cycles += 1;
             self.idle_cycles = self.idle_cycles.saturating_add(1);

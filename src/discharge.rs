@@ -122,6 +122,7 @@ pub struct Discharge {
     seqno: u32,
     line_seqno: [u32; 2],
     waited: Nanos,
+    charged: Option<Levels>,
     fault: Option<Fault>,
 }
 
@@ -139,6 +140,7 @@ impl Discharge {
             seqno: 0,
             line_seqno: [0; 2],
             waited: Nanos::ZERO,
+            charged: None,
             fault: None,
         };
         (discharge, Action::Drive(plan.chargers))
@@ -192,6 +194,11 @@ impl Discharge {
         (self.start != Bracket::default()).then(|| self.start.width())
     }
 
+    /// The levels after the charge; `None` if it never came to its end.
+    pub fn charged(&self) -> Option<Levels> {
+        self.charged
+    }
+
     fn floating(&mut self, bracket: Bracket) -> Action {
         self.floating = bracket.before;
         if self.plan.settle <= Nanos::ZERO {
@@ -207,6 +214,7 @@ impl Discharge {
     }
 
     fn armed(&mut self, armed: Armed) -> Action {
+        self.charged = Some(armed.levels);
         let charged = armed.levels.a && (armed.levels.b || self.plan.last == Node::A);
         if !charged {
             return self.stop(Some(Fault::NoCharge));
@@ -355,6 +363,8 @@ pub struct Outcome {
     pub result: Result<Record, Fault>,
     /// [`Discharge::start_call`].
     pub start_call: Option<Nanos>,
+    /// [`Discharge::charged`].
+    pub charged: Option<Levels>,
 }
 
 /// Carries one discharge out. All lines are inputs when it returns, whatever happened.
@@ -381,7 +391,11 @@ pub fn run<P: Pins>(pins: &mut P, plan: Plan) -> Result<Outcome, PinsError> {
             Action::Done => {
                 // The last action has released every line already.
                 std::mem::forget(pins);
-                return Ok(Outcome { result: discharge.result(), start_call: discharge.start_call() });
+                return Ok(Outcome {
+                    result: discharge.result(),
+                    start_call: discharge.start_call(),
+                    charged: discharge.charged(),
+                });
             }
         };
         action = discharge.handle(event);

@@ -15,6 +15,7 @@ use crate::units::Nanos;
 use covariances::Covariances;
 
 mod covariances;
+mod leakage;
 mod seen;
 mod status;
 
@@ -54,6 +55,8 @@ pub struct Estimator {
     noise: Noise,
     c1: Option<[f64; 2]>,
     c2: Option<[f64; 2]>,
+    /// What leaks, as far as that is known.
+    leak_siemens: f64,
     /// With it, c1 and c2 are only used until it is ready.
     tracker: Option<Tracker>,
 }
@@ -63,7 +66,18 @@ impl Estimator {
     /// `nodes`.
     pub fn new(method: Method, r1_ohm: f64, r2_ohm: f64, nodes: usize, offset: Offset) -> Estimator {
         let noise = Noise::new(1.0);
-        Estimator { method, r1_ohm, r2_ohm, nodes, offset, noise, c1: None, c2: None, tracker: None }
+        Estimator {
+            method,
+            r1_ohm,
+            r2_ohm,
+            nodes,
+            offset,
+            noise,
+            c1: None,
+            c2: None,
+            leak_siemens: 0.0,
+            tracker: None,
+        }
     }
 
     /// The same, with a calibration that is followed instead of taken anew for each reading.
@@ -82,6 +96,13 @@ impl Estimator {
     /// The tracked calibration, once there is one.
     pub fn tracker(&self) -> Option<&Tracker> {
         self.tracker.as_ref().filter(|tracker| tracker.is_ready())
+    }
+
+    /// Finds a tracked calibration again, from the beginning.
+    pub fn begin_anew(&mut self) {
+        if let Some(tracker) = &mut self.tracker {
+            tracker.begin_anew();
+        }
     }
 
     /// Lets the tracked calibration grow older.

@@ -78,14 +78,20 @@ impl<P: Pins> Instrument<P> {
     pub fn step(&mut self, out: &mut impl FnMut(Message)) -> Result<(), PinsError> {
         let result = self.try_step(out);
         if result.is_err() {
-            self.cycle.fail(Fault::Pins);
-            while !self.cycle.is_at_start() {
-                let now = self.pins.now();
-                let Next::Report(reading) = self.cycle.next(now) else { break };
-                out(Message::Reading(reading));
-            }
+            self.report_failure(out);
         }
         result
+    }
+
+    /// Every channel that has not been read in this cycle gets a reading with [`Fault::Pins`]: between two cycles, all of
+    /// them.
+    pub fn report_failure(&mut self, out: &mut impl FnMut(Message)) {
+        self.cycle.fail(Fault::Pins);
+        while !self.cycle.is_at_start() {
+            let now = self.pins.now();
+            let Next::Report(reading) = self.cycle.next(now) else { break };
+            out(Message::Reading(reading));
+        }
     }
 
     fn try_step(&mut self, out: &mut impl FnMut(Message)) -> Result<(), PinsError> {
@@ -96,9 +102,11 @@ impl<P: Pins> Instrument<P> {
         match self.cycle.next(now) {
             Next::Report(reading) => out(Message::Reading(reading)),
             Next::Discharge(plan) => {
+                // One that was held back is no calibration for whoever reads the tape.
+                let is_told = !self.cycle.is_holding();
                 let outcome = discharge::run(&mut self.pins, plan)?;
                 let reading = self.cycle.done(&outcome, self.pins.now());
-                if let Ok(record) = outcome.result {
+                if let Some(record) = outcome.result.ok().filter(|_| is_told) {
                     self.discharges += 1;
                     out(Message::Discharge { seq: self.discharges, record });
                 }

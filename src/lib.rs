@@ -19,7 +19,7 @@
 //! | the hardware behind one trait, and what stands in for it | [`pins`], [`backend`], [`realtime`] |
 //! | one discharge, and its timings | [`discharge`], [`record`], [`tape`] |
 //! | timings to ohms and newtons, pure | [`method`], [`noise`], [`offset`], [`motion`], [`estimate`], [`force`], [`fit`], [`replay`] |
-//! | which discharges, in which order | [`cycle`], [`instrument`], [`stats`] |
+//! | which discharges, in which order, and what is wrong with the board | [`leak`], [`diagnosis`], [`cycle`], [`instrument`], [`stats`] |
 //! | what a client is told | [`reading`], [`wire`], [`server`], [`client`] |
 //! | threads, signals, the service manager | [`daemon`] |
 //! | what a person types | [`check`], [`cli`], [`ctl`] |
@@ -40,12 +40,14 @@ pub mod config;
 pub mod ctl;
 pub mod cycle;
 pub mod daemon;
+pub mod diagnosis;
 pub mod discharge;
 pub mod estimate;
 pub mod fit;
 pub mod force;
 pub mod instrument;
 pub mod law;
+pub mod leak;
 pub mod method;
 pub mod motion;
 pub mod noise;

@@ -228,9 +228,6 @@ pub enum PinsError {
         /// The likely cause and what to do.
         hint: &'static str,
     },
-    /// A recording has no more discharges to replay.
-    #[error("the recording has come to its end")]
-    Ended,
 }
 
 /// The GPIO lines of one circuit, and the clock that stamps them.

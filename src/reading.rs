@@ -3,6 +3,7 @@
 //! For: the states of physics kept apart from numbers, so that a fault can never become one. Must not know: how it
 //! was estimated, or how it is sent.
 
+use crate::diagnosis::Suspect;
 use crate::units::Nanos;
 use std::fmt;
 
@@ -87,6 +88,10 @@ pub enum Fault {
     NoCalibration,
     /// The calibration has changed suddenly; it is being found again.
     CalibrationStep,
+    /// Current leaves the nodes by a path of its own; through a resistor of 0 ohm a discharge would take time.
+    Leakage,
+    /// Current enters the nodes by a path of its own; through a resistor of 0 ohm a discharge would take less than no time.
+    PullUp,
     /// The times do not fit the law of the circuit (order or denominators).
     Implausible,
     /// The GPIO lines could not be used.
@@ -95,7 +100,7 @@ pub enum Fault {
 
 impl Fault {
     /// Every fault.
-    pub const ALL: [Fault; 11] = [
+    pub const ALL: [Fault; 13] = [
         Fault::NoCharge,
         Fault::MissedEdge,
         Fault::LostEvent,
@@ -105,6 +110,8 @@ impl Fault {
         Fault::Unsettled,
         Fault::NoCalibration,
         Fault::CalibrationStep,
+        Fault::Leakage,
+        Fault::PullUp,
         Fault::Implausible,
         Fault::Pins,
     ];
@@ -121,6 +128,8 @@ impl Fault {
             Fault::Unsettled => "unsettled",
             Fault::NoCalibration => "no-calibration",
             Fault::CalibrationStep => "calibration-step",
+            Fault::Leakage => "leakage",
+            Fault::PullUp => "pull-up",
             Fault::Implausible => "implausible",
             Fault::Pins => "pins",
         }
@@ -186,6 +195,8 @@ pub struct Reading {
     pub at: Nanos,
     /// What is known.
     pub status: Status,
+    /// What on the board a fault looks like.
+    pub suspect: Option<Suspect>,
     /// How it was estimated.
     pub method: Method,
     /// How long the cycle's share of this reading took, charge and calibration included.

@@ -6,6 +6,7 @@ use crate::circuit::Network;
 use crate::config::{self, Config};
 use crate::cycle::{MOST_CALIBRATIONS, MOST_OF_SENSOR};
 use crate::force::{Force, Table, TableError};
+use crate::leak;
 use crate::pins::{Drives, Node};
 use crate::reading::Method;
 use crate::record::Through;
@@ -42,6 +43,8 @@ pub struct Settings {
     pub series: bool,
     /// The chargers there are.
     pub chargers: Drives,
+    /// When node A should cross in a discharge through R_1, by nominal values, for diagnosis alone.
+    pub nominal: Nanos,
     /// The node whose crossing ends a discharge.
     pub last: Node,
     /// Length of a charge.
@@ -103,6 +106,7 @@ impl Settings {
                 Network::TwoCapacitor { .. } => Drives::CHARGE,
                 _ => Drives::CHARGE_A,
             },
+            nominal: Nanos::from_seconds(circuit.crossing(Node::A, circuit.r_c1).unwrap_or_default().0),
             last: config.last_node(),
             charge: config.charge_time(),
             settle: config.settle_time(),
@@ -128,12 +132,22 @@ impl Settings {
         }
     }
 
+    /// The longest that one discharge can take from its charge on, whatever is connected: waited for until the deadline, and
+    /// finished through a known resistor until another.
+    fn discharge(&self) -> Nanos {
+        self.charge + self.settle + self.deadline + self.deadline
+    }
+
+    /// The longest that the measuring thread can be busy without a sign of life: with a discharge that is held back.
+    pub fn longest_step(&self) -> Nanos {
+        self.discharge() + leak::HOLD
+    }
+
     /// The longest that the share of one reading in a cycle can take, whatever is connected: every discharge taken as often
     /// as it may be, each of them charged, waited for until its deadline, and finished through R_1 until another. What the
     /// system takes beyond what was asked for, such as a preemption, is not in it.
     pub fn longest_reading(&self) -> Nanos {
-        let discharge = self.charge + self.settle + self.deadline + self.deadline;
-        Nanos(discharge.0 * i64::from(MOST_CALIBRATIONS + MOST_OF_SENSOR))
+        Nanos(self.discharge().0 * i64::from(MOST_CALIBRATIONS + MOST_OF_SENSOR))
     }
 
     /// The discharge of R_2.

@@ -2,6 +2,7 @@
 //!
 //! For: the numbers behind STATS, kept by the measuring thread without allocating. Must not know: how they are sent.
 
+use crate::diagnosis::Suspect;
 use crate::offset::Offset;
 use crate::reading::{Fault, Status};
 use crate::tracker::Counts;
@@ -28,6 +29,10 @@ pub struct Stats {
     pub offset: Offset,
     /// Whether it is given or found, not still being found.
     pub offset_is_known: bool,
+    /// What leaks beside the resistors, siemens, if it shows.
+    pub leak_siemens: Option<f64>,
+    /// What the last fault looked like, until a reading is none.
+    pub suspect: Option<Suspect>,
     /// What a tracked calibration has counted.
     pub tracking: Option<Counts>,
     /// How long before an instant the backend turns from sleeping to spinning, if it does.

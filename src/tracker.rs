@@ -270,10 +270,14 @@ impl Tracker {
         if self.rejected_in_row < STEP {
             return Err(Fault::LatencyOutlier);
         }
-        // Nothing of the old state may bias the new one: how far a step went is not known.
+        self.begin_anew();
+        Err(Fault::CalibrationStep)
+    }
+
+    /// After a step. Nothing of the old state may bias the new one: how far the step went is not known.
+    pub fn begin_anew(&mut self) {
         let counts = Counts { steps: self.counts.steps + 1, ..self.counts };
         *self = Tracker { counts, ..Tracker::new(self.r_ohm, self.nodes, self.resolution_ns) };
-        Err(Fault::CalibrationStep)
     }
 
     /// The walk since the last discharge.

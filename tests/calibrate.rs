@@ -20,11 +20,13 @@ const SHORT: &str = "constant = \"1 uohm\"";
 const CSV: &str = "force_n,r_ohm\n# of the paper\n1.20,11122\n6.06,2200\n";
 
 fn daemon(thumb: &str, index: &str) -> Daemon {
-    Daemon::start_in_scene(&[
-        ("r-o = \"40 ohm\"", PINS),
-        ("constant = \"100 ohm\"", thumb),
-        ("constant = \"2 kohm\"", index),
-    ])
+    daemon_by("cerm", thumb, index)
+}
+
+fn daemon_by(method: &str, thumb: &str, index: &str) -> Daemon {
+    let scene =
+        [("r-o = \"40 ohm\"", PINS), ("constant = \"100 ohm\"", thumb), ("constant = \"2 kohm\"", index)];
+    Daemon::start_as(("\"cerm\"", &format!("\"{method}\"")), &scene)
 }
 
 /// `cermctl calibrate` for the daemon's own configuration.
@@ -103,20 +105,25 @@ fn a_sensor_is_no_short_circuit() {
 
 #[test]
 fn weights_are_measured_while_they_lie_on_the_sensor() {
-    // 13346 N ohm at 1.2 N, and pins that differ by 4 ohm, not yet calibrated.
-    let daemon = daemon("constant = \"11122 ohm\"", SHORT);
+    for method in ["cerm", "tracked"] {
+        // 13346 N ohm at 1.2 N, and pins that differ by 4 ohm, not yet calibrated.
+        weights(&daemon_by(method, "constant = \"11122 ohm\"", SHORT));
+    }
+}
+
+fn weights(daemon: &Daemon) {
     let arguments = ["force", "--channel", "thumb", "--count", "10", "--json"];
     let typed = "1.2 N\n6.06 N, 2204 ohm\n\ny\n";
-    let json = stdout(calibrate(&daemon, &arguments).write_stdin(typed));
+    let json = stdout(calibrate(daemon, &arguments).write_stdin(typed));
     let line: Value = serde_json::from_str(&json).unwrap();
     let measured = line["pairs"][0]["r_ohm"].as_f64().unwrap();
     assert!((measured - 11_126.0).abs() < 30.0, "{json}");
-    assert!(config(&daemon).contains(&format!("force = {{ alpha = \"{} kN ohm\" }}", {
+    assert!(config(daemon).contains(&format!("force = {{ alpha = \"{} kN ohm\" }}", {
         let alpha = line["alpha_n_ohm"].as_f64().unwrap();
         (alpha * 100.0).round() / 1e5
     })));
     // What reads "short" is no weight.
-    let mut command = calibrate(&daemon, &["force", "--channel", "index", "--count", "3"]);
+    let mut command = calibrate(daemon, &["force", "--channel", "index", "--count", "3"]);
     let assert = command.write_stdin("1 N\n\ny\n").assert().code(1);
     let error = String::from_utf8(assert.get_output().stderr.clone()).unwrap();
     assert!(error.contains("not taken: ") && error.contains("0 pair(s)"), "{error}");

@@ -74,6 +74,19 @@ fn watch_prints_lines_into_a_pipe_and_ends_quietly_when_it_closes() {
 }
 
 #[test]
+fn a_fault_says_what_to_look_at() {
+    let daemon = Daemon::start_in_scene(&[("r-c2 = \"12.7 kohm\"", "r-c2 = \"100 Mohm\"")]);
+    let hint =
+        "nothing falls in a discharge through Rc2; look at the wire from sink-c2 through Rc2 to node A";
+    let stdout = daemon.ctl(&["get", "thumb"]).assert().success().get_output().stdout.clone();
+    let text = String::from_utf8(stdout).unwrap();
+    assert!(text.contains("no-calibration  fault") && text.contains(hint), "{text}");
+    daemon::wait_until("STATS have it", || {
+        daemon.stats()["hint"].as_str().is_some_and(|text| text.starts_with(hint))
+    });
+}
+
+#[test]
 fn watch_chooses_and_thins() {
     let daemon = Daemon::start();
     let mut watch = daemon.spawn(&["watch", "--json", "--max-hz", "10", "index"]);

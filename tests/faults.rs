@@ -112,6 +112,7 @@ const FIRST: Reading = Reading {
     seq: 0,
     at: cermd::units::Nanos::ZERO,
     status: Status::Fault(cermd::reading::Fault::Pins),
+    suspect: None,
     method: Method::Tpcm,
     duration: cermd::units::Nanos::ZERO,
 };

@@ -15,6 +15,8 @@ mod events;
 mod failures;
 #[path = "stability/interruptions.rs"]
 mod interruptions;
+#[path = "stability/leaks.rs"]
+mod leaks;
 #[path = "stability/noise.rs"]
 mod noise;
 #[path = "stability/paper.rs"]
@@ -121,8 +123,9 @@ fn the_page_is_up_to_date() {
         page += &format!("{number}. {}\n", scenario.why);
     }
     let (defects, wrong) = states::report();
-    page += &format!("\n{defects}");
-    assert!(wrong.is_empty(), "{wrong}");
+    let (leaks, unseen) = leaks::report();
+    page += &format!("\n{defects}{leaks}");
+    assert!(wrong.is_empty() && unseen.is_empty(), "{wrong}{unseen}");
     let path = concat!(env!("CARGO_MANIFEST_DIR"), "/docs/stability.md");
     if std::env::var_os("UPDATE_DOCS").is_some() {
         std::fs::write(path, &page).unwrap();

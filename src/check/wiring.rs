@@ -5,7 +5,9 @@
 
 use super::info;
 use crate::config::{Config, Finding};
+use crate::diagnosis::{LEAKS, MISSING};
 use crate::discharge::{self, Plan};
+use crate::leak;
 use crate::pins::{Drives, Levels, Node, Pins, PinsError};
 use crate::reading::Fault;
 use crate::record::{Record, Through};
@@ -17,10 +19,11 @@ const NO_PULL: Ohm = Ohm(200e3);
 /// Printed capacitors are within 20 %, thresholds between a quarter and a half of the supply: times beyond this factor
 /// have another cause.
 const PLAUSIBLE: f64 = 2.0;
-/// Far below the predicted time: a capacitor is not there at all.
-const MISSING: f64 = 0.05;
 /// Resistors are known better than capacitors: the ratio of their times may differ by this factor.
 const PLAUSIBLE_RATIO: f64 = 1.2;
+/// Pairs of discharges that look for a leak, and the smallest one that is told, siemens.
+const HELD: usize = 8;
+const SMALLEST_LEAK: f64 = 1e-7;
 /// How many predicted discharges to wait for the real one.
 const PATIENCE: f64 = 5.0;
 
@@ -75,6 +78,7 @@ impl<P: Pins> Bench<'_, P> {
         }
         self.times(&c1, "Rc1", self.config.circuit.r_c1);
         self.times(&c2, second_name(second), self.config.circuit.r_second());
+        self.leak()?;
         for channel in 0..self.config.channels.len() {
             self.sensor(channel, &c1, &c2)?;
         }
@@ -157,14 +161,50 @@ impl<P: Pins> Bench<'_, P> {
         self.holds(false)
     }
 
+    /// Whether discharges that are held back are shorter than those that begin at once.
+    fn leak(&mut self) -> Result<(), PinsError> {
+        let circuit = &self.config.circuit;
+        let (r, timeout) = (circuit.r_c1, PATIENCE * self.config.discharge(circuit.r_c1).0);
+        let mut siemens = Vec::with_capacity(HELD);
+        for _ in 0..HELD {
+            let mut fall = |hold| {
+                let record = self.held_discharge(Through::C1, Nanos::from_seconds(timeout), hold)?;
+                Ok(record.ok().and_then(|record| record.a_ns))
+            };
+            if let (Some(usual), Some(held)) = (fall(Nanos::ZERO)?, fall(leak::HOLD)?) {
+                siemens.push(leak::siemens_by(usual - held, r.0));
+            }
+        }
+        siemens.sort_unstable_by(f64::total_cmp);
+        // Every pair agrees that there is one: the jitter of stamps is of either sign.
+        let is_leak = siemens.first().is_some_and(|least| *least > 0.0);
+        if let Some(median) =
+            siemens.get(siemens.len() / 2).filter(|median| is_leak && **median > SMALLEST_LEAK)
+        {
+            let leak = Ohm(1.0 / median);
+            let reason = format!("charge leaks away as through {leak:.2} beside the resistors");
+            self.findings.push(warning("wiring", reason, format!("another look at the board: {LEAKS}")));
+        }
+        Ok(())
+    }
+
     fn discharge(&mut self, through: Through, timeout: Nanos) -> Result<Result<Record, Fault>, PinsError> {
+        self.held_discharge(through, timeout, Nanos::ZERO)
+    }
+
+    fn held_discharge(
+        &mut self,
+        through: Through,
+        timeout: Nanos,
+        hold: Nanos,
+    ) -> Result<Result<Record, Fault>, PinsError> {
         let plan = Plan {
             through,
             switch: None,
             chargers: Drives::CHARGE,
             last: if self.has_node_b() { Node::B } else { Node::A },
             charge: self.config.charge_time(),
-            settle: self.config.settle_time(),
+            settle: self.config.settle_time() + hold,
             timeout,
             limit: None,
             widest_bracket: Nanos::MAX,

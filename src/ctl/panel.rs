@@ -200,14 +200,17 @@ impl Channel {
         let status = format!("{status:<7}");
         let rate = self.rate().map_or_else(|| " ".repeat(7), |rate| format!("{rate:>5.1}/s"));
         let fixed = name + 3 + force.chars().count() + ohms.chars().count() + status.len() + rate.len() + 2;
-        let room = width.saturating_sub(fixed).min(WIDEST_BAR);
+        let room = width.saturating_sub(fixed);
         let line = Line::default()
             .add(Style::Bold, format!(" {:name$}  ", self.id))
             .add(Style::Bold, force)
             .add(Style::Plain, ohms);
         let share = self.last.as_ref().and_then(|reading| self.share(reading)).unwrap_or(0.0);
-        let line = if room >= NARROWEST_BAR {
-            let (full, empty) = bar(share, room, unicode);
+        let hint = self.last.as_ref().and_then(|reading| reading.hint.as_deref());
+        let line = if let Some(hint) = hint.filter(|_| room >= NARROWEST_BAR) {
+            line.add(Style::Plain, hint.chars().take(room).collect::<String>() + "  ")
+        } else if room >= NARROWEST_BAR {
+            let (full, empty) = bar(share, room.min(WIDEST_BAR), unicode);
             line.add(Style::Bar, full).add(Style::Dim, empty).add(Style::Plain, "  ")
         } else {
             line
@@ -219,7 +222,8 @@ impl Channel {
         let (force, ohms, _, status) = self.words(unicode);
         let time = self.last.as_ref().and_then(|reading| reading.time.get(11..23)).unwrap_or_default();
         let rate = self.rate().map(|rate| format!("{rate:.1}/s")).unwrap_or_default();
-        let pieces = [time, &self.id, &force, &ohms, status, &rate];
+        let hint = self.last.as_ref().and_then(|reading| reading.hint.as_deref()).unwrap_or_default();
+        let pieces = [time, &self.id, &force, &ohms, status, &rate, hint];
         let kept: Vec<&str> = pieces.into_iter().filter(|piece| !piece.is_empty()).collect();
         Line::default().add(Style::Plain, kept.join("  "))
     }
@@ -246,6 +250,8 @@ mod tests {
     const OPEN: &str = r#""status":"open","r_min_ohm":63000.0,"f_max_n":0.21"#;
     const FAULT: &str = r#""status":"fault","fault":"missed-edge""#;
 
+    const HINTED: &str = r#""status":"fault","fault":"no-calibration","hint":"nothing falls in a discharge through Rc1; look at the wire""#;
+
     fn panel(readings: &[(i64, &str)]) -> Panel {
         let info = ChannelInfo { id: "thumb".to_owned(), unit: Unit::Newton };
         let mut panel = Panel::new([info].iter(), true);
@@ -260,6 +266,10 @@ mod tests {
         is(plain(HALF), "03:40:00.123  thumb  5.000 ± 0.010 N  2669.2 ± 2.5 ohm  ok");
         is(plain(OPEN), "03:40:00.123  thumb  < 0.210 N  > 63000 ohm  open");
         is(plain(FAULT), "03:40:00.123  thumb  missed-edge  fault");
+        is(
+            plain(HINTED),
+            "03:40:00.123  thumb  no-calibration  fault  nothing falls in a discharge through Rc1; look at the wire",
+        );
         is(
             panel(&[(0, OPEN), (100, OPEN), (200, OPEN)]).plain("thumb"),
             "03:40:00.123  thumb  < 0.210 N  > 63000 ohm  open  10.0/s",
@@ -279,9 +289,11 @@ mod tests {
 
     #[test]
     fn a_narrow_terminal_loses_the_bar_first() {
-        let panel = panel(&[(0, HALF)]);
-        assert!(panel.lines(90)[0].text().contains('█'));
-        let narrow = panel.lines(60)[0].text();
+        let line = |rest, width| panel(&[(0, rest)]).lines(width)[0].text();
+        assert!(line(HALF, 90).contains('█'));
+        let narrow = line(HALF, 60);
         assert!(!narrow.contains('█') && narrow.contains("ok"), "{narrow}");
+        let hinted = line(HINTED, 100);
+        assert!(hinted.contains("no-calibration  nothing falls in a discharge") && hinted.contains("fault"));
     }
 }

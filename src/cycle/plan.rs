@@ -83,6 +83,12 @@ impl Cycle {
         self.plan(through, switch, None)
     }
 
+    /// R_1 after a pause in which a leak would show.
+    pub(super) fn held_plan(&self) -> Plan {
+        let plan = self.calibration_plan(Kind::First);
+        Plan { settle: plan.settle + crate::leak::HOLD, ..plan }
+    }
+
     pub(super) fn sensor_plan(&self, channel: usize) -> Plan {
         let settings = &self.settings;
         let switch = match settings.method {

@@ -40,11 +40,11 @@ fn discharged(through: Through) -> Outcome {
         u_switch_ns: 0.0,
         waited_ns: 0.0,
     };
-    Outcome { result: Ok(record), start_call: Some(Nanos(1000)) }
+    Outcome { result: Ok(record), start_call: Some(Nanos(1000)), charged: None }
 }
 
 fn failed(fault: Fault) -> Outcome {
-    Outcome { result: Err(fault), start_call: None }
+    Outcome { result: Err(fault), start_call: None, charged: None }
 }
 
 /// What each next discharge runs through and, if that ends a reading, its status; `outcomes` in order, then sound ones.

@@ -197,6 +197,9 @@ impl Worker {
                 }
                 Err(error) => self.complain(error.to_string(), Report::NotOpened(error)),
             }
+            // Silence would look like a daemon that hangs.
+            instrument.report_failure(&mut |message| self.send(Report::Message(message)));
+            self.send(Report::Stats(instrument.stats()));
         }
     }
 
@@ -231,24 +234,28 @@ impl Worker {
 /// Stands in while there are no pins.
 struct Closed;
 
+fn closed() -> PinsError {
+    PinsError::Gone { chip: "of before".to_owned() }
+}
+
 impl Pins for Closed {
     fn now(&mut self) -> Nanos {
         super::monotonic()
     }
     fn drive(&mut self, _on: Drives) -> Result<Bracket, PinsError> {
-        Err(PinsError::Ended)
+        Err(closed())
     }
     fn arm(&mut self) -> Result<Armed, PinsError> {
-        Err(PinsError::Ended)
+        Err(closed())
     }
     fn edge(&mut self, _until: Nanos) -> Result<Option<Edge>, PinsError> {
-        Err(PinsError::Ended)
+        Err(closed())
     }
     fn sleep_until(&mut self, _at: Nanos) -> Result<(), PinsError> {
-        Err(PinsError::Ended)
+        Err(closed())
     }
     fn levels(&mut self) -> Result<Levels, PinsError> {
-        Err(PinsError::Ended)
+        Err(closed())
     }
 }
 
@@ -348,8 +355,20 @@ mod tests {
         while measuring.beat() < begin + 25 {
             thread::sleep(Duration::from_millis(10));
         }
-        assert!(matches!(measuring.next(), Some(Report::Realtime(_))));
-        assert!(matches!(measuring.next(), Some(Report::NotOpened(_))));
-        assert!(measuring.next().is_none());
+        measuring.stop();
+        let (mut complaints, mut faults) = (0, 0);
+        while let Some(report) = measuring.next() {
+            match report {
+                Report::NotOpened(_) => complaints += 1,
+                Report::Message(Message::Reading(reading)) => {
+                    assert_eq!(reading.status, crate::reading::Status::Fault(crate::reading::Fault::Pins));
+                    faults += 1;
+                }
+                Report::Realtime(_) | Report::Stats(_) => {}
+                other => panic!("{other:?}"),
+            }
+        }
+        // But whoever reads hears in each round that there is no reading.
+        assert_eq!((complaints, faults), (1, 2));
     }
 }

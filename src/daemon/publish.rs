@@ -5,14 +5,15 @@
 use super::Loaded;
 use super::measuring::Report;
 use crate::config::{Backend, Config};
+use crate::diagnosis::{LEAKS, Suspect};
 use crate::instrument::Message;
-use crate::reading::Fault;
+use crate::reading::{Fault, Reading, Status};
 use crate::realtime::{self, Outcome};
 use crate::server::Server;
 use crate::settings::Settings;
 use crate::stats::Stats;
 use crate::tape::Header;
-use crate::units::Nanos;
+use crate::units::{Nanos, Ohm};
 use crate::wire::{ChannelInfo, Object, Unit, UnixTime};
 
 /// The channels as VERSION announces them.
@@ -38,12 +39,53 @@ pub struct Told {
     pub stats: Stats,
     /// What became of the wishes of `[realtime]`; `None` before its first word.
     pub realtime: Option<realtime::Report>,
+    /// The GPIO lines cannot be used, and are tried again.
+    pub is_away: bool,
+    /// What the log has about the board.
+    board: Board,
+}
+
+/// A suspect that has not shown for so long is gone.
+const GONE_AFTER: Nanos = Nanos(10_000_000_000);
+
+/// What was said about the board, so that it is said once and not with each reading.
+#[derive(Debug, Default)]
+struct Board {
+    suspect: Option<Suspect>,
+    seen: Nanos,
+    leaks: bool,
+}
+
+impl Board {
+    fn reading(&mut self, reading: &Reading) {
+        if let (Some(suspect), Status::Fault(fault)) = (reading.suspect, reading.status) {
+            self.seen = reading.at;
+            if self.suspect != Some(suspect) {
+                self.suspect = Some(suspect);
+                log::warn!("{fault}: {suspect}");
+            }
+        } else if self.suspect.is_some() && reading.at - self.seen > GONE_AFTER {
+            self.suspect = None;
+            log::info!("nothing is wrong with the board any more");
+        }
+    }
+
+    fn stats(&mut self, stats: &Stats) {
+        if let (Some(siemens), false) = (stats.leak_siemens, self.leaks) {
+            self.leaks = true;
+            log::warn!(
+                "a leak of about {:.2}: readings are less certain by what it does to them; look for {LEAKS}",
+                Ohm(1.0 / siemens)
+            );
+        }
+    }
 }
 
 /// Passes one result on. `to_wall`: from `CLOCK_MONOTONIC` to `CLOCK_REALTIME`.
 pub fn report(server: &mut Server, told: &mut Told, loaded: &Loaded, report: Report, to_wall: Nanos) {
     match report {
         Report::Message(Message::Reading(reading)) => {
+            told.board.reading(&reading);
             server.publish_reading(&reading, UnixTime((reading.at + to_wall).0));
         }
         Report::Message(Message::Discharge { seq, record }) => {
@@ -52,20 +94,32 @@ pub fn report(server: &mut Server, told: &mut Told, loaded: &Loaded, report: Rep
                 server.publish_raw(record.through.channel(), record.start, &line);
             }
         }
-        Report::Stats(counted) => told.stats = counted,
+        Report::Stats(counted) => {
+            told.board.stats(&counted);
+            told.stats = counted;
+        }
         Report::Realtime(report) => {
             log_realtime(&report);
             told.realtime = Some(report);
         }
-        Report::Failed(error) => log::error!("{error}; trying again every second"),
-        Report::NotOpened(error) => log::warn!("{error}"),
-        Report::Recovered => log::info!("the GPIO lines work again"),
+        Report::Failed(error) => {
+            told.is_away = true;
+            log::error!("{error}; trying again every second");
+        }
+        Report::NotOpened(error) => {
+            told.is_away = true;
+            log::warn!("{error}");
+        }
+        Report::Recovered => {
+            told.is_away = false;
+            log::info!("the GPIO lines work again");
+        }
     }
 }
 
 /// The daemon's own fields of STATS.
 pub fn stats(told: &Told, config: &Config, uptime: Nanos) -> impl FnMut(&mut Object<'_>) {
-    let Told { stats, realtime } = told;
+    let Told { stats, realtime, is_away, .. } = told;
     let backend = match config.gpio.backend {
         Backend::Chardev => "chardev",
         Backend::ChardevV1 => "chardev-v1",
@@ -75,6 +129,7 @@ pub fn stats(told: &Told, config: &Config, uptime: Nanos) -> impl FnMut(&mut Obj
     move |object| {
         object.text("backend", backend);
         object.text("method", method.unwrap_or_default());
+        object.flag("gpio_works", !is_away);
         object.number("uptime_s", uptime.as_seconds(), 9);
         object.integer("cycles", stats.cycles);
         object.integer("readings", stats.readings);
@@ -86,6 +141,10 @@ pub fn stats(told: &Told, config: &Config, uptime: Nanos) -> impl FnMut(&mut Obj
                 object.integer(fault.as_str(), stats.faults[fault as usize]);
             }
         });
+        if let Some(suspect) = stats.suspect {
+            object.text("hint", suspect.as_str());
+        }
+        object.number("leak_ohm", stats.leak_siemens.map(|siemens| 1.0 / siemens), 3);
         object.integer("retried", stats.retried);
         object.flag("offset_known", stats.offset_is_known);
         if stats.offset_is_known {

@@ -48,7 +48,7 @@ impl Script {
         }
         let fails = is_at(self.fail_at.take_if(|at| name.starts_with(*at)));
         self.log.push(name);
-        if fails { Err(PinsError::Ended) } else { Ok(()) }
+        if fails { Err(PinsError::Unwired(Drives::NONE)) } else { Ok(()) }
     }
 }
 

@@ -81,22 +81,24 @@ impl Estimator {
         motion: &mut Motion,
         at_ns: &mut f64,
     ) -> Status {
+        if let Err(fault) = self.check_paths() {
+            return Status::Fault(fault);
+        }
         let at_bound = |r_ohm: f64| force.and_then(|force| force.at_bound(r_ohm));
+        let open = |r_ohm: f64| {
+            let r_min_ohm = (r_ohm - zero_ohm).max(0.0);
+            Status::Open { r_min_ohm, f_max_n: at_bound(r_min_ohm) }
+        };
         if self.last_crossing(record).is_none() && record.waited_ns > 0.0 {
             // A known resistor was to finish it, and has not: nothing of this is the sensor's.
             if record.switch.is_some() {
                 return Status::Fault(Fault::NoCalibration);
             }
-            return match self.bound_ohm(record.waited_ns).map(|r_ohm| r_ohm - zero_ohm) {
-                Some(r_min_ohm) if r_min_ohm > 0.0 => {
-                    Status::Open { r_min_ohm, f_max_n: at_bound(r_min_ohm) }
-                }
-                _ => Status::Fault(Fault::Implausible),
-            };
+            let bound = self.bound_ohm(record.waited_ns).filter(|r_ohm| *r_ohm > zero_ohm);
+            return bound.map_or(Status::Fault(Fault::Implausible), open);
         }
-        if let Some(r_min_ohm) = self.beyond(record) {
-            let r_min_ohm = (r_min_ohm - zero_ohm).max(0.0);
-            return Status::Open { r_min_ohm, f_max_n: at_bound(r_min_ohm) };
+        if let Some(r_ohm) = self.beyond(record) {
+            return open(r_ohm);
         }
         let (estimate, seen) = match self.look(record) {
             Ok(found) => found,
@@ -110,17 +112,20 @@ impl Estimator {
             Ok(moved) => moved.unwrap_or(0.0),
             Err(fault) => return Status::Fault(fault),
         };
-        let r_ohm = Measured { value: value - zero_ohm, u: u.map(|u| u.hypot(moved)) };
+        let measured = Measured { value, u: u.map(|u| u.hypot(moved)) };
+        let Some(r_ohm) = self.with_leak(measured) else {
+            // The leak only ever makes it read lower; so far up it is the reciprocal that is known to +-u.
+            let Measured { value, u } = measured;
+            return open(value / (1.0 + COVERAGE * u.unwrap_or(0.0) / value));
+        };
+        let r_ohm = Measured { value: r_ohm.value - zero_ohm, u: r_ohm.u };
         match r_ohm.u {
             Some(u) if r_ohm.value < -GATE * u => Status::Fault(Fault::Implausible),
             Some(u) if r_ohm.value <= COVERAGE * u => {
                 let r_max_ohm = r_ohm.value.max(0.0) + COVERAGE * u;
                 // What may as well be above R_1 is no short circuit: nothing is known.
                 if r_max_ohm > self.r1_ohm {
-                    return self.above(record).map_or(Status::Fault(Fault::Implausible), |r_min_ohm| {
-                        let r_min_ohm = (r_min_ohm - zero_ohm).max(0.0);
-                        Status::Open { r_min_ohm, f_max_n: at_bound(r_min_ohm) }
-                    });
+                    return self.above(record).map_or(Status::Fault(Fault::Implausible), open);
                 }
                 Status::Short { r_max_ohm, f_min_n: at_bound(r_max_ohm) }
             }

@@ -27,8 +27,6 @@ pub enum Failed {
     Gone,
     /// [`PinsError::Call`].
     Call,
-    /// [`PinsError::Ended`].
-    Ended,
 }
 
 impl From<&PinsError> for Failed {
@@ -38,7 +36,6 @@ impl From<&PinsError> for Failed {
             PinsError::Unwired(_) => Failed::Unwired,
             PinsError::Gone { .. } => Failed::Gone,
             PinsError::Call { .. } => Failed::Call,
-            PinsError::Ended => Failed::Ended,
         }
     }
 }
@@ -147,7 +144,6 @@ impl fmt::Display for Failed {
             Failed::Call => "failed",
             Failed::Unwired => "unwired",
             Failed::Gone => "gone",
-            Failed::Ended => "ended",
         })
     }
 }

@@ -235,7 +235,15 @@ mod tests {
         }
         let status = Status::Fault(Fault::MissedEdge);
         let at = Nanos(seq as i64);
-        let reading = Reading { channel: 0, seq, at, status, method: Method::Cerm, duration: Nanos::ZERO };
+        let reading = Reading {
+            channel: 0,
+            seq,
+            at,
+            status,
+            suspect: None,
+            method: Method::Cerm,
+            duration: Nanos::ZERO,
+        };
         hub.push_reading(&reading, UnixTime(0));
     }
 

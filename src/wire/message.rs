@@ -56,7 +56,12 @@ pub(crate) fn begin_reading(out: &mut Vec<u8>, reading: &Reading, channel: &str,
             object.number("f_min_n", f_min_n, VALUE_DIGITS);
             object.integer("duration_us", duration_us);
         }
-        Status::Fault(fault) => object.text("fault", fault.as_str()),
+        Status::Fault(fault) => {
+            object.text("fault", fault.as_str());
+            if let Some(suspect) = reading.suspect {
+                object.text("hint", suspect.as_str());
+            }
+        }
     }
 }
 
@@ -159,6 +164,8 @@ pub struct ReadingLine {
     pub f_min_n: Option<f64>,
     /// Why there is no number; a text, because later releases know more faults.
     pub fault: Option<String>,
+    /// What on the board a fault looks like, and what to look at, for people.
+    pub hint: Option<String>,
     /// How it was estimated.
     pub method: Option<String>,
     /// "direct" or "inferred", eq. (19).
@@ -217,6 +224,7 @@ impl ServerMessage {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::diagnosis::Suspect;
     use crate::reading::{Branch, Fault, Method};
     use crate::units::Nanos;
     use crate::wire::Unit;
@@ -229,6 +237,7 @@ mod tests {
             seq: 1041,
             at: Nanos(81_234_567_890),
             status,
+            suspect: None,
             method: Method::Cerm,
             duration: Nanos(18_230_400),
         }
@@ -269,6 +278,17 @@ mod tests {
         assert_eq!(
             written(Status::Fault(Fault::MissedEdge)),
             format!("{head}\"fault\",\"fault\":\"missed-edge\",\"lost\":0}}\n")
+        );
+        let suspected =
+            Reading { suspect: Some(Suspect::SecondOpen), ..reading(Status::Fault(Fault::NoCalibration)) };
+        let mut out = Vec::new();
+        write_reading(&mut out, &suspected, "thumb", TIME);
+        assert_eq!(
+            String::from_utf8(out).unwrap(),
+            format!(
+                "{head}\"fault\",\"fault\":\"no-calibration\",\"hint\":\"nothing falls in a discharge through Rc2; look at \
+                 the wire from sink-c2 through Rc2 to node A (series calibration: to Rc1)\",\"lost\":0}}\n"
+            )
         );
     }
 

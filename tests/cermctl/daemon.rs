@@ -85,7 +85,8 @@ impl Daemon {
         Daemon::start_as(("", ""), changes)
     }
 
-    fn start_as((from, to): (&str, &str), changes: &[(&str, &str)]) -> Daemon {
+    /// With a change to the configuration and changes to the scene.
+    pub fn start_as((from, to): (&str, &str), changes: &[(&str, &str)]) -> Daemon {
         let mut daemon = Daemon { folder: tempfile::tempdir().unwrap(), child: None };
         let scene = changes.iter().fold(SCENE.to_owned(), |scene, (from, to)| scene.replacen(from, to, 1));
         fs::write(daemon.path("scene.toml"), scene).unwrap();

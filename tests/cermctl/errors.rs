@@ -3,7 +3,7 @@
 use crate::daemon::{CONFIG, Daemon, ctl};
 use std::fs;
 use std::os::unix::fs::PermissionsExt;
-use std::os::unix::net::UnixListener;
+use std::os::unix::net::{UnixListener, UnixStream};
 use std::os::unix::process::CommandExt;
 
 /// Standard error of a verb that fails, without the changing name of the directory.
@@ -85,7 +85,8 @@ fn an_instrument_that_has_not_measured_yet() {
         .stderr(std::process::Stdio::null())
         .spawn()
         .unwrap();
-    crate::daemon::wait_until("cermd serves", || socket.exists());
+    // The socket is there before anybody listens.
+    crate::daemon::wait_until("cermd serves", || UnixStream::connect(&socket).is_ok());
     let mut get = ctl(&["get", "--socket", socket.to_str().unwrap()]);
     let complaint = failure(&mut get, "-");
     slow.kill().unwrap();

@@ -3,11 +3,12 @@
 
 use cermd::config::Config;
 use cermd::instrument::{Instrument, Message};
+use cermd::pins::Pins;
 use cermd::pins::sim::{Kind, Scene, Sensor, SimPins};
 use cermd::reading::{Method, Reading, Status};
 use cermd::record::Record;
 use cermd::settings::Settings;
-use cermd::units::Ohm;
+use cermd::units::{Nanos, Ohm};
 
 /// What a test runs: a board by name, and what is changed on it and in the configuration.
 #[derive(Debug, Clone)]
@@ -96,6 +97,13 @@ pub fn settle(instrument: &mut Instrument<SimPins>) {
         instrument.step(&mut |_| {}).unwrap();
         steps += 1;
         assert!(steps < 100_000, "the offset is never found");
+    }
+}
+
+/// Reads until what is done once after a start is over: the first look for a leak, which makes cycles longer for a while.
+pub fn rest(instrument: &mut Instrument<SimPins>) {
+    while instrument.pins().now() < Nanos(8_000_000_000) {
+        read(instrument, 1, |_| {});
     }
 }
 

@@ -1,10 +1,12 @@
 //! Defects of the circuit, one at a time: they come while the instrument runs, stay, and go again.
 
 use crate::common::{Bench, kind_of};
+use cermd::diagnosis::Suspect;
 use cermd::instrument::{Instrument, Message};
+use cermd::pins::Node;
 use cermd::pins::sim::network::Wiring;
 use cermd::pins::sim::{Circuit, SimPins};
-use cermd::reading::{Method, Reading, Status};
+use cermd::reading::{Fault, Method, Reading, Status};
 use cermd::units::Nanos;
 use std::collections::BTreeMap;
 use std::fmt::Write;
@@ -17,19 +19,25 @@ const BROKEN: f64 = 1e12;
 const BEFORE: usize = 400;
 const DURING: usize = 200;
 const AFTER: usize = 400;
-/// Readings that a method has to find out, and to find back.
+/// Readings that a method has to find out, and to find back: where each reading shows the defect, and where only the
+/// discharges do that are held back every 5 s.
 const TO_NOTICE: usize = 100;
+const TO_NOTICE_HELD: usize = 500;
 /// A number farther from the truth is wrong: 5 of its own sigma and 1 %.
 const WRONG: (f64, f64) = (5.0, 0.01);
 /// What the system may add to a reading.
 const FOR_THE_SYSTEM: Nanos = Nanos(20_000_000);
 
-/// A defect, and which methods are known to give a wrong number because of it, and why nothing can tell.
+/// A defect, and what a fault because of it may look like.
 struct Defect {
     name: &'static str,
     change: fn(&mut Circuit),
-    unnoticed: &'static [Method],
-    why: &'static str,
+    suspects: &'static [Suspect],
+    to_notice: usize,
+}
+
+const fn defect(name: &'static str, change: fn(&mut Circuit), suspects: &'static [Suspect]) -> Defect {
+    Defect { name, change, suspects, to_notice: TO_NOTICE }
 }
 
 fn capacitors(circuit: &mut Circuit, factor_a: f64, factor_b: f64) {
@@ -39,52 +47,43 @@ fn capacitors(circuit: &mut Circuit, factor_a: f64, factor_b: f64) {
     }
 }
 
-const DEFECTS: [Defect; 12] = [
-    Defect { name: "no sensor", change: |c| c.r_x[0] = f64::INFINITY, unnoticed: &[], why: "" },
-    Defect { name: "short circuit of the sensor", change: |c| c.r_x[0] = 0.0, unnoticed: &[], why: "" },
-    Defect { name: "broken wire to Rc1", change: |c| c.r_c1 = BROKEN, unnoticed: &[], why: "" },
-    Defect { name: "broken wire to Rc2", change: |c| c.r_c2 = BROKEN, unnoticed: &[], why: "" },
+const DEFECTS: [Defect; 14] = [
+    defect("no sensor", |c| c.r_x[0] = f64::INFINITY, &[]),
+    defect("short circuit of the sensor", |c| c.r_x[0] = 0.0, &[]),
+    defect("broken wire to Rc1", |c| c.r_c1 = BROKEN, &[Suspect::FirstOpen, Suspect::BothOpen]),
+    defect("broken wire to Rc2", |c| c.r_c2 = BROKEN, &[Suspect::SecondOpen]),
+    defect("Rc1 and Rc2 swapped", |c| std::mem::swap(&mut c.r_c1, &mut c.r_c2), &[Suspect::ResistorsSwapped]),
+    defect("C_A missing", |c| capacitors(c, 1e-5, 1.0), &[Suspect::NoCA, Suspect::NoCapacitor]),
+    defect("C_B missing", |c| capacitors(c, 1.0, 1e-5), &[Suspect::NoCB, Suspect::NoCapacitor]),
+    defect("20 kohm of leakage at node A", |c| c.sense[0].to_ground = 1.0 / 20e3, &[Suspect::Leak]),
     Defect {
-        name: "Rc1 and Rc2 swapped",
-        change: |c| std::mem::swap(&mut c.r_c1, &mut c.r_c2),
-        unnoticed: &[],
-        why: "",
+        to_notice: TO_NOTICE_HELD,
+        ..defect("150 kohm of leakage at node A", |c| c.sense[0].to_ground = 1.0 / 150e3, &[Suspect::Leak])
     },
-    Defect { name: "C_A missing", change: |c| capacitors(c, 1e-5, 1.0), unnoticed: &[], why: "" },
-    Defect { name: "C_B missing", change: |c| capacitors(c, 1.0, 1e-5), unnoticed: &[], why: "" },
-    Defect {
-        name: "20 kohm of leakage at node A",
-        change: |c| c.sense[0].to_ground = 1.0 / 20e3,
-        unnoticed: &Method::ALL,
-        why: "a path of its own at node A makes the time of a discharge depend on R in another way; through two known resistors \
-              that cannot be told from other capacitors. A known resistor in the sensor's place shows it. The tracked calibration \
-              counts a step when it comes.",
-    },
-    Defect {
-        name: "pull-up of 50 kohm left on at A and B",
-        change: |c| c.sense.iter_mut().for_each(|sense| sense.to_v_dd = 1.0 / 50e3),
-        unnoticed: &[Method::Tpcm, Method::Qerm],
-        why: "as with leakage. With two capacitors it is noticed: node B does not fall to its threshold any more.",
-    },
-    Defect { name: "V_DD 20 % low", change: |c| c.v_dd *= 0.8, unnoticed: &[], why: "" },
-    Defect {
-        name: "sense line A stuck high",
-        change: |c| c.sense[0].falling = -1.0,
-        unnoticed: &[],
-        why: "",
-    },
-    Defect {
-        name: "sense line B stuck low",
-        change: |c| (c.sense[1].falling, c.sense[1].rising) = (98.0, 99.0),
-        unnoticed: &[],
-        why: "",
-    },
+    defect(
+        "pull-up of 50 kohm left on at A and B",
+        |c| c.sense.iter_mut().for_each(|sense| sense.to_v_dd = 1.0 / 50e3),
+        &[Suspect::Pull, Suspect::StaysHigh(Node::B)],
+    ),
+    defect("V_DD 20 % low", |c| c.v_dd *= 0.8, &[]),
+    defect(
+        "sense line A stuck high",
+        |c| c.sense[0].falling = -1.0,
+        &[Suspect::StaysHigh(Node::A), Suspect::BothOpen],
+    ),
+    defect("sense line B stuck high", |c| c.sense[1].falling = -1.0, &[Suspect::StaysHigh(Node::B)]),
+    defect(
+        "sense line B stuck low",
+        |c| (c.sense[1].falling, c.sense[1].rising) = (98.0, 99.0),
+        &[Suspect::Uncharged(Node::B)],
+    ),
 ];
 
 /// What an instrument said in some readings.
 #[derive(Default)]
 struct Said {
     names: BTreeMap<String, usize>,
+    suspects: BTreeMap<&'static str, usize>,
     wrong: usize,
     readings: usize,
     longest: Nanos,
@@ -113,6 +112,9 @@ impl Said {
         };
         *self.names.entry(name).or_default() += 1;
         self.readings += 1;
+        if let Some(suspect) = reading.suspect {
+            *self.suspects.entry(suspect.sight()).or_default() += 1;
+        }
         self.longest = Nanos(self.longest.0.max(reading.duration.0));
     }
 
@@ -155,16 +157,24 @@ fn examine(defect: &Defect, method: Method) -> (String, Option<String>) {
     let healthy = instrument.pins().circuit().clone();
     instrument.pins().alter(defect.change);
     let truth = instrument.pins().circuit().r_x[0];
-    let noticing = listen(&mut instrument, TO_NOTICE, truth);
+    let noticing = listen(&mut instrument, defect.to_notice, truth);
     let ill = listen(&mut instrument, DURING, truth);
     instrument.pins().alter(|circuit| *circuit = healthy);
-    let recovering = listen(&mut instrument, TO_NOTICE, R_OHM);
+    let recovering = listen(&mut instrument, defect.to_notice, R_OHM);
     let cured = listen(&mut instrument, AFTER, R_OHM);
     let longest = [&well, &noticing, &ill, &recovering, &cured].map(|said| said.longest.0).into_iter().max();
 
     let mut wrong = String::new();
-    let is_unnoticed = ill.wrong * 20 > ill.readings;
-    if is_unnoticed != defect.unnoticed.contains(&method) {
+    let sights: Vec<_> = defect.suspects.iter().map(|suspect| suspect.sight()).collect();
+    if ill.suspects.keys().any(|sight| !sights.contains(sight)) {
+        write!(wrong, "looks like {:?}; ", ill.suspects).unwrap();
+    }
+    let faults = ill.names.iter().filter(|(name, _)| Fault::ALL.iter().any(|fault| fault.as_str() == *name));
+    let (faults, told): (usize, usize) = (faults.map(|(_, count)| count).sum(), ill.suspects.values().sum());
+    if !sights.is_empty() && faults * 20 > ill.readings && told * 20 < faults * 19 {
+        write!(wrong, "{faults} faults, {told} of them with a suspect; ").unwrap();
+    }
+    if ill.wrong * 20 > ill.readings {
         write!(wrong, "wrong {} of {}, {} before that; ", ill.wrong, ill.readings, noticing.wrong).unwrap();
     }
     if cured.wrong * 50 > AFTER || cured.names.get("ok").is_none_or(|ok| *ok * 20 < AFTER * 19) {
@@ -180,32 +190,28 @@ fn examine(defect: &Defect, method: Method) -> (String, Option<String>) {
 
 /// The table, and what is not as it should be.
 pub fn report() -> (String, String) {
-    let mut table = String::from("| defect |");
+    let mut table = String::from("| defect | looks like |");
     let mut wrong = String::new();
     for method in Method::ALL {
         write!(table, " {} |", method.as_str()).unwrap();
     }
-    table.push_str("\n|---|---|---|---|---|---|\n");
-    let mut reasons = String::new();
+    table.push_str("\n|---|---|---|---|---|---|---|\n");
     for defect in &DEFECTS {
-        write!(table, "| {} |", defect.name).unwrap();
+        let sights: Vec<_> = defect.suspects.iter().map(|suspect| suspect.sight()).collect();
+        write!(table, "| {} | {} |", defect.name, sights.join("; or: ")).unwrap();
         for method in Method::ALL {
             let (cell, failure) = examine(defect, method);
             write!(table, " {cell} |").unwrap();
             wrong.extend(failure);
         }
         table.push('\n');
-        if !defect.why.is_empty() {
-            writeln!(reasons, "- {}: {}", defect.name, defect.why).unwrap();
-        }
     }
-    (format!("{HEAD}\n{table}\n{REASONS}\n{reasons}"), wrong)
+    (format!("{HEAD}\n{table}"), wrong)
 }
 
 const HEAD: &str = "## Defects of the circuit\n\n\
-Board `pi4`, a sensor of 1 kohm, deadline 60 ms, seed 1. Each comes while the instrument runs, and goes again; the table has what the readings say from the 100th on after it has \
-come, the commonest first (below 2 % left out). `wrong number`: off by more than 1 % and by more than 5 of its own sigma. Each \
-method gives right numbers again by itself within 100 readings after the defect is gone, and no reading takes longer than \
-its bound.\n";
-
-const REASONS: &str = "Why some go unnoticed:\n";
+Board `pi4`, a sensor of 1 kohm, deadline 60 ms, seed 1. Each comes while the instrument runs, and goes again; the table has what \
+the readings say from the 100th on after it has come (150 kohm of leakage, found by the discharges of the next section: the 500th), \
+the commonest first (below 2 % left out). `wrong number`: off by more than 1 % and by more than 5 of its own sigma. Each \
+method gives right numbers again by itself within as many readings after the defect is gone, and no reading takes longer than \
+its bound. `looks like`: what the readings' `hint` begins with; what to look at follows there.\n";

@@ -132,6 +132,18 @@ fn a_pull_beside_a_node_is_found() {
     // What pulls at one node moves the other through the capacitors.
     let down = found(|scene| scene.circuit.node_a.pull_down = Some(Ohm(50e3)), Drives::NONE);
     says(&down[0].to_string(), &["error: gpio.sense-a", "falls by itself", "no pull-down"]);
+    let weak = |name| {
+        complaint(
+            |scene| {
+                *scene = Scene::builtin(name).unwrap();
+                scene.circuit.node_a.leakage_resistance = Some(Ohm(1e6));
+            },
+            Drives::NONE,
+        )
+    };
+    for name in ["ideal", "pi4"] {
+        says(&weak(name), &["warning: wiring", "charge leaks away as through", "moisture"]);
+    }
     let up = found(|scene| scene.circuit.node_a.pull_up = Some(Ohm(50e3)), Drives::NONE);
     says(&up[0].to_string(), &["error: gpio.sense-a", "rises by itself", "no pull-up"]);
 }

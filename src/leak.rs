@@ -1,0 +1,178 @@
+//! Leakage, by discharges that were held back.
+//!
+//! For: telling a leak from other capacitors, which discharges through two known resistors cannot. Must not know: how
+//! discharges are taken.
+//!
+//! While everything floats for the time h, a leak of conductance G takes G h off the way to the threshold. The discharge
+//! through R_1 that follows is shorter by G h (R_1+Ro) than one that begins at once. Nothing else does that but a dielectric
+//! that goes on taking charge in, as that of X7R does. A pull-up does nothing then, since the nodes are at V_DD already: it
+//! shows in Ro ([`Fault::PullUp`](crate::reading::Fault::PullUp)).
+//!
+//! What a leak at node A does to a reading: a discharge through R takes g (R+Ro) / (1 + G (R+Ro)), and two-point calibration
+//! makes of it a resistance that is too high between R_1 and R_2 and too low elsewhere: [`error_ohm`].
+
+use crate::units::Nanos;
+
+/// How long a discharge is held back.
+pub const HOLD: Nanos = Nanos(20_000_000);
+/// From one held discharge to the next.
+pub const EVERY: Nanos = Nanos(5_000_000_000);
+/// Held discharges that are remembered: of three minutes.
+const REMEMBERED: usize = 32;
+/// The first ones follow each other; fewer tell little.
+const FIRST: usize = 16;
+/// A leak is one beyond so many sigma.
+const GATE: f64 = 4.0;
+/// Beyond so many sigma from the others a single one may be news: another look does no harm.
+const SURPRISE: f64 = 2.5;
+/// A leak through less than this is a defect, not an imperfection: capacitors insulate more than 1 Gohm, pulls of
+/// processors are 30 to 100 kohm.
+pub const GROSS_SIEMENS: f64 = 1.0 / 200e3;
+
+/// The held discharges so far.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct LeakTest {
+    siemens: [f64; REMEMBERED],
+    taken: usize,
+    /// Of the last one, siemens².
+    variance: f64,
+    /// The last one disagrees with those before it: a spike, or news.
+    is_surprised: bool,
+    last: Option<Nanos>,
+    /// The leak when it last changed.
+    before: f64,
+}
+
+impl LeakTest {
+    /// Whether a held discharge is due.
+    pub fn is_due(&mut self, now: Nanos) -> bool {
+        let last = *self.last.get_or_insert(now);
+        (1..FIRST).contains(&self.taken) || self.is_surprised || now - last >= EVERY
+    }
+
+    /// Takes one, whether it told something or not. `lost_ns`: by how much it was shorter, with its variance; `r_ohm`: R_1.
+    pub fn add(&mut self, lost: Option<(f64, f64)>, r_ohm: f64, now: Nanos) {
+        self.last = Some(now);
+        self.is_surprised = false;
+        let Some((lost_ns, variance)) = lost.filter(|(lost_ns, _)| lost_ns.is_finite()) else { return };
+        self.siemens[self.taken % REMEMBERED] = siemens_by(lost_ns, r_ohm);
+        self.variance = siemens_by(variance.sqrt(), r_ohm).powi(2);
+        self.taken += 1;
+        let away = self.siemens[(self.taken - 1) % REMEMBERED] - self.median();
+        self.is_surprised = away.abs() > SURPRISE * self.variance.sqrt();
+    }
+
+    /// The leak, siemens, if there is one that shows.
+    pub fn siemens(&self) -> Option<f64> {
+        let leak = self.likely_siemens();
+        (leak > self.gate()).then_some(leak)
+    }
+
+    /// Whether the leak has come, grown or gone since this last was so.
+    pub fn has_changed(&mut self) -> bool {
+        let leak = self.likely_siemens();
+        let has_changed = (leak - self.before).abs() > self.gate();
+        if has_changed {
+            self.before = leak;
+        }
+        has_changed
+    }
+
+    fn gate(&self) -> f64 {
+        // The variance of a median is pi/2 times that of the mean.
+        GATE * (self.variance * std::f64::consts::FRAC_PI_2 / self.taken.min(REMEMBERED) as f64).sqrt()
+    }
+
+    /// The likely leak, siemens, whether it shows or not: nobody has seen that there is none.
+    pub fn likely_siemens(&self) -> f64 {
+        if self.taken < FIRST { 0.0 } else { self.median().max(0.0) }
+    }
+
+    /// A spike is no leak, so it is not the mean.
+    fn median(&self) -> f64 {
+        let count = self.taken.min(REMEMBERED);
+        let mut sorted = self.siemens;
+        let sorted = &mut sorted[..count];
+        sorted.sort_unstable_by(f64::total_cmp);
+        let middle = |index: usize| sorted.get(index).copied().unwrap_or(0.0);
+        (middle(count.saturating_sub(1) / 2) + middle(count / 2)) / 2.0
+    }
+}
+
+/// The leak that makes a held discharge through `r_ohm` shorter by `lost_ns`, siemens.
+pub fn siemens_by(lost_ns: f64, r_ohm: f64) -> f64 {
+    lost_ns / (HOLD.as_ns() * r_ohm)
+}
+
+/// By how much a leak at node A makes a reading of `r_ohm` too high (or too low, where negative), ohm; `None`: no
+/// resistance is too high for it.
+pub fn error_ohm(siemens: f64, [r1, r2]: [f64; 2], r_ohm: f64) -> Option<f64> {
+    // The chord from R_1 to R_2 taken for the curve r / (1 + G r), the other way round.
+    let left = 1.0 + siemens * (r2 + r1 - r_ohm);
+    (left > 0.0).then(|| siemens * (r_ohm - r1) * (r2 - r_ohm) / left)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn tested(count: usize, lost_ns: impl Fn(usize) -> f64) -> LeakTest {
+        let mut test = LeakTest::default();
+        for index in 0..count {
+            test.add(Some((lost_ns(index), 2.0 * 2000f64.powi(2))), 2320.0, Nanos::ZERO);
+        }
+        test
+    }
+
+    #[test]
+    fn a_megohm_shows_at_once_and_spikes_do_not() {
+        // 20 ms / 1 Mohm * 2320 ohm.
+        assert_eq!(tested(FIRST - 1, |_| 46_400.0).siemens(), None);
+        let found = tested(FIRST, |_| 46_400.0).siemens().unwrap();
+        assert!((found * 1e6 - 1.0).abs() < 1e-9, "{found}");
+        let spikes = tested(FIRST, |index| if index % 4 == 0 { 200_000.0 } else { 1000.0 });
+        assert_eq!(spikes.siemens(), None);
+        // What does not show may still be there.
+        assert!((spikes.likely_siemens() - siemens_by(1000.0, 2320.0)).abs() < 1e-15);
+        assert_eq!(tested(FIRST, |_| -1000.0).likely_siemens(), 0.0);
+        // One that goes is forgotten.
+        let gone = tested(2 * REMEMBERED, |index| if index < REMEMBERED { 46_400.0 } else { 0.0 });
+        assert_eq!((gone.siemens(), gone.likely_siemens()), (None, 0.0));
+    }
+
+    #[test]
+    fn an_error_is_that_of_the_chord() {
+        let (siemens, [r1, r2]) = (1e-5, [2320.0, 12_700.0]);
+        let time = |r: f64| r / (1.0 + siemens * r);
+        for r_ohm in [1.0, 100.0, 1000.0, 2320.0, 6000.0, 12_700.0, 30_000.0, 1e6] {
+            let found = r1 + (time(r_ohm) - time(r1)) / (time(r2) - time(r1)) * (r2 - r1);
+            let error = error_ohm(siemens, [r1, r2], found).unwrap();
+            assert!((error - (found - r_ohm)).abs() < 1e-9 * r_ohm, "{r_ohm}: {found} {error}");
+        }
+        assert_eq!(error_ohm(siemens, [r1, r2], 200_000.0), None);
+    }
+
+    #[test]
+    fn the_first_tests_follow_each_other_and_a_failed_one_counts_for_nothing() {
+        let mut test = tested(FIRST, |_| 0.0);
+        let mut new = LeakTest::default();
+        assert!(!new.is_due(Nanos(1)) && new.is_due(EVERY + Nanos(1)) && !test.is_due(Nanos(1)));
+        assert!(tested(1, |_| 0.0).is_due(Nanos(1)));
+        assert!(test.is_due(EVERY));
+        test.add(None, 2320.0, EVERY);
+        assert!(!test.is_due(EVERY + Nanos(1)) && test.siemens().is_none());
+    }
+
+    #[test]
+    fn a_leak_that_comes_is_looked_at_again_at_once() {
+        let mut test = tested(REMEMBERED, |_| 0.0);
+        let mut more = 0;
+        while !test.has_changed() {
+            test.add(Some((46_400.0, 8e6)), 2320.0, Nanos::ZERO);
+            more += 1;
+            assert!(test.is_due(Nanos(1)) || test.siemens().is_some());
+        }
+        assert!(test.siemens().is_some() && !test.has_changed());
+        assert!((REMEMBERED / 2..=REMEMBERED / 2 + 1).contains(&more), "{more}");
+    }
+}
