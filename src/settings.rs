@@ -43,6 +43,8 @@ pub struct Settings {
     pub chargers: Drives,
     /// The node whose crossing ends a discharge.
     pub last: Node,
+    /// Length of what goes before the charge after a discharge that ended before its time.
+    pub drain: Nanos,
     /// Length of a charge.
     pub charge: Nanos,
     /// Pause between charge and discharge.
@@ -103,6 +105,7 @@ impl Settings {
                 _ => Drives::CHARGE_A,
             },
             last: config.last_node(),
+            drain: config.drain_time(),
             charge: config.charge_time(),
             settle: config.settle_time(),
             deadline: config.deadline(),
@@ -128,10 +131,10 @@ impl Settings {
     }
 
     /// The longest that the share of one reading in a cycle can take, whatever is connected: every calibration discharge
-    /// taken as often as it may be, each of them and the sensor's charged, waited for until its deadline, and finished
+    /// taken as often as it may be, each of them and the sensor's drained, charged, waited for until its deadline, and finished
     /// through R_1 until another. What the system takes beyond what was asked for, such as a preemption, is not in it.
     pub fn longest_reading(&self) -> Nanos {
-        let discharge = self.charge + self.settle + self.deadline + self.deadline;
+        let discharge = self.drain + self.charge + self.settle + self.deadline + self.deadline;
         Nanos(discharge.0 * (i64::from(crate::cycle::MOST_CALIBRATIONS) + 1))
     }
 
