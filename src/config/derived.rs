@@ -12,7 +12,7 @@ use crate::units::{Nanos, Ohm, Seconds};
 /// A derived deadline in discharges through the second calibration resistor.
 const DEADLINE_IN_SECOND_DISCHARGES: f64 = 5.0;
 /// A drain in predicted discharges through Rc1.
-const DRAIN: f64 = 1.5;
+const DRAIN: f64 = 1.2;
 /// The settle time that is used when none is given.
 const SETTLE_TIME: Nanos = Nanos(20_000);
 /// The switch fraction that is used when none is given.

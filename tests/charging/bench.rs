@@ -12,18 +12,20 @@ use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, Normal};
 
-pub const INSTRUMENTS: u64 = 60;
-const READINGS: usize = 100;
+pub const INSTRUMENTS: u64 = 200;
+const READINGS: usize = 40;
 /// Readings of each instrument that do not count, after its offset is known.
 const BEFORE: usize = 60;
-/// The sensor that is read before: its discharge falls farthest.
-pub const NEIGHBOUR_OHM: f64 = 20.0;
+/// The sensor that is read before is a short circuit: it falls farthest, and no method finishes it through Rc2.
+pub const NEIGHBOUR_OHM: f64 = 0.5;
 /// A charge that remembers nothing.
 pub const LONG_TAUS: f64 = 16.0;
 /// How late a wake-up from a rest is, and its scatter, ns.
 const LATE_NS: [f64; 2] = [53_000.0, 5_000.0];
-/// From a crossing to the release: the stamp is 8 us late, the program awake 53 us after it, and a call releases the line.
-const REACTION: f64 = 62e-6;
+/// From a stamp until the program is awake, s.
+const WAKE: f64 = 53e-6;
+/// From the crossing that it is woken for to the release: the stamp is 8 us late, and a call releases the line.
+const REACTION: f64 = WAKE + 9e-6;
 
 /// Pins whose rests end late.
 pub struct Late {
@@ -168,16 +170,20 @@ impl Board {
             _ => return None,
         };
         let circuit = self.config("").circuit;
+        let g_of = |node: &Node| circuit.g(*node).unwrap().0;
         let (mut memory, mut g) = (0.0, 0.0);
         for node in nodes {
-            memory += circuit.g(*node)?.0 * circuit.charge_memory(*node)?;
-            g += circuit.g(*node)?.0;
+            memory += g_of(node) * circuit.charge_memory(*node)?;
+            g += g_of(node);
         }
         let with_r_o = |r: Ohm| r.0 + circuit.r_o.0;
         let [r1, r2, rx] = [circuit.r_c1, circuit.r_c2, Ohm(self.r_ohm)].map(with_r_o);
         let rho = (rx - r1) / (r2 - r1);
         let left = circuit.left_at_crossing(*nodes.last()?)?;
-        let depth = |r: f64| 1.0 - left * (-REACTION / (r * circuit.c_total().0)).exp();
+        // Where B crosses before the program has been woken for A, it is not woken again.
+        let last_gap = g_of(nodes.last()?) - g_of(&Node::A);
+        let late = |r: f64| if last_gap * r < WAKE { REACTION - last_gap * r } else { REACTION };
+        let depth = |r: f64| 1.0 - left * (-late(r) / (r * circuit.c_total().0)).exp();
         let after_neighbour = depth(with_r_o(Ohm(NEIGHBOUR_OHM)));
         let depths = rx * after_neighbour - (1.0 - rho) * r1 * depth(rx) - rho * r2 * depth(r1);
         // The charge lasts until the program is awake.
