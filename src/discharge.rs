@@ -1,4 +1,4 @@
-//! One discharge, without input or output: [drain], charge, settle, arm, start, [planned switch], crossings, stop.
+//! One discharge, without input or output: \[drain\], charge, settle, arm, start, [planned switch], crossings, stop.
 //!
 //! For: turning a [`Plan`] into a [`Record`] or a named [`Fault`], each wait bounded, lines broken before made.
 //! Must not know: clocks, kernels, or what the times mean. [`Discharge`] answers each event with the next

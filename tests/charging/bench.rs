@@ -130,13 +130,13 @@ impl Board {
         Late { pins, rng: ChaCha8Rng::seed_from_u64(seed) }
     }
 
-    /// Readings of the second channel, after those of a low resistance on the first.
-    pub fn measure(self, taus: f64) -> Found {
+    /// Readings of the second channel, after those of another resistance on the first.
+    pub fn measure(self, neighbour_ohm: f64, taus: f64) -> Found {
         let config = self.config(&self.charge(taus));
         let (mut all, mut means) = (Errors::default(), Vec::new());
         for seed in 0..INSTRUMENTS {
             let settings = Settings::new(&config).unwrap();
-            let mut instrument = Instrument::new(self.pins(&[NEIGHBOUR_OHM, self.r_ohm], seed), settings);
+            let mut instrument = Instrument::new(self.pins(&[neighbour_ohm, self.r_ohm], seed), settings);
             let mut errors = Errors::default();
             until_known(&mut instrument);
             readings(&mut instrument, 1, BEFORE, |_| {});
