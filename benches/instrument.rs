@@ -25,6 +25,7 @@ const PLAN: Plan = Plan {
     switch: None,
     chargers: Drives::CHARGE,
     last: Node::B,
+    drain: Nanos::ZERO,
     charge: Nanos(10_000_000),
     settle: Nanos(20_000),
     timeout: Nanos(50_000_000),

@@ -11,6 +11,8 @@
 use crate::pins::Node;
 use crate::units::{Farad, Ohm, Seconds, Volt};
 
+mod charge;
+
 /// Supply voltage V_DD when nothing else is said.
 pub const NOMINAL_V_DD: Volt = Volt(3.3);
 /// Falling threshold V_Th of an input when nothing else is said.
@@ -193,40 +195,6 @@ impl Circuit {
             Network::SeriesCalibration { .. } => Ohm(self.r_c1.0 + self.r_c2.0),
             _ => self.r_c2,
         }
-    }
-
-    /// The slowest time constant of the charge, every node having its charger Rp + Ro to V_DD.
-    ///
-    /// With two capacitors, the deviations a = V_DD - V_A and b = V_DD - V_B follow
-    ///
-    /// ```text
-    /// (Rp+Ro) da/dt = -(1/C_A + 1/C_B) a - b / C_B
-    /// (Rp+Ro) db/dt = -a / C_B - b / C_B
-    /// ```
-    ///
-    /// whose matrix is symmetric with trace 1/C_A + 2/C_B and determinant 1/(C_A C_B). The slower of its two time
-    /// constants is `(Rp+Ro) (C_B + 2 C_A + sqrt(C_B^2 + 4 C_A^2)) / 2`: `2 (Rp+Ro) C_A` where C_A >> C_B, since
-    /// C_A discharges through both chargers in series. One capacitor: `(Rp+Ro) C`.
-    pub fn charge_tau(&self) -> Seconds {
-        let c = match self.network {
-            Network::TwoCapacitor { c_a, c_b } => (c_b.0 + 2.0 * c_a.0 + c_b.0.hypot(2.0 * c_a.0)) / 2.0,
-            Network::OneCapacitor { c } | Network::SeriesCalibration { c } => c.0,
-        };
-        Seconds(self.r_charge.0 * c)
-    }
-
-    /// How long to charge until no node is farther from V_DD than the share `residual` of V_DD, whatever the
-    /// state before.
-    ///
-    /// The matrix of [`charge_tau`](Circuit::charge_tau) being symmetric, the length of (a, b) shrinks at least
-    /// as fast as its slowest part; it starts at sqrt(2) V_DD at most. A residual of 1e-4 takes 9.6 tau with two
-    /// capacitors, 9.2 tau with one.
-    pub fn charge_time(&self, residual: f64) -> Seconds {
-        let start = match self.network {
-            Network::TwoCapacitor { .. } => std::f64::consts::SQRT_2,
-            Network::OneCapacitor { .. } | Network::SeriesCalibration { .. } => 1.0,
-        };
-        Seconds(self.charge_tau().0 * (start / residual).ln())
     }
 }
 

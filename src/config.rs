@@ -6,6 +6,7 @@
 //! Unknown keys, wrong units and wrong types are refused while parsing, with line and caret; values that parse but
 //! cannot work are [findings](Finding).
 
+mod charge;
 mod check;
 mod circuit;
 mod derived;
@@ -63,9 +64,9 @@ pub struct Measure {
     pub method: Option<MethodName>,
     /// Readings of each channel per second, hertz, above 0. Default: as fast as the circuit allows.
     pub rate_hz: Option<f64>,
-    /// How long the capacitors are charged before each discharge, above 0 up to 1 min. Default: until 1e-4 of V_DD
-    /// is left, which is 9.6 time constants of the slowest charge with two capacitors, 9.2 with one. What is left is the
-    /// same each time, so most of it cancels.
+    /// How long the capacitors are charged before each discharge, above 0 up to 1 min. Default: the shortest
+    /// charge whose being incomplete (most of which cancels) changes a reading by no more than a tenth of its uncertainty: 4 to
+    /// 8 time constants of the slowest charge with two capacitors, 10 with one.
     pub charge_time: Option<Nanos>,
     /// The pause between the end of the charge and the start of the discharge, 0 to 1 min. Default: 20 us.
     pub settle_time: Option<Nanos>,

@@ -81,6 +81,8 @@ pub struct Cycle {
     /// Calibration discharges of this cycle, and cycles since the last one.
     calibrations: u32,
     idle_cycles: u32,
+    /// The last discharge ended before its time.
+    ended_early: bool,
     /// Why this cycle has no calibration.
     failed: Option<Fault>,
     /// When the share of the next reading began.
@@ -111,6 +113,7 @@ impl Cycle {
             retries: 0,
             calibrations: 0,
             idle_cycles: 0,
+            ended_early: false,
             failed: None,
             began: Nanos::ZERO,
             stats: Stats::default(),
@@ -153,6 +156,7 @@ impl Cycle {
     /// Ends the cycle: every channel that has not been read gets this fault.
     pub fn fail(&mut self, fault: Fault) {
         self.failed = Some(fault);
+        self.ended_early |= fault == Fault::Pins;
         if !matches!(self.step, Step::Sensor(_)) {
             self.step = Step::Sensor(0);
         }
@@ -216,6 +220,7 @@ impl Cycle {
     /// Takes the outcome of the discharge that [`Cycle::next`] asked for, `now` being the time; answers a reading when
     /// it was a sensor's.
     pub fn done(&mut self, outcome: &Outcome, now: Nanos) -> Option<Reading> {
+        self.ended_early = outcome.result.map_or(true, |record| record.waited_ns > 0.0);
         let is_plain = matches!(self.step, Step::Calibrate(Kind::First | Kind::Second));
         if let (true, Some(call)) = (is_plain, outcome.start_call) {
             self.calls.add(call);

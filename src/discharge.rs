@@ -1,4 +1,4 @@
-//! One discharge, without input or output: charge, settle, arm, start, [planned switch], crossings, stop.
+//! One discharge, without input or output: \[drain\], charge, settle, arm, start, [planned switch], crossings, stop.
 //!
 //! For: turning a [`Plan`] into a [`Record`] or a named [`Fault`], each wait bounded, lines broken before made.
 //! Must not know: clocks, kernels, or what the times mean. [`Discharge`] answers each event with the next
@@ -20,6 +20,9 @@ pub struct Plan {
     pub chargers: Drives,
     /// The node whose crossing ends the discharge: B, or A in circuits that have no other.
     pub last: Node,
+    /// How long to sink through R_1 before the charge; 0: not at all. A discharge that ended before its time leaves the
+    /// capacitors as no other does, and an incomplete charge would remember it.
+    pub drain: Nanos,
     /// How long to charge.
     pub charge: Nanos,
     /// How long to leave everything floating between charge and start.
@@ -86,6 +89,8 @@ const LONGEST_PAUSE: Nanos = Nanos(2_000_000);
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Phase {
+    Draining,
+    Drained,
     Charging,
     Charged,
     Floating,
@@ -127,11 +132,12 @@ pub struct Discharge {
 }
 
 impl Discharge {
-    /// A discharge to be done; the first action is to charge.
+    /// A discharge to be done; the first action is to drain or to charge.
     pub fn new(plan: Plan) -> (Discharge, Action) {
+        let drains = plan.drain > Nanos::ZERO;
         let discharge = Discharge {
             plan,
-            phase: Phase::Charging,
+            phase: if drains { Phase::Draining } else { Phase::Charging },
             floating: Nanos::ZERO,
             start: Bracket::default(),
             switch: None,
@@ -143,7 +149,7 @@ impl Discharge {
             charged: None,
             fault: None,
         };
-        (discharge, Action::Drive(plan.chargers))
+        (discharge, Action::Drive(if drains { Drives::C1 } else { plan.chargers }))
     }
 
     /// Takes what came of the last action, and answers the next one.
@@ -152,6 +158,14 @@ impl Discharge {
     /// [`Fault::Pins`].
     pub fn handle(&mut self, event: Event) -> Action {
         match (self.phase, event) {
+            (Phase::Draining, Event::Drove(bracket)) => {
+                self.phase = Phase::Drained;
+                Action::Rest(bracket.after + self.plan.drain)
+            }
+            (Phase::Drained, Event::Slept) => {
+                self.phase = Phase::Charging;
+                Action::Drive(self.plan.chargers)
+            }
             (Phase::Charging, Event::Drove(bracket)) => {
                 self.phase = Phase::Charged;
                 Action::Rest(bracket.after + self.plan.charge)

@@ -327,16 +327,16 @@ impl Motion {
         let count = self.sound().count() as f64;
         let mean = self.sound().map(|point| point.z).sum::<f64>() / count;
         let spread = (self.sound().map(|point| (point.z - mean).powi(2)).sum::<f64>() / count).sqrt();
-        let square = self.square_between(is_sudden).max(self.square_inside());
-        if square <= 0.0 || spread <= 0.0 {
+        if spread <= 0.0 {
             return 0.0;
         }
+        let square = self.square_between(is_sudden, spread).max(self.square_inside());
         1e-18 * square * (seen.bend_ns2 / spread + seen.bend_ns2 + seen.apart_ns2)
     }
 
     /// Mean square of the speed from reading to reading, less its noise, without the greatest, which may have been a step
     /// that is over: of five of an oscillation the other four have 0.8 of it. A speed that grows counts alone.
-    fn square_between(&self, is_sudden: bool) -> f64 {
+    fn square_between(&self, is_sudden: bool, spread: f64) -> f64 {
         let (mut sum, mut most, mut count, mut newest) = (0.0, 0.0f64, 0.0, 0.0);
         for (point, next) in self.sound().zip(self.sound().skip(1)) {
             let noise = point.u.hypot(next.u) / (next.at - point.at).as_seconds().max(1e-6);
@@ -346,15 +346,30 @@ impl Motion {
         if count >= 2.0 && newest == most && !is_sudden {
             return newest;
         }
-        if count < 2.0 { 0.0 } else { ((sum - most) / (0.8 * (count - 1.0))).max(0.0) }
+        if count < 2.0 {
+            return 0.0;
+        }
+        let square = ((sum - most) / (0.8 * (count - 1.0))).max(0.0);
+        square * self.shortened(square, spread)
+    }
+
+    /// By how much the square of the speed from reading to reading is less than that at an instant: what trembles about a mean
+    /// turns round in between. For a sine of frequency f read every T, differences are 2 sin(pi f T) of its values and
+    /// should be 2 pi f T; faster ones than half the rate of readings look slower.
+    fn shortened(&self, square: f64, spread: f64) -> f64 {
+        let (mut first, last) = (self.sound(), self.sound().next_back());
+        let (Some(first), Some(last)) = (first.next(), last) else { return 1.0 };
+        let interval = (last.at - first.at).as_seconds() / (self.sound().count() as f64 - 1.0).max(1.0);
+        let sine = (square.sqrt() * interval / (2.0 * spread)).min(1.0);
+        if sine > 0.0 { (sine.asin() / sine).powi(2) } else { 1.0 }
     }
 
     /// Mean square of the slopes inside of the discharges, less its noise; 0 where a single one that noise has brought near
-    /// to the gate could make it. After a change in the middle of a discharge only what came since counts.
+    /// to the gate could make it. After a change in the middle of a discharge only what came since counts, from the second
+    /// reading on without the change itself.
     fn square_inside(&self) -> f64 {
-        let before = self.count.saturating_sub(2);
-        let is_fresh = self.points[before].trust == Trust::Mixed;
-        let since = if is_fresh { before } else { 0 };
+        let mixed = self.points().iter().rposition(|point| point.trust == Trust::Mixed);
+        let since = mixed.map_or(0, |mixed| if mixed + 3 > self.count { mixed } else { mixed + 1 });
         let slopes = || self.points()[since..].iter().filter_map(|point| point.slope);
         let count = slopes().count() as f64;
         let normalised = slopes().map(|[slope, u]| (slope / u).powi(2)).sum::<f64>() / count;

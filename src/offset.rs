@@ -62,7 +62,7 @@ struct Round {
 }
 
 /// Collects rounds of a split calibration, the last ones up to a number.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Default)]
 pub struct SplitCalibration {
     r1_ohm: f64,
     r2_ohm: f64,
@@ -83,6 +83,13 @@ impl SplitCalibration {
     pub fn new(r1_ohm: f64, r2_ohm: f64, nodes: usize, window: usize) -> SplitCalibration {
         let (rounds, scratch) = (Vec::with_capacity(window), Vec::with_capacity(window));
         SplitCalibration { r1_ohm, r2_ohm, nodes, rounds, taken: 0, scratch }
+    }
+
+    /// Forgets every round; the memory stays.
+    pub fn clear(&mut self) {
+        self.rounds.clear();
+        self.scratch.clear();
+        self.taken = 0;
     }
 
     /// How many rounds have been taken.

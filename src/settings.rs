@@ -47,6 +47,8 @@ pub struct Settings {
     pub nominal: Nanos,
     /// The node whose crossing ends a discharge.
     pub last: Node,
+    /// Length of what goes before the charge after a discharge that ended before its time.
+    pub drain: Nanos,
     /// Length of a charge.
     pub charge: Nanos,
     /// Pause between charge and discharge.
@@ -108,6 +110,7 @@ impl Settings {
             },
             nominal: Nanos::from_seconds(circuit.crossing(Node::A, circuit.r_c1).unwrap_or_default().0),
             last: config.last_node(),
+            drain: config.drain_time(),
             charge: config.charge_time(),
             settle: config.settle_time(),
             deadline: config.deadline(),
@@ -132,10 +135,10 @@ impl Settings {
         }
     }
 
-    /// The longest that one discharge can take from its charge on, whatever is connected: waited for until the deadline, and
+    /// The longest that one discharge can take, whatever is connected: drained, charged, waited for until the deadline, and
     /// finished through a known resistor until another.
     fn discharge(&self) -> Nanos {
-        self.charge + self.settle + self.deadline + self.deadline
+        self.drain + self.charge + self.settle + self.deadline + self.deadline
     }
 
     /// The longest that the measuring thread can be busy without a sign of life: with a discharge that is held back.
@@ -144,8 +147,8 @@ impl Settings {
     }
 
     /// The longest that the share of one reading in a cycle can take, whatever is connected: every discharge taken as often
-    /// as it may be, each of them charged, waited for until its deadline, and finished through R_1 until another. What the
-    /// system takes beyond what was asked for, such as a preemption, is not in it.
+    /// as it may be, each of them drained, charged, waited for until its deadline, and finished through R_1 until another. What
+    /// the system takes beyond what was asked for, such as a preemption, is not in it.
     pub fn longest_reading(&self) -> Nanos {
         Nanos(self.discharge().0 * i64::from(MOST_CALIBRATIONS + MOST_OF_SENSOR))
     }

@@ -105,6 +105,18 @@ pub struct Tracker {
 impl Tracker {
     /// Knows nothing yet. `r_ohm`: R_1 < R_2; one or two `nodes`; `resolution_ns`: period of the clock that stamps.
     pub fn new(r_ohm: [f64; 2], nodes: usize, resolution_ns: f64) -> Tracker {
+        let split = SplitCalibration::new(r_ohm[0], r_ohm[1], nodes, FIRST_ROUNDS);
+        Tracker::empty(r_ohm, nodes, resolution_ns, split, Vec::with_capacity(FIRST_ROUNDS))
+    }
+
+    /// The same with memory that is there already.
+    fn empty(
+        r_ohm: [f64; 2],
+        nodes: usize,
+        resolution_ns: f64,
+        split: SplitCalibration,
+        rounds: Vec<[Record; 3]>,
+    ) -> Tracker {
         Tracker {
             r_ohm,
             nodes,
@@ -117,8 +129,8 @@ impl Tracker {
             rejected_in_row: 0,
             counts: Counts::default(),
             scatter: SwitchScatter::default(),
-            split: SplitCalibration::new(r_ohm[0], r_ohm[1], nodes, FIRST_ROUNDS),
-            rounds: Vec::with_capacity(FIRST_ROUNDS),
+            split,
+            rounds,
             round: [None; 3],
             ready: false,
         }
@@ -277,7 +289,11 @@ impl Tracker {
     /// After a step. Nothing of the old state may bias the new one: how far the step went is not known.
     pub fn begin_anew(&mut self) {
         let counts = Counts { steps: self.counts.steps + 1, ..self.counts };
-        *self = Tracker { counts, ..Tracker::new(self.r_ohm, self.nodes, self.resolution_ns) };
+        let (mut split, mut rounds) = (std::mem::take(&mut self.split), std::mem::take(&mut self.rounds));
+        split.clear();
+        rounds.clear();
+        *self =
+            Tracker { counts, ..Tracker::empty(self.r_ohm, self.nodes, self.resolution_ns, split, rounds) };
     }
 
     /// The walk since the last discharge.

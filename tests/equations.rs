@@ -52,6 +52,7 @@ fn discharge(pins: &mut SimPins, through: Through, switch_ns: Option<f64>) -> Re
         switch: switch_ns.map(|ns| (Nanos(ns as i64), Through::C2)),
         chargers: Drives::CHARGE,
         last: Node::B,
+        drain: Nanos::ZERO,
         charge: Nanos(163_840),
         settle: Nanos::ZERO,
         timeout: Nanos(100_000_000),

@@ -96,7 +96,7 @@ proptest! {
     }
 }
 
-/// The error of eq. (11) in ohm when each charge lasts until `residual` of V_DD is left of whatever was there, and starts
+/// The error of eq. (11) in ohm when each charge lasts until at most `residual` of V_DD is left of whatever was there, and starts
 /// where the discharge before it ended: at the sensor's last crossing and 61 us of reaction later.
 fn error_of_unfinished_charge(r_x: f64, residual: f64) -> f64 {
     let mut circuit = Scene::builtin("pi4").unwrap().network();
@@ -111,7 +111,7 @@ fn error_of_unfinished_charge(r_x: f64, residual: f64) -> f64 {
         r_charge: Ohm(220.0),
         r_o: Ohm(40.0),
     };
-    let charge = nominal.charge_time(residual).0;
+    let charge = nominal.charge_tau().0 * (2f64.sqrt() / residual).ln();
     let mut estimator = Estimator::new(Method::Tcdic, r1, r2, 2, Offset::default());
     let (mut voltages, mut r_ohm) = ([0.0; 2], f64::NAN);
     for through in [Through::C1, Through::C2, Through::X(0)].repeat(4) {
@@ -129,7 +129,7 @@ fn error_of_unfinished_charge(r_x: f64, residual: f64) -> f64 {
 
 /// What every discharge finds alike (the cases above charge from empty, for as little as 3 time constants) cancels
 /// altogether. What the discharge before left behind does not: on the `pi4` circuit it is a thirtieth of the residual or
-/// less, and with the 1e-4 that are charged to by default 3.5 mohm at 100 ohm.
+/// less, and with 1e-4 (9.6 time constants) 3.5 mohm at 100 ohm.
 #[test]
 fn an_unfinished_charge_cancels_but_for_a_thirtieth_of_what_is_left() {
     for residual in [1e-2, 1e-3, 1e-4] {

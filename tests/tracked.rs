@@ -188,7 +188,8 @@ fn stays_true_while_the_circuit_drifts() {
         ),
     ] {
         for r_ohm in [100.0, 1000.0, 16_200.0] {
-            let (all, _) = changed("pi4", r_ohm, 6.0, INSTRUMENTS, |bench| bench.scene.drift = Some(drift));
+            let (all, _) =
+                changed("pi4", r_ohm, 3.0, 5 * INSTRUMENTS, |bench| bench.scene.drift = Some(drift));
             let row = format!(
                 "{name}, {r_ohm} ohm: mean {:.3}, sd {:.3}, u {:.3}, within 2u {:.4}",
                 all.mean(),

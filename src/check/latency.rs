@@ -77,6 +77,7 @@ pub fn stamps<P: Pins>(pins: &mut P, config: &Config) -> Result<Histogram, PinsE
         switch: None,
         chargers: Drives::CHARGE,
         last: config.last_node(),
+        drain: Nanos::ZERO,
         charge: config.charge_time(),
         settle: config.settle_time(),
         timeout: config.deadline(),

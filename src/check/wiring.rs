@@ -203,6 +203,7 @@ impl<P: Pins> Bench<'_, P> {
             switch: None,
             chargers: Drives::CHARGE,
             last: if self.has_node_b() { Node::B } else { Node::A },
+            drain: Nanos::ZERO,
             charge: self.config.charge_time(),
             settle: self.config.settle_time() + hold,
             timeout,

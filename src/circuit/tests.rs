@@ -111,7 +111,7 @@ fn eq_9_solves_the_discharge() {
 
 /// The charge through both chargers, from the worst states that a discharge can leave.
 #[test]
-fn charge_time_reaches_its_residual() {
+fn a_charge_forgets_as_fast_as_its_slowest_part() {
     for (c_a, c_b) in [(2.2e-6, 680e-9), (1e-6, 600e-9), (100e-9, 1e-6)] {
         let circuit = two(c_a, c_b);
         let r = circuit.r_charge.0;
@@ -124,8 +124,10 @@ fn charge_time_reaches_its_residual() {
                 let steps = (time / step(r, c_a, c_b)).ceil();
                 (0..steps as usize).fold(start, |y, _| rk4(network, y, time / steps))
             };
-            let end = run(circuit.charge_time(1e-6).0);
-            assert!(end.iter().all(|left| left.abs() <= 1e-6), "{start:?} leaves {end:?}");
+            // The matrix being symmetric, the length of (a, b) shrinks at least as fast as its slowest part.
+            let end = run(14.0 * circuit.charge_tau().0);
+            let most = start[0].hypot(start[1]) * (-14f64).exp();
+            assert!(end[0].hypot(end[1]) <= most * 1.001, "{start:?} leaves {end:?}");
             // Late in the charge only the slowest part is left: it falls by e in one tau.
             let tau = circuit.charge_tau().0;
             let (before, after) = (run(9.0 * tau), run(10.0 * tau));
@@ -140,9 +142,6 @@ fn charge_constants() {
     assert!((tau / (2.0 * 220.0 * 10e-6) - 1.0).abs() < 1e-4, "2 (Rp+Ro) C_A where C_A >> C_B");
     let one = circuit(Network::OneCapacitor { c: Farad(1e-6) });
     assert_eq!(one.charge_tau(), Seconds(220.0 * 1e-6));
-    let taus = |circuit: Circuit| circuit.charge_time(1e-6).0 / circuit.charge_tau().0;
-    assert!((taus(two(2.2e-6, 680e-9)) - 14.16).abs() < 0.01);
-    assert!((taus(one) - 13.82).abs() < 0.01);
 }
 
 #[test]

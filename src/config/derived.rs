@@ -9,10 +9,10 @@ use crate::pins::Node;
 use crate::reading::Method;
 use crate::units::{Nanos, Ohm, Seconds};
 
-/// What is left of V_DD at the end of a derived charge.
-const CHARGE_RESIDUAL: f64 = 1e-4;
 /// A derived deadline in discharges through the second calibration resistor.
 const DEADLINE_IN_SECOND_DISCHARGES: f64 = 5.0;
+/// A drain in predicted discharges through Rc1.
+const DRAIN: f64 = 1.2;
 /// The settle time that is used when none is given.
 const SETTLE_TIME: Nanos = Nanos(20_000);
 /// The switch fraction that is used when none is given.
@@ -45,7 +45,12 @@ impl Config {
 
     /// How long to charge before each discharge.
     pub fn charge_time(&self) -> Nanos {
-        self.measure.charge_time.unwrap_or_else(|| self.circuit.charge_time(CHARGE_RESIDUAL).into())
+        self.measure.charge_time.unwrap_or_else(|| self.shortest_charge().into())
+    }
+
+    /// How long R_1 takes to bring full capacitors to where discharges end, with room for their tolerance.
+    pub fn drain_time(&self) -> Nanos {
+        Nanos::from_seconds(DRAIN * self.discharge(self.circuit.r_c1).0)
     }
 
     /// The pause between charge and discharge.

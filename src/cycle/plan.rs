@@ -111,6 +111,7 @@ impl Cycle {
             limit,
             chargers: settings.chargers,
             last: settings.last,
+            drain: if self.ended_early { settings.drain } else { Nanos::ZERO },
             charge: settings.charge,
             settle: settings.settle,
             timeout: settings.deadline,

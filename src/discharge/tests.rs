@@ -97,6 +97,7 @@ fn plan(switch: Option<(Nanos, Through)>) -> Plan {
         switch,
         chargers: Drives::CHARGE,
         last: Node::B,
+        drain: Nanos::ZERO,
         charge: Nanos(1_000_000),
         settle: Nanos(100_000),
         timeout: Nanos(5_000_000),
@@ -270,4 +271,17 @@ fn a_discharge_that_does_not_end_is_finished_through_another_resistor() {
     assert_eq!(record.switch, Some(Switch { at_ns: 5_000_000.0, on_ns: 5_001_000.0, to: Through::C1 }));
     assert_eq!((record.a_ns, record.b_ns), (Some(5_049_500.0), Some(5_059_500.0)));
     assert_eq!(pins.on, Drives::NONE);
+}
+
+#[test]
+fn what_ended_early_is_drained_before_the_charge() {
+    let mut pins = Script::new(&[A, B]);
+    let (mut discharge, action) = Discharge::new(Plan { drain: Nanos(700_000), ..plan(None) });
+    assert_eq!(action, Action::Drive(Drives::C1));
+    let drained = discharge.handle(Event::Drove(pins.drive(Drives::C1).unwrap()));
+    assert_eq!(drained, Action::Rest(Nanos(1000 + 700_000)));
+    assert_eq!(discharge.handle(Event::Slept), Action::Drive(Drives::CHARGE));
+    let charging = Bracket { before: Nanos(701_000), after: Nanos(702_500) };
+    assert_eq!(discharge.handle(Event::Drove(charging)), Action::Rest(Nanos(1_702_500)));
+    assert_eq!(discharge.handle(Event::Slept), Action::Drive(Drives::NONE));
 }

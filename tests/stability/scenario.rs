@@ -271,6 +271,7 @@ impl<P: Pins> ByHand<P> {
             switch: switch.map(|s| (Nanos::from_seconds(s), Through::C2)),
             chargers: Drives::CHARGE,
             last: Node::B,
+            drain: Nanos::ZERO,
             charge: self.charge,
             settle: if through.channel().is_some() { self.pause } else { SETTLE },
             timeout: Nanos(400_000_000),

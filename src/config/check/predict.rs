@@ -4,13 +4,14 @@
 
 use super::Findings;
 use crate::circuit::Network;
+use crate::config::charge::Remembered;
 use crate::config::{Config, Offset};
 use crate::pins::Node;
 use crate::reading::Method;
 use crate::units::Seconds;
 
-/// A shorter charge leaves more than 1 % of V_DD, and what is left differs from discharge to discharge.
-const SHORTEST_CHARGE_TAUS: f64 = 5.0;
+/// A charge shorter than this part of the automatic one changes a reading by more than is planned, however noisy the board.
+const TOO_SHORT: f64 = 0.9;
 /// The parts of a split discharge have to be long against the system calls between them.
 const SHORTEST_PART: Seconds = Seconds(50e-6);
 
@@ -34,18 +35,23 @@ fn second(config: &Config) -> &'static str {
 }
 
 fn charge_time(config: &Config, findings: &mut Findings) {
-    let tau = config.circuit.charge_tau();
-    let taus = config.charge_time().as_seconds() / tau.0;
-    if taus < SHORTEST_CHARGE_TAUS {
+    let (charge, shortest) = (Seconds::from(config.charge_time()), config.shortest_charge());
+    if charge.0 < TOO_SHORT * shortest.0 {
         findings.warning(
             "measure.charge-time",
-            format!("{:.3} is {taus:.1} time constants of the charge", Seconds::from(config.charge_time())),
-            format!(
-                "at least \"{:.2}\" ({SHORTEST_CHARGE_TAUS} of them), or without it",
-                Seconds(SHORTEST_CHARGE_TAUS * tau.0)
-            ),
+            format!("{charge:.3} {}", remembers(config)),
+            format!("at least \"{shortest:.2}\", or without it"),
         );
     }
+}
+
+/// How complete a charge is, and what follows from it.
+fn remembers(config: &Config) -> String {
+    let taus = config.charge_time().as_seconds() / config.circuit.charge_tau().0;
+    let Remembered { at, sigmas } = config.remembered(taus);
+    format!(
+        "is {taus:.1} time constants: the discharge before changes a reading by up to {sigmas:.2} of its u (at {at:.2})"
+    )
 }
 
 fn deadline(config: &Config, findings: &mut Findings) {
@@ -140,8 +146,8 @@ fn predictions(config: &Config, findings: &mut Findings) {
         findings.info(format!("circuit.{key}"), format!("through {name}, {}", times.join(", ")));
     }
     let charge = Seconds::from(config.charge_time());
-    let taus = charge.0 / circuit.charge_tau().0;
-    findings.info("measure.charge-time", format!("{charge:.3}, {taus:.1} time constants of the charge"));
+    let whose = if config.measure.charge_time.is_some() { "as given" } else { "automatic" };
+    findings.info("measure.charge-time", format!("{charge:.3}, {whose}, {}", remembers(config)));
     let deadline = Seconds::from(config.deadline());
     if let Some(highest) = circuit.resistance(config.last_node(), deadline) {
         findings.info("measure.deadline", format!("{deadline:.3}, enough for a sensor of {highest:.3}"));

@@ -83,9 +83,9 @@ fn a_good_one_has_predictions_only() {
     insta::assert_snapshot!(findings.join("\n"), @r#"
     info: circuit.r-c1: through Rc1, node A after 1.14 ms, node B after 1.93 ms
     info: circuit.r-c2: through Rc2, node A after 6.16 ms, node B after 10.4 ms
-    info: measure.charge-time: 10 ms, 9.6 time constants of the charge
+    info: measure.charge-time: 7.67 ms, automatic, is 7.3 time constants: the discharge before changes a reading by up to 0.10 of its u (at 64 kohm)
     info: measure.deadline: 52.2 ms, enough for a sensor of 63.7 kohm
-    info: measure.rate-hz: a cycle takes 52.9 ms (18.9 Hz) with the sensor at Rc2, 94.7 ms at most
+    info: measure.rate-hz: a cycle takes 45.9 ms (21.8 Hz) with the sensor at Rc2, 87.6 ms at most
     "#);
 }
 
@@ -97,9 +97,9 @@ fn series_calibration_is_good_too() {
     insta::assert_snapshot!(findings.join("\n"), @r#"
     info: circuit.r-c1: through Rc1, node A after 2.2 ms
     info: circuit.r-c2: through Rc1 + Rc2, node A after 14 ms
-    info: measure.charge-time: 2.03 ms, 9.2 time constants of the charge
+    info: measure.charge-time: 2.14 ms, automatic, is 9.7 time constants: the discharge before changes a reading by up to 0.10 of its u (at 75 kohm)
     info: measure.deadline: 70.1 ms, enough for a sensor of 75.3 kohm
-    info: measure.rate-hz: a cycle takes 36.4 ms (27.5 Hz) with the sensor at Rc1 + Rc2, 92.5 ms at most
+    info: measure.rate-hz: a cycle takes 36.7 ms (27.2 Hz) with the sensor at Rc1 + Rc2, 92.8 ms at most
     "#);
 }
 
@@ -236,7 +236,7 @@ fn rates() {
     one_measure("rate-hz = 0", "error: measure.rate-hz: not above zero");
     one_measure("rate-hz = nan", "error: measure.rate-hz: not above zero");
     one_measure("rate-hz = 100", "error: measure.rate-hz: calibration and charging alone take");
-    one_measure("rate-hz = 21", "warning: measure.rate-hz: a cycle with the sensor at Rc2 takes");
+    one_measure("rate-hz = 24", "warning: measure.rate-hz: a cycle with the sensor at Rc2 takes");
     assert_eq!(complaints(&config(&[("[measure]", "[measure]\nrate-hz = 10")])), Vec::<String>::new());
 }
 

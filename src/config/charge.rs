@@ -1,0 +1,228 @@
+//! How short a charge may be: until what it remembers of the discharge before it is small beside a reading's uncertainty.
+//!
+//! For: the automatic `charge-time`, and what the check says of a given one. Must not know: what is measured; everything
+//! here is predicted from nominal values.
+//!
+//! The error of a reading is linear in the depths D_j from which the charges of its discharges began ([`Circuit::charge_memory`]
+//! has the derivation), and its coefficients c_j add up to nothing, since what is common to all of them cancels. So depths
+//! within a span S make an error of S/2 times the sum of |c_j| at the most. The coefficients, with R' = R + Ro, m the memory
+//! of the node and rho = (R_x - R_1)/(R_2 - R_1):
+//!
+//! | equation | sensor | R_1 | R_2 |
+//! |---|---|---|---|
+//! | (3), (11): the times or their sums | m R_x' | -m (1-rho) R_1' | -m rho R_2' |
+//! | finished through R_2 after the progress theta: (16)-(19), QERM | q R_x', q = m g/theta | -m (1-rho) R_1' | the rest |
+//! | tracked calibration | m R_x' or q R_x' | all of the rest | |
+//!
+//! In (11) and (19), m is the mean of both nodes by g. That the latency offset is found with such charges, too, adds some percent
+//! to this at most.
+
+use super::Config;
+use crate::circuit::{Circuit, Network};
+use crate::pins::Node;
+use crate::reading::Method;
+use crate::units::{Nanos, Ohm, Seconds};
+
+/// The error may be this share of the predicted 1-sigma uncertainty: a hundred readings have to be averaged to see it.
+pub const SHARE: f64 = 0.1;
+/// A shorter charge is never planned: the first order of the derivation would not hold.
+const LEAST_TAUS: f64 = 4.0;
+/// Jitter of a crossing, s: less than any board is known to have, so that the error stays small on each.
+const JITTER: f64 = 0.5e-6;
+/// Noise of a node's voltage, V: that of the board of the paper.
+const NOISE: f64 = 0.25e-3;
+/// Scatter of a switch, s.
+const SWITCH: f64 = 0.1e-6;
+/// Scatter of the end of a charge, s. A later end forgets more. The end is rested until, not spun: with 2.2 uF this scatter
+/// is 2 % of tau, and adds an eighth to what depths differ by anyway; where it adds more, the charge is short, and one tau more of
+/// it costs less than spinning.
+const LATENESS: f64 = 20e-6;
+/// Resistances that are looked at per decade, down from that which the deadline resolves, and how many in all.
+const PER_DECADE: f64 = 6.0;
+const RESISTANCES: u32 = 30;
+
+/// A resistance, and by how many of its own sigma an incomplete charge may change a reading of it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Remembered {
+    /// The resistance where it is most.
+    pub at: Ohm,
+    /// Error over sigma.
+    pub sigmas: f64,
+}
+
+impl Config {
+    /// What charges of so many time constants remember, at most.
+    pub fn remembered(&self, taus: f64) -> Remembered {
+        let none = Remembered { at: self.circuit.r_c2, sigmas: 0.0 };
+        let Some(budget) = Budget::new(self) else { return none };
+        let highest = self.circuit.resistance(self.last_node(), self.deadline().into()).unwrap_or_default();
+        (0..RESISTANCES)
+            .map(|step| Ohm(highest.0 * 10f64.powf(-f64::from(step) / PER_DECADE)))
+            .map(|at| Remembered { at, sigmas: budget.sigmas(at) * (-taus).exp() })
+            .filter(|found| found.sigmas.is_finite())
+            .max_by(|a, b| a.sigmas.total_cmp(&b.sigmas))
+            .unwrap_or(none)
+    }
+
+    /// The shortest charge that a reading does not suffer from.
+    pub fn shortest_charge(&self) -> Seconds {
+        let taus = (self.remembered(0.0).sigmas / SHARE).ln().max(LEAST_TAUS);
+        Seconds(taus * self.circuit.charge_tau().0)
+    }
+}
+
+/// The nominal values that error and uncertainty follow from; index 0 is node A.
+struct Budget {
+    method: Method,
+    is_tracked: bool,
+    r_o: f64,
+    /// R_1 and R_2, with Ro.
+    known: [f64; 2],
+    nodes: usize,
+    g: [f64; 2],
+    memory: [f64; 2],
+    /// Latency jitter and quantisation, s; trigger noise in s per ohm that the discharge runs through.
+    jitter: f64,
+    trigger: [f64; 2],
+    /// By how much depths differ.
+    span: f64,
+    /// Progress at which a discharge is switched, in g_A.
+    fraction: f64,
+}
+
+/// How an equation sees the charges before the sensor, R_1 and R_2 (s/s x ohm), and its variance, ohm².
+struct Equation {
+    by_depth: [f64; 3],
+    variance: f64,
+}
+
+impl Budget {
+    fn new(config: &Config) -> Option<Budget> {
+        let circuit = &config.circuit;
+        let last = config.last_node();
+        let both = |of: &dyn Fn(Node) -> Option<f64>| {
+            Some([of(Node::A)?, if last == Node::B { of(Node::B)? } else { 0.0 }])
+        };
+        let forgets = (-LATENESS / circuit.charge_tau().0).exp();
+        // A clock that is not that of Linux counts in hardware: its period is all the jitter there is.
+        let coarser = config.measure.resolution.filter(|clock| *clock > Nanos(1));
+        Some(Budget {
+            method: config.method()?,
+            is_tracked: config.is_tracked(),
+            r_o: circuit.r_o.0,
+            known: [circuit.r_c1, circuit.r_second()].map(|r| r.0 + circuit.r_o.0),
+            nodes: if last == Node::B { 2 } else { 1 },
+            g: both(&|node| circuit.g(node).map(|g| g.0))?,
+            memory: both(&|node| circuit.charge_memory(node))?,
+            jitter: coarser.map_or(JITTER, |clock| clock.as_seconds() / 12f64.sqrt()),
+            trigger: both(&|node| trigger(circuit, node))?,
+            span: 1.0 - (1.0 - circuit.left_at_crossing(last)?) * forgets,
+            fraction: config.switch_fraction(),
+        })
+    }
+
+    /// Error over sigma of a reading of `r`, before any charge has forgotten anything.
+    fn sigmas(&self, r: Ohm) -> f64 {
+        let r = r.0 + self.r_o;
+        let equation = match self.method {
+            Method::Tpcm | Method::Tcdic => self.plain(r),
+            Method::Qerm => self.finished(r, self.fraction * self.g[0] / (1.0 + r / self.known[1])),
+            Method::Cerm => self.plain(r).or(self.finished(r, self.fraction * self.g[0])),
+            Method::Tracked => self.weighted(r).or(self.weighted_split(r, self.fraction * self.g[0])),
+        };
+        let depths: f64 = equation.by_depth.iter().map(|by| by.abs()).sum();
+        self.span / 2.0 * depths / equation.variance.sqrt()
+    }
+
+    /// Variance of a crossing through `r` (with Ro), s².
+    fn variance(&self, node: usize, r: f64) -> f64 {
+        self.jitter.powi(2) + (self.trigger[node] * r).powi(2)
+    }
+
+    /// The same of the sum of all nodes, relative to the sum of g: ohm².
+    fn variance_of_sum(&self, r: f64) -> f64 {
+        let sum: f64 = (0..self.nodes).map(|node| self.variance(node, r)).sum();
+        sum / self.g.iter().sum::<f64>().powi(2)
+    }
+
+    fn mean_memory(&self) -> f64 {
+        (0..self.nodes).map(|node| self.g[node] * self.memory[node]).sum::<f64>() / self.g.iter().sum::<f64>()
+    }
+
+    /// The weights of R_1 and R_2 in a reading of `r`.
+    fn parts(&self, r: f64) -> [f64; 2] {
+        let [r1, r2] = self.known;
+        let rho = (r - r1) / (r2 - r1);
+        [1.0 - rho, rho]
+    }
+
+    /// What both calibration discharges add, ohm².
+    fn calibration(&self, r: f64) -> f64 {
+        let [p1, p2] = self.parts(r);
+        let each = [(p1, self.known[0]), (p2, self.known[1])];
+        if self.is_tracked { 0.0 } else { each.map(|(p, r)| p * p * self.variance_of_sum(r)).iter().sum() }
+    }
+
+    /// The rest of the coefficients, given that of the sensor.
+    fn depths(&self, r: f64, sensor: f64) -> [f64; 3] {
+        let first =
+            if self.is_tracked { 0.0 } else { -self.parts(r)[0] * self.known[0] * self.mean_memory() };
+        [sensor, first, -sensor - first]
+    }
+
+    fn plain(&self, r: f64) -> Equation {
+        let by_depth = self.depths(r, self.mean_memory() * r);
+        Equation { by_depth, variance: self.variance_of_sum(r) + self.calibration(r) }
+    }
+
+    /// Two discharges end through R_2: the sensor's and that of R_2; a tracked calibration knows the latter.
+    fn finished(&self, r: f64, theta: f64) -> Equation {
+        let (last, r2) = (self.nodes - 1, self.known[1]);
+        let crossings = if self.is_tracked { 1.0 } else { 2.0 } * self.variance(last, r2) / (r2 * r2);
+        let variance = (r / theta).powi(2) * crossings + (SWITCH / theta).powi(2);
+        let by_depth = self.depths(r, r * self.memory[last] * self.g[last] / theta);
+        Equation { by_depth, variance: variance + self.calibration(r) }
+    }
+
+    /// Nodes by inverse variance. Their memories may have different signs; that they cancel is not counted on.
+    fn weighted(&self, r: f64) -> Equation {
+        let weights = [0, 1].map(|node| self.g[node].powi(2) / self.variance(node, r));
+        self.of_weights(weights, r, |node| self.memory[node], 0.0)
+    }
+
+    fn weighted_split(&self, r: f64, theta: f64) -> Equation {
+        let r2 = self.known[1];
+        let weights = [0, 1].map(|node| (theta * r2 / r).powi(2) / self.variance(node, r2));
+        self.of_weights(weights, r, |node| self.memory[node] * self.g[node] / theta, (SWITCH / theta).powi(2))
+    }
+
+    fn of_weights(
+        &self,
+        weights: [f64; 2],
+        r: f64,
+        memory: impl Fn(usize) -> f64,
+        variance: f64,
+    ) -> Equation {
+        let weights = &weights[..self.nodes];
+        let sum: f64 = weights.iter().sum();
+        let sensor: f64 = weights.iter().enumerate().map(|(node, weight)| weight * memory(node).abs()).sum();
+        Equation { by_depth: self.depths(r, r * sensor / sum), variance: 1.0 / sum + variance }
+    }
+}
+
+impl Equation {
+    /// Whichever promises less variance.
+    fn or(self, other: Equation) -> Equation {
+        if other.variance < self.variance { other } else { self }
+    }
+}
+
+/// Voltage noise over the slope of a node at its crossing, s per ohm.
+fn trigger(circuit: &Circuit, node: Node) -> Option<f64> {
+    let share = match (node, circuit.network) {
+        (Node::B, Network::TwoCapacitor { c_a, c_b }) => c_a.0 / (c_a.0 + c_b.0),
+        _ => 1.0,
+    };
+    let volt = circuit.v_dd.0 * circuit.left_at_crossing(node)? * share;
+    Some(NOISE * circuit.c_total().0 / volt)
+}

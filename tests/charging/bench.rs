@@ -1,0 +1,217 @@
+//! Two sensors on one board, charges of any length, and wake-ups that come late.
+
+use crate::common::{Bench, Errors};
+use cermd::config::Config;
+use cermd::instrument::{Instrument, Message};
+use cermd::pins::sim::{Scene, Sensor, SimPins};
+use cermd::pins::{Armed, Bracket, Drives, Edge, Levels, Node, Pins, PinsError};
+use cermd::reading::{Method, Reading};
+use cermd::settings::Settings;
+use cermd::units::{Nanos, Ohm, Seconds};
+use rand::SeedableRng;
+use rand_chacha::ChaCha8Rng;
+use rand_distr::{Distribution, Normal};
+
+pub const INSTRUMENTS: u64 = 200;
+const READINGS: usize = 40;
+/// Readings of each instrument that do not count, after its offset is known.
+const BEFORE: usize = 60;
+/// The sensor that is read before is a short circuit: it falls farthest, and no method finishes it through Rc2.
+pub const NEIGHBOUR_OHM: f64 = 0.5;
+/// A charge that remembers nothing.
+pub const LONG_TAUS: f64 = 16.0;
+/// How late a wake-up from a rest is, and its scatter, ns.
+const LATE_NS: [f64; 2] = [53_000.0, 5_000.0];
+/// From a stamp until the program is awake, s.
+const WAKE: f64 = 53e-6;
+/// From the crossing that it is woken for to the release: the stamp is 8 us late, and a call releases the line.
+const REACTION: f64 = WAKE + 9e-6;
+
+/// Pins whose rests end late.
+pub struct Late {
+    pins: SimPins,
+    rng: ChaCha8Rng,
+}
+
+impl Pins for Late {
+    fn now(&mut self) -> Nanos {
+        self.pins.now()
+    }
+    fn drive(&mut self, on: Drives) -> Result<Bracket, PinsError> {
+        self.pins.drive(on)
+    }
+    fn arm(&mut self) -> Result<Armed, PinsError> {
+        self.pins.arm()
+    }
+    fn edge(&mut self, until: Nanos) -> Result<Option<Edge>, PinsError> {
+        self.pins.edge(until)
+    }
+    fn sleep_until(&mut self, at: Nanos) -> Result<(), PinsError> {
+        self.pins.sleep_until(at)
+    }
+    fn rest_until(&mut self, at: Nanos) -> Result<(), PinsError> {
+        let late_ns: f64 = Normal::new(LATE_NS[0], LATE_NS[1]).unwrap().sample(&mut self.rng);
+        self.pins.sleep_until(at + Nanos(late_ns.max(0.0) as i64))
+    }
+    fn levels(&mut self) -> Result<Levels, PinsError> {
+        self.pins.levels()
+    }
+}
+
+/// A method and the sensor that is looked at.
+#[derive(Debug, Clone, Copy)]
+pub struct Board {
+    pub method: Method,
+    pub r_ohm: f64,
+}
+
+/// What came of the sensor's readings.
+pub struct Found {
+    /// Mean error of each instrument, ohm.
+    means: Vec<f64>,
+    pub mean_u: f64,
+    pub coverage: f64,
+}
+
+impl Found {
+    fn mean(&self) -> (f64, f64) {
+        let count = self.means.len() as f64;
+        let mean = self.means.iter().sum::<f64>() / count;
+        let variance = self.means.iter().map(|x| (x - mean).powi(2)).sum::<f64>() / (count - 1.0);
+        (mean, (variance / count).sqrt())
+    }
+
+    /// Mean error and its standard error, ohm, less that of another charge.
+    pub fn ohm_beyond(&self, other: &Found) -> (f64, f64) {
+        let ((here, u_here), (there, u_there)) = (self.mean(), other.mean());
+        (here - there, u_here.hypot(u_there))
+    }
+
+    /// The same in the stated uncertainty of a reading.
+    pub fn error_beyond(&self, other: &Found) -> (f64, f64) {
+        let (ohm, doubt) = self.ohm_beyond(other);
+        (ohm / self.mean_u, doubt / self.mean_u)
+    }
+}
+
+/// Without rare long delays, which have errors of their own.
+fn quiet(mut scene: Scene) -> Scene {
+    for delay in [&mut scene.stamps, &mut scene.wake, &mut scene.sleep] {
+        let delay = delay.as_mut().unwrap();
+        (delay.tail_probability, delay.tail_mean) = (None, None);
+    }
+    let calls = scene.calls.as_mut().unwrap();
+    (calls.tail_probability, calls.tail_mean) = (None, None);
+    scene
+}
+
+impl Board {
+    fn config(self, measure: &str) -> Config {
+        let bench = Bench::new("pi4", self.method, self.r_ohm, 0, measure);
+        Config::parse(&bench.config.replace("[mock]", "[[channel]]\nid = \"y\"\n[mock]"), "bench").unwrap()
+    }
+
+    pub fn tau(self) -> Seconds {
+        self.config("").circuit.charge_tau()
+    }
+
+    pub fn automatic_taus(self) -> f64 {
+        self.config("").charge_time().as_seconds() / self.tau().0
+    }
+
+    fn charge(self, taus: f64) -> String {
+        format!("charge-time = \"{} s\"", taus * self.tau().0)
+    }
+
+    fn pins(self, sensors: &[f64], seed: u64) -> Late {
+        let scene = quiet(Bench::new("pi4", self.method, self.r_ohm, seed, "").scene);
+        let sensors = sensors.iter().map(|r_ohm| Sensor::Constant(Ohm(*r_ohm))).collect();
+        let pins = SimPins::new(&scene.with_sensors(sensors).unwrap(), Some(seed));
+        Late { pins, rng: ChaCha8Rng::seed_from_u64(seed) }
+    }
+
+    /// Readings of the second channel, after those of another resistance on the first.
+    pub fn measure(self, neighbour_ohm: f64, taus: f64) -> Found {
+        let config = self.config(&self.charge(taus));
+        let (mut all, mut means) = (Errors::default(), Vec::new());
+        for seed in 0..INSTRUMENTS {
+            let settings = Settings::new(&config).unwrap();
+            let mut instrument = Instrument::new(self.pins(&[neighbour_ohm, self.r_ohm], seed), settings);
+            let mut errors = Errors::default();
+            until_known(&mut instrument);
+            readings(&mut instrument, 1, BEFORE, |_| {});
+            readings(&mut instrument, 1, READINGS, |reading| errors.add(reading, self.r_ohm));
+            means.push(errors.mean());
+            all.errors.extend(errors.errors);
+            all.us.extend(errors.us);
+        }
+        Found { means, mean_u: all.mean_u(), coverage: all.coverage() }
+    }
+
+    /// Readings per second of a sensor that is alone.
+    pub fn rate_alone(self, taus: f64) -> f64 {
+        let bench = Bench::new("pi4", self.method, self.r_ohm, 0, &self.charge(taus));
+        let settings = Settings::new(&Config::parse(&bench.config, "bench").unwrap()).unwrap();
+        let mut instrument = Instrument::new(self.pins(&[self.r_ohm], 1), settings);
+        until_known(&mut instrument);
+        readings(&mut instrument, 0, BEFORE, |_| {});
+        let mut seconds = 0.0;
+        readings(&mut instrument, 0, 1000, |reading| seconds += reading.duration.as_seconds());
+        1000.0 / seconds
+    }
+
+    /// The mean error that charges of so many time constants make by the closed form, ohm: eq. (3) or (11) of discharges that
+    /// follow R_x (that through R_1), R_1 (that through R_2) and the neighbour (that of the sensor). For the methods and
+    /// resistances that use these equations.
+    pub fn predicted_ohm(self, taus: f64) -> Option<f64> {
+        let nodes = match self.method {
+            Method::Tpcm => &[Node::A][..],
+            Method::Tcdic => &Node::BOTH,
+            _ => return None,
+        };
+        let circuit = self.config("").circuit;
+        let g_of = |node: &Node| circuit.g(*node).unwrap().0;
+        let (mut memory, mut g) = (0.0, 0.0);
+        for node in nodes {
+            memory += g_of(node) * circuit.charge_memory(*node)?;
+            g += g_of(node);
+        }
+        let with_r_o = |r: Ohm| r.0 + circuit.r_o.0;
+        let [r1, r2, rx] = [circuit.r_c1, circuit.r_c2, Ohm(self.r_ohm)].map(with_r_o);
+        let rho = (rx - r1) / (r2 - r1);
+        let left = circuit.left_at_crossing(*nodes.last()?)?;
+        // Where B crosses before the program has been woken for A, it is not woken again.
+        let last_gap = g_of(nodes.last()?) - g_of(&Node::A);
+        let late = |r: f64| if last_gap * r < WAKE { REACTION - last_gap * r } else { REACTION };
+        let depth = |r: f64| 1.0 - left * (-late(r) / (r * circuit.c_total().0)).exp();
+        let after_neighbour = depth(with_r_o(Ohm(NEIGHBOUR_OHM)));
+        let depths = rx * after_neighbour - (1.0 - rho) * r1 * depth(rx) - rho * r2 * depth(r1);
+        // The charge lasts until the program is awake.
+        let late = LATE_NS[0] * 1e-9 / self.tau().0;
+        Some(memory / g * depths * (-taus - late).exp())
+    }
+}
+
+fn until_known(instrument: &mut Instrument<Late>) {
+    let mut steps = 0;
+    while !instrument.stats().offset_is_known {
+        instrument.step(&mut |_| {}).unwrap();
+        steps += 1;
+        assert!(steps < 100_000, "the offset is never found");
+    }
+}
+
+fn readings(instrument: &mut Instrument<Late>, channel: usize, count: usize, mut each: impl FnMut(&Reading)) {
+    let mut seen = 0;
+    while seen < count {
+        instrument
+            .step(&mut |message| match message {
+                Message::Reading(reading) if reading.channel == channel => {
+                    seen += 1;
+                    each(&reading);
+                }
+                _ => {}
+            })
+            .unwrap();
+    }
+}

@@ -1,0 +1,116 @@
+//! The closed form against the simulated network, which knows neither progress nor modes; and discharges that end early.
+
+use cermd::circuit::{Circuit, NOMINAL_R_CHARGE, Network};
+use cermd::discharge::{Plan, run};
+use cermd::pins::sim::{Kind, Scene, Sensor, SimPins, network};
+use cermd::pins::{Drives, Node};
+use cermd::record::{Record, Through};
+use cermd::units::{Farad, Nanos, Ohm, Volt};
+
+const BOTH: [(f64, f64, f64); 4] =
+    [(2.2e-6, 680e-9, 1.1), (10e-6, 680e-9, 1.3), (330e-9, 22e-9, 1.441), (1e-6, 600e-9, 1.6)];
+
+fn nominal(wiring: network::Wiring, v_th: f64) -> Circuit {
+    let network = match wiring {
+        network::Wiring::TwoCapacitor { c_a, c_b } => {
+            Network::TwoCapacitor { c_a: Farad(c_a), c_b: Farad(c_b) }
+        }
+        network::Wiring::OneCapacitor { c } => Network::OneCapacitor { c: Farad(c) },
+        network::Wiring::SeriesCalibration { c } => Network::SeriesCalibration { c: Farad(c) },
+    };
+    let (r_c1, r_c2) = (Ohm(2320.0), Ohm(12_700.0));
+    let (v_dd, r_charge, r_o) = (Volt(3.3), NOMINAL_R_CHARGE, Ohm(40.0));
+    Circuit { network, r_c1, r_c2, v_dd, v_th: Volt(v_th), r_charge, r_o }
+}
+
+/// The crossing of a node through Rc2 after a charge of so many seconds from a depth, s.
+fn crossing(circuit: &network::Circuit, node: Node, depth: f64, seconds: f64) -> f64 {
+    let k = match circuit.wiring {
+        network::Wiring::TwoCapacitor { c_a, c_b } => c_a / (c_a + c_b),
+        _ => 0.0,
+    };
+    let start = [1.0 - depth, 1.0 - k * depth].map(|share| share * circuit.v_dd);
+    let charged = circuit.flow(start, Drives::CHARGE).after(seconds);
+    let falls = circuit.flow(charged, Drives::C2).course(node);
+    falls.falls_through(circuit.sense[node.index()].falling, f64::INFINITY).unwrap()
+}
+
+#[test]
+fn what_a_charge_remembers_is_what_the_network_does() {
+    let two = BOTH.map(|(c_a, c_b, v_th)| (network::Wiring::TwoCapacitor { c_a, c_b }, v_th));
+    let boards = two.into_iter().chain([(network::Wiring::OneCapacitor { c: 470e-9 }, 1.1)]);
+    for (wiring, v_th) in boards {
+        let nominal = nominal(wiring, v_th);
+        let mut circuit = Scene::builtin("ideal").unwrap().network();
+        circuit.wiring = wiring;
+        circuit.sense = [network::Sense::ideal(v_th); 2];
+        let nodes = if circuit.has_b() { &Node::BOTH[..] } else { &[Node::A] };
+        for node in nodes {
+            for (taus, tolerance) in [(4.0, 0.05), (7.0, 0.005), (10.0, 0.001)] {
+                let seconds = taus * nominal.charge_tau().0;
+                let [shallow, deep] = [0.8, 1.0].map(|depth| crossing(&circuit, *node, depth, seconds));
+                let predicted = 0.2 * nominal.charge_memory(*node).unwrap() * (-taus).exp();
+                let full = nominal.crossing(*node, nominal.r_c2).unwrap().0;
+                let found = (deep - shallow) / full;
+                assert!(
+                    (found / predicted - 1.0).abs() < tolerance,
+                    "{wiring:?} {node:?} {taus} tau: {found:e}, predicted {predicted:e}"
+                );
+            }
+        }
+    }
+}
+
+/// Node B's crossing through Rc2 after a discharge that timed out, against that after another through Rc2.
+#[test]
+fn a_discharge_that_timed_out_is_drained_before_the_charge() {
+    let scene = Scene::builtin("ideal").unwrap().with_kind(Kind::TwoCapacitor).unwrap();
+    let scene = scene.with_sensors(vec![Sensor::Constant(Ohm(10e6))]).unwrap();
+    let mut pins = SimPins::new(&scene, Some(1));
+    let nominal = nominal(network::Wiring::TwoCapacitor { c_a: 2.2e-6, c_b: 680e-9 }, 1.3);
+    let taus = 6.0;
+    let mut take = |through, drain_s: f64| -> Record {
+        let plan = Plan {
+            through,
+            switch: None,
+            limit: None,
+            chargers: Drives::CHARGE,
+            last: Node::B,
+            drain: Nanos::from_seconds(drain_s),
+            charge: Nanos::from_seconds(taus * nominal.charge_tau().0),
+            settle: Nanos(20_000),
+            timeout: Nanos(50_000_000),
+            widest_bracket: Nanos::MAX,
+            single_call: None,
+        };
+        run(&mut pins, plan).unwrap().result.unwrap()
+    };
+    // The first one has found the capacitors empty.
+    (0..3).for_each(|_| assert!(take(Through::C2, 0.0).b_ns.is_some()));
+    let usual = take(Through::C2, 0.0).b_ns.unwrap();
+    let mut after_none = |drain_s: f64| {
+        assert!(take(Through::X(0), 0.0).b_ns.is_none());
+        let found = take(Through::C2, drain_s).b_ns.unwrap();
+        take(Through::C2, 0.0);
+        (found - usual) / usual
+    };
+    // The open discharge has taken 50 ms / 10 Mohm of progress from full capacitors.
+    let depth = 1.0 - (-0.05 / (10e6 + 40.0) / nominal.c_total().0).exp();
+    let left = nominal.left_at_crossing(Node::B).unwrap();
+    let predicted =
+        |depth: f64| nominal.charge_memory(Node::B).unwrap() * (depth - (1.0 - left)) * (-taus).exp();
+    let (undrained, drained) =
+        (after_none(0.0), after_none(1.2 * nominal.crossing(Node::B, nominal.r_c1).unwrap().0));
+    println!("relative change of B: {undrained:e} undrained, {drained:e} drained");
+    assert!(
+        (undrained / predicted(depth) - 1.0).abs() < 0.02,
+        "{undrained:e}, predicted {:e}",
+        predicted(depth)
+    );
+    // Within the depths from which charges are planned for: those of discharges that have come to their end, left to 0.
+    let within = predicted(1.0 - (1.0 - depth) * left.powf(1.2));
+    assert!(
+        (drained / within - 1.0).abs() < 0.02 && drained < predicted(1.0),
+        "{drained:e}, predicted {within:e}"
+    );
+}
