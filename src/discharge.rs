@@ -1,4 +1,4 @@
-//! One discharge, without input or output: charge, settle, arm, start, [planned switch], crossings, stop.
+//! One discharge, without input or output: charge, arm, settle, start, [planned switch], crossings.
 //!
 //! For: turning a [`Plan`] into a [`Record`] or a named [`Fault`], each wait bounded, lines broken before made.
 //! Must not know: clocks, kernels, or what the times mean. [`Discharge`] answers each event with the next
@@ -22,7 +22,7 @@ pub struct Plan {
     pub last: Node,
     /// How long to charge.
     pub charge: Nanos,
-    /// How long to leave everything floating between charge and start.
+    /// How long to leave everything floating between charge and start; at least as long as arming takes.
     pub settle: Nanos,
     /// The longest wait for the last crossing, from the start (or from the switch to `limit`).
     pub timeout: Nanos,
@@ -89,15 +89,14 @@ enum Phase {
     Charging,
     Charged,
     Floating,
-    Settled,
-    Arming,
+    Arming(Nanos),
+    Settling,
     Starting,
     BeforeSwitch,
     Releasing(Through),
     Sinking(Through),
     Crossing,
     TimedOut,
-    Stopping,
 }
 
 /// A switch that was made, by two calls for one line each: one that releases, one that sinks.
@@ -159,8 +158,8 @@ impl Discharge {
                 Action::Drive(Drives::NONE)
             }
             (Phase::Floating, Event::Drove(bracket)) => self.floating(bracket),
-            (Phase::Settled, Event::Slept) => self.settled(),
-            (Phase::Arming, Event::Armed(armed)) => self.armed(armed),
+            (Phase::Arming(settled), Event::Armed(armed)) => self.armed(armed, settled),
+            (Phase::Settling, Event::Slept) => self.start(),
             (Phase::Starting, Event::Drove(bracket)) => self.started(bracket),
             (Phase::BeforeSwitch, Event::Slept) => match self.plan.switch {
                 Some((_, to)) => self.switch_to(to),
@@ -171,7 +170,6 @@ impl Discharge {
             (Phase::Crossing, Event::Edge(Some(edge))) => self.crossed(edge),
             (Phase::Crossing, Event::Edge(None)) => self.waited_long(),
             (Phase::TimedOut, Event::Levels(levels)) => self.timed_out(levels),
-            (Phase::Stopping, Event::Drove(_)) => Action::Done,
             _ => self.stop(Some(Fault::Pins)),
         }
     }
@@ -194,25 +192,25 @@ impl Discharge {
 
     fn floating(&mut self, bracket: Bracket) -> Action {
         self.floating = bracket.before;
-        if self.plan.settle <= Nanos::ZERO {
-            return self.settled();
-        }
-        self.phase = Phase::Settled;
-        Action::Sleep(bracket.after + self.plan.settle)
-    }
-
-    fn settled(&mut self) -> Action {
-        self.phase = Phase::Arming;
+        self.phase = Phase::Arming(bracket.after + self.plan.settle);
         Action::Arm
     }
 
-    fn armed(&mut self, armed: Armed) -> Action {
+    fn armed(&mut self, armed: Armed, settled: Nanos) -> Action {
         let charged = armed.levels.a && (armed.levels.b || self.plan.last == Node::A);
         if !charged {
             return self.stop(Some(Fault::NoCharge));
         }
         self.seqno = armed.seqno;
         self.line_seqno = armed.line_seqno;
+        if self.plan.settle <= Nanos::ZERO {
+            return self.start();
+        }
+        self.phase = Phase::Settling;
+        Action::Sleep(settled)
+    }
+
+    fn start(&mut self) -> Action {
         self.phase = Phase::Starting;
         Action::Drive(self.plan.through.drives())
     }
@@ -306,8 +304,7 @@ impl Discharge {
 
     fn stop(&mut self, fault: Option<Fault>) -> Action {
         self.fault = self.fault.or(fault);
-        self.phase = Phase::Stopping;
-        Action::Drive(Drives::NONE)
+        Action::Done
     }
 
     /// A line moves somewhere within the call that switches it, always in the same place: then the time between two
@@ -362,6 +359,17 @@ pub struct Outcome {
 /// # Errors
 /// Only if the pins cannot be used; what the circuit did is in the [`Outcome`].
 pub fn run<P: Pins>(pins: &mut P, plan: Plan) -> Result<Outcome, PinsError> {
+    let outcome = run_on(pins, plan)?;
+    pins.drive(Drives::NONE)?;
+    Ok(outcome)
+}
+
+/// The same for one of many: the resistor goes on sinking after a discharge that gave a record, as the next charge releases
+/// it in the same call. Who does not charge at once has to release it.
+///
+/// # Errors
+/// As [`run`]; all lines are inputs then.
+pub fn run_on<P: Pins>(pins: &mut P, plan: Plan) -> Result<Outcome, PinsError> {
     let (mut discharge, mut action) = Discharge::new(plan);
     let pins = Release(pins);
     loop {
@@ -379,9 +387,12 @@ pub fn run<P: Pins>(pins: &mut P, plan: Plan) -> Result<Outcome, PinsError> {
             Action::WaitEdge(until) => Event::Edge(pins.0.edge(until)?),
             Action::ReadLevels => Event::Levels(pins.0.levels()?),
             Action::Done => {
-                // The last action has released every line already.
+                let result = discharge.result();
+                if result.is_err() {
+                    pins.0.drive(Drives::NONE)?;
+                }
                 std::mem::forget(pins);
-                return Ok(Outcome { result: discharge.result(), start_call: discharge.start_call() });
+                return Ok(Outcome { result, start_call: discharge.start_call() });
             }
         };
         action = discharge.handle(event);

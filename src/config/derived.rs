@@ -13,8 +13,6 @@ use crate::units::{Nanos, Ohm, Seconds};
 const CHARGE_RESIDUAL: f64 = 1e-4;
 /// A derived deadline in discharges through the second calibration resistor.
 const DEADLINE_IN_SECOND_DISCHARGES: f64 = 5.0;
-/// The settle time that is used when none is given.
-const SETTLE_TIME: Nanos = Nanos(20_000);
 /// The switch fraction that is used when none is given.
 const SWITCH_FRACTION: f64 = 0.9;
 
@@ -48,9 +46,9 @@ impl Config {
         self.measure.charge_time.unwrap_or_else(|| self.circuit.charge_time(CHARGE_RESIDUAL).into())
     }
 
-    /// The pause between charge and discharge.
+    /// The pause between charge and discharge; when none is given, what the calls between them take.
     pub fn settle_time(&self) -> Nanos {
-        self.measure.settle_time.unwrap_or(SETTLE_TIME)
+        self.measure.settle_time.unwrap_or(Nanos::ZERO)
     }
 
     /// The longest discharge through a sensor.

@@ -85,7 +85,7 @@ fn a_good_one_has_predictions_only() {
     info: circuit.r-c2: through Rc2, node A after 6.16 ms, node B after 10.4 ms
     info: measure.charge-time: 10 ms, 9.6 time constants of the charge
     info: measure.deadline: 52.2 ms, enough for a sensor of 63.7 kohm
-    info: measure.rate-hz: a cycle takes 52.9 ms (18.9 Hz) with the sensor at Rc2, 94.7 ms at most
+    info: measure.rate-hz: a cycle takes 52.9 ms (18.9 Hz) with the sensor at Rc2, 94.6 ms at most
     "#);
 }
 
@@ -99,7 +99,7 @@ fn series_calibration_is_good_too() {
     info: circuit.r-c2: through Rc1 + Rc2, node A after 14 ms
     info: measure.charge-time: 2.03 ms, 9.2 time constants of the charge
     info: measure.deadline: 70.1 ms, enough for a sensor of 75.3 kohm
-    info: measure.rate-hz: a cycle takes 36.4 ms (27.5 Hz) with the sensor at Rc1 + Rc2, 92.5 ms at most
+    info: measure.rate-hz: a cycle takes 36.3 ms (27.5 Hz) with the sensor at Rc1 + Rc2, 92.5 ms at most
     "#);
 }
 
