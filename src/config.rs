@@ -68,7 +68,8 @@ pub struct Measure {
     /// charge whose being incomplete (most of which cancels) changes a reading by no more than a tenth of its uncertainty: 4 to
     /// 8 time constants of the slowest charge with two capacitors, 10 with one.
     pub charge_time: Option<Nanos>,
-    /// The pause between the end of the charge and the start of the discharge, 0 to 1 min. Default: 20 us.
+    /// The pause between the end of the charge and the start of the discharge, 0 to 1 min. Default: what the calls between
+    /// them take.
     pub settle_time: Option<Nanos>,
     /// The longest discharge through a sensor, up to 1 min, and not below the predicted discharge through Rc2 (Rc1 +
     /// Rc2 where they are in series); a higher resistance reads `open`. Default: 5 times that discharge.

@@ -214,7 +214,9 @@ impl Diagnosis {
     }
 
     fn order(&self, record: &Record) -> Option<Suspect> {
-        let at_once = record.a_ns.is_some_and(|a| a < MISSING * self.nominal_ns);
+        // A stamp may be late, none is early.
+        let first_a = self.known.iter().flatten().filter_map(|record| record.a_ns).reduce(f64::min);
+        let at_once = first_a.is_some_and(|a| a < MISSING * self.nominal_ns);
         match (record.a_ns, record.b_ns) {
             (Some(_), _) if self.nodes == 1 => at_once.then_some(Suspect::NoCapacitor),
             (Some(_), None) => Some(if at_once { Suspect::NoCA } else { Suspect::StaysHigh(Node::B) }),

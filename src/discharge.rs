@@ -1,13 +1,18 @@
-//! One discharge, without input or output: \[drain\], charge, settle, arm, start, [planned switch], crossings, stop.
+//! One discharge, without input or output: \[drain\], charge, arm, settle, start, [planned switch], crossings.
 //!
 //! For: turning a [`Plan`] into a [`Record`] or a named [`Fault`], each wait bounded, lines broken before made.
 //! Must not know: clocks, kernels, or what the times mean. [`Discharge`] answers each event with the next
 //! [`Action`]; [`run`] is the few lines that carry the actions out on real or simulated [`Pins`].
 
-use crate::pins::{Armed, Bracket, Drives, Edge, Levels, Node, Pins, PinsError};
+mod run;
+
+#[cfg(doc)]
+use crate::pins::Pins;
+use crate::pins::{Armed, Bracket, Drives, Edge, Levels, Node};
 use crate::reading::Fault;
 use crate::record::{Record, Switch, Through};
 use crate::units::Nanos;
+pub use run::{Outcome, run, run_on};
 
 /// What one discharge is to do.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -25,7 +30,7 @@ pub struct Plan {
     pub drain: Nanos,
     /// How long to charge.
     pub charge: Nanos,
-    /// How long to leave everything floating between charge and start.
+    /// How long to leave everything floating between charge and start; at least as long as arming takes.
     pub settle: Nanos,
     /// The longest wait for the last crossing, from the start (or from the switch to `limit`).
     pub timeout: Nanos,
@@ -94,15 +99,14 @@ enum Phase {
     Charging,
     Charged,
     Floating,
-    Settled,
-    Arming,
+    Arming(Nanos),
+    Settling,
     Starting,
     BeforeSwitch,
     Releasing(Through),
     Sinking(Through),
     Crossing,
     TimedOut,
-    Stopping,
 }
 
 /// A switch that was made, by two calls for one line each: one that releases, one that sinks.
@@ -175,8 +179,8 @@ impl Discharge {
                 Action::Drive(Drives::NONE)
             }
             (Phase::Floating, Event::Drove(bracket)) => self.floating(bracket),
-            (Phase::Settled, Event::Slept) => self.settled(),
-            (Phase::Arming, Event::Armed(armed)) => self.armed(armed),
+            (Phase::Arming(settled), Event::Armed(armed)) => self.armed(armed, settled),
+            (Phase::Settling, Event::Slept) => self.start(),
             (Phase::Starting, Event::Drove(bracket)) => self.started(bracket),
             (Phase::BeforeSwitch, Event::Slept) => match self.plan.switch {
                 Some((_, to)) => self.switch_to(to),
@@ -187,7 +191,6 @@ impl Discharge {
             (Phase::Crossing, Event::Edge(Some(edge))) => self.crossed(edge),
             (Phase::Crossing, Event::Edge(None)) => self.waited_long(),
             (Phase::TimedOut, Event::Levels(levels)) => self.timed_out(levels),
-            (Phase::Stopping, Event::Drove(_)) => Action::Done,
             _ => self.stop(Some(Fault::Pins)),
         }
     }
@@ -215,19 +218,11 @@ impl Discharge {
 
     fn floating(&mut self, bracket: Bracket) -> Action {
         self.floating = bracket.before;
-        if self.plan.settle <= Nanos::ZERO {
-            return self.settled();
-        }
-        self.phase = Phase::Settled;
-        Action::Sleep(bracket.after + self.plan.settle)
-    }
-
-    fn settled(&mut self) -> Action {
-        self.phase = Phase::Arming;
+        self.phase = Phase::Arming(bracket.after + self.plan.settle);
         Action::Arm
     }
 
-    fn armed(&mut self, armed: Armed) -> Action {
+    fn armed(&mut self, armed: Armed, settled: Nanos) -> Action {
         self.charged = Some(armed.levels);
         let charged = armed.levels.a && (armed.levels.b || self.plan.last == Node::A);
         if !charged {
@@ -235,6 +230,14 @@ impl Discharge {
         }
         self.seqno = armed.seqno;
         self.line_seqno = armed.line_seqno;
+        if self.plan.settle <= Nanos::ZERO {
+            return self.start();
+        }
+        self.phase = Phase::Settling;
+        Action::Sleep(settled)
+    }
+
+    fn start(&mut self) -> Action {
         self.phase = Phase::Starting;
         Action::Drive(self.plan.through.drives())
     }
@@ -328,8 +331,7 @@ impl Discharge {
 
     fn stop(&mut self, fault: Option<Fault>) -> Action {
         self.fault = self.fault.or(fault);
-        self.phase = Phase::Stopping;
-        Action::Drive(Drives::NONE)
+        Action::Done
     }
 
     /// A line moves somewhere within the call that switches it, always in the same place: then the time between two
@@ -357,62 +359,6 @@ impl Discharge {
             u_switch_ns: single_ns / 2.0 / 6f64.sqrt(),
             waited_ns: if self.waited == Nanos::ZERO { 0.0 } else { since_start(self.waited) },
         }
-    }
-}
-
-/// Releases every line when it goes out of scope, also on an error or a panic.
-struct Release<'a, P: Pins>(&'a mut P);
-
-impl<P: Pins> Drop for Release<'_, P> {
-    fn drop(&mut self) {
-        // There is nobody left to tell: the error that brought us here is on its way already.
-        let _ = self.0.drive(Drives::NONE);
-    }
-}
-
-/// What [`run`] found.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Outcome {
-    /// The record or the fault.
-    pub result: Result<Record, Fault>,
-    /// [`Discharge::start_call`].
-    pub start_call: Option<Nanos>,
-    /// [`Discharge::charged`].
-    pub charged: Option<Levels>,
-}
-
-/// Carries one discharge out. All lines are inputs when it returns, whatever happened.
-///
-/// # Errors
-/// Only if the pins cannot be used; what the circuit did is in the [`Outcome`].
-pub fn run<P: Pins>(pins: &mut P, plan: Plan) -> Result<Outcome, PinsError> {
-    let (mut discharge, mut action) = Discharge::new(plan);
-    let pins = Release(pins);
-    loop {
-        let event = match action {
-            Action::Drive(on) => Event::Drove(pins.0.drive(on)?),
-            Action::Sleep(at) => {
-                pins.0.sleep_until(at)?;
-                Event::Slept
-            }
-            Action::Rest(at) => {
-                pins.0.rest_until(at)?;
-                Event::Slept
-            }
-            Action::Arm => Event::Armed(pins.0.arm()?),
-            Action::WaitEdge(until) => Event::Edge(pins.0.edge(until)?),
-            Action::ReadLevels => Event::Levels(pins.0.levels()?),
-            Action::Done => {
-                // The last action has released every line already.
-                std::mem::forget(pins);
-                return Ok(Outcome {
-                    result: discharge.result(),
-                    start_call: discharge.start_call(),
-                    charged: discharge.charged(),
-                });
-            }
-        };
-        action = discharge.handle(event);
     }
 }
 

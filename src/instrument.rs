@@ -5,7 +5,7 @@
 
 use crate::cycle::{Cycle, Next};
 use crate::discharge;
-use crate::pins::{Pins, PinsError};
+use crate::pins::{Drives, Pins, PinsError};
 use crate::reading::{Fault, Reading};
 use crate::record::Record;
 use crate::settings::Settings;
@@ -104,7 +104,7 @@ impl<P: Pins> Instrument<P> {
             Next::Discharge(plan) => {
                 // One that was held back is no calibration for whoever reads the tape.
                 let is_told = !self.cycle.is_holding();
-                let outcome = discharge::run(&mut self.pins, plan)?;
+                let outcome = discharge::run_on(&mut self.pins, plan)?;
                 let reading = self.cycle.done(&outcome, self.pins.now());
                 if let Some(record) = outcome.result.ok().filter(|_| is_told) {
                     self.discharges += 1;
@@ -124,6 +124,7 @@ impl<P: Pins> Instrument<P> {
         let Some(period) = self.period else { return Ok(true) };
         let tick = self.tick.unwrap_or(now);
         if now < tick {
+            self.pins.drive(Drives::NONE)?;
             self.pins.rest_until(tick.min(now + NAP))?;
             if tick > now + NAP {
                 return Ok(false);

@@ -343,13 +343,14 @@ impl Motion {
             newest = point.speed_to(next).powi(2) - noise * noise;
             (sum, most, count) = (sum + newest, most.max(newest), count + 1.0);
         }
-        if count >= 2.0 && newest == most && !is_sudden {
-            return newest;
-        }
         if count < 2.0 {
             return 0.0;
         }
         let square = ((sum - most) / (0.8 * (count - 1.0))).max(0.0);
+        // Of an oscillation the greatest is twice the mean, and a little more of one that has just turned.
+        if newest == most && newest > 3.0 * square && !is_sudden {
+            return newest;
+        }
         square * self.shortened(square, spread)
     }
 

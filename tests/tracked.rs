@@ -211,7 +211,8 @@ fn spikes_are_counted_and_do_not_bias() {
     let mut failed = false;
     for r_ohm in [100.0, 1000.0, 16_200.0] {
         let with = |probability: Option<f64>| {
-            changed("pi4", r_ohm, 3.0, 5 * INSTRUMENTS, |bench| {
+            // Errors of one instrument hang together: 640 of them leave 0.03 sigma of chance to a mean.
+            changed("pi4", r_ohm, 3.0, 16 * INSTRUMENTS, |bench| {
                 let stamps = bench.scene.stamps.unwrap();
                 let mean = probability.map(|_| Seconds(200e-6));
                 bench.scene.stamps =
@@ -232,7 +233,7 @@ fn spikes_are_counted_and_do_not_bias() {
             moved.abs() > 0.1 || !(0.93..=0.97).contains(&all.coverage()) || !(0.005..0.03).contains(&spikes);
     }
     println!("pi4 (simulated), 1 % of stamps late by 200 us on average\n{table}");
-    assert!(!failed, "seeds 0..{INSTRUMENTS}\n{table}");
+    assert!(!failed, "seeds 0..{}\n{table}", 16 * INSTRUMENTS);
 }
 
 #[test]

@@ -13,8 +13,6 @@ use crate::units::{Nanos, Ohm, Seconds};
 const DEADLINE_IN_SECOND_DISCHARGES: f64 = 5.0;
 /// A drain in predicted discharges through Rc1.
 const DRAIN: f64 = 1.2;
-/// The settle time that is used when none is given.
-const SETTLE_TIME: Nanos = Nanos(20_000);
 /// The switch fraction that is used when none is given.
 const SWITCH_FRACTION: f64 = 0.9;
 
@@ -53,9 +51,9 @@ impl Config {
         Nanos::from_seconds(DRAIN * self.discharge(self.circuit.r_c1).0)
     }
 
-    /// The pause between charge and discharge.
+    /// The pause between charge and discharge; when none is given, what the calls between them take.
     pub fn settle_time(&self) -> Nanos {
-        self.measure.settle_time.unwrap_or(SETTLE_TIME)
+        self.measure.settle_time.unwrap_or(Nanos::ZERO)
     }
 
     /// The longest discharge through a sensor.

@@ -106,7 +106,7 @@ fn silence_has_defaults() {
     assert_eq!(config.gpio.backend, Backend::Mock);
     assert_eq!(config.method(), Some(Method::Cerm));
     assert_eq!(config.offset(), Offset::Auto);
-    assert_eq!(config.settle_time(), Nanos(20_000));
+    assert_eq!(config.settle_time(), Nanos::ZERO);
     assert_eq!(config.switch_fraction(), 0.9);
     assert_eq!(config.server.socket, Path::new("/run/cermd/cermd.sock"));
     assert_eq!(config.server.mode, Mode(0o660));

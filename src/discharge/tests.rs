@@ -1,6 +1,7 @@
 //! Against scripted pins: what is asked of them, in which order, and what is made of their answers.
 
 use super::*;
+use crate::pins::{Pins, PinsError};
 use std::collections::VecDeque;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
@@ -66,7 +67,7 @@ impl Pins for Script {
     }
     fn arm(&mut self) -> Result<Armed, PinsError> {
         self.call("arm".to_owned())?;
-        assert_eq!(self.now, START_BEFORE);
+        assert_eq!(self.now, START_BEFORE - 100_000);
         Ok(Armed { levels: self.levels, seqno: 10, line_seqno: [4, u32::MAX] })
     }
     fn edge(&mut self, until: Nanos) -> Result<Option<Edge>, PinsError> {
@@ -108,15 +109,28 @@ fn plan(switch: Option<(Nanos, Through)>) -> Plan {
 }
 
 #[test]
-fn a_full_discharge_is_charged_settled_armed_started_and_stopped() {
+fn a_full_discharge_is_charged_armed_settled_started_and_stopped() {
     let mut pins = Script::new(&[A, B]);
     let record = run(&mut pins, plan(None)).unwrap().result.unwrap();
     // The line moves in the middle of a call for one line, 500 ns after its entry.
     assert_eq!((record.a_ns, record.b_ns), (Some(50_000.0), Some(60_000.0)));
     assert_eq!((record.start, record.switch, record.waited_ns), (Nanos(START_BEFORE), None, 0.0));
     let expected =
-        "drive charge-a+charge-b|sleep 1001500|drive none|sleep 1103000|arm|drive x2|edge|edge|drive none";
+        "drive charge-a+charge-b|sleep 1001500|drive none|arm|sleep 1103000|drive x2|edge|edge|drive none";
     assert_eq!(pins.log.join("|"), expected);
+}
+
+#[test]
+fn of_many_discharges_each_is_released_by_the_next_charge() {
+    let mut pins = Script::new(&[A, B]);
+    assert!(run_on(&mut pins, plan(None)).unwrap().result.is_ok());
+    assert_eq!(pins.on, Drives::x(2));
+    // Three lines are switched at first, one more than from rest.
+    pins.now = -500;
+    pins.levels = Levels { a: true, b: false };
+    assert_eq!(run_on(&mut pins, plan(None)).unwrap().result, Err(Fault::NoCharge));
+    assert!(pins.log.join("|").contains("edge|edge|drive charge-a+charge-b"));
+    assert_eq!(pins.on, Drives::NONE, "after a fault nothing sinks");
 }
 
 #[test]
@@ -156,7 +170,6 @@ fn what_is_lost_has_a_name() {
                 Action::Done => unreachable!(),
             });
         }
-        assert_eq!(pins.on, Drives::NONE);
         discharge.result()
     };
     let (high, low) = (Levels { a: true, b: true }, Levels { a: false, b: false });
@@ -196,13 +209,13 @@ fn a_charge_that_was_left_alone_for_too_long_is_not_used() {
         discharge.handle(drove(0));
         discharge.handle(Event::Slept);
         discharge.handle(drove(1_000_000));
-        discharge.handle(Event::Slept);
         let levels = Levels { a: true, b: true };
         discharge.handle(Event::Armed(Armed { levels, seqno: 10, line_seqno: [4, u32::MAX] }));
+        discharge.handle(Event::Slept);
         discharge.handle(drove(1_000_000 + plan(None).settle.0 + late))
     };
     assert!(matches!(start(LONGEST_PAUSE.0), Action::WaitEdge(_)));
-    assert_eq!(start(LONGEST_PAUSE.0 + 1), Action::Drive(Drives::NONE));
+    assert_eq!(start(LONGEST_PAUSE.0 + 1), Action::Done);
 }
 
 #[test]
@@ -270,7 +283,6 @@ fn a_discharge_that_does_not_end_is_finished_through_another_resistor() {
     let record = discharge.result().unwrap();
     assert_eq!(record.switch, Some(Switch { at_ns: 5_000_000.0, on_ns: 5_001_000.0, to: Through::C1 }));
     assert_eq!((record.a_ns, record.b_ns), (Some(5_049_500.0), Some(5_059_500.0)));
-    assert_eq!(pins.on, Drives::NONE);
 }
 
 #[test]

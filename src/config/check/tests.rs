@@ -85,7 +85,7 @@ fn a_good_one_has_predictions_only() {
     info: circuit.r-c2: through Rc2, node A after 6.16 ms, node B after 10.4 ms
     info: measure.charge-time: 7.67 ms, automatic, is 7.3 time constants: the discharge before changes a reading by up to 0.10 of its u (at 64 kohm)
     info: measure.deadline: 52.2 ms, enough for a sensor of 63.7 kohm
-    info: measure.rate-hz: a cycle takes 45.9 ms (21.8 Hz) with the sensor at Rc2, 87.6 ms at most
+    info: measure.rate-hz: a cycle takes 45.8 ms (21.8 Hz) with the sensor at Rc2, 87.6 ms at most
     "#);
 }
 
@@ -99,7 +99,7 @@ fn series_calibration_is_good_too() {
     info: circuit.r-c2: through Rc1 + Rc2, node A after 14 ms
     info: measure.charge-time: 2.14 ms, automatic, is 9.7 time constants: the discharge before changes a reading by up to 0.10 of its u (at 75 kohm)
     info: measure.deadline: 70.1 ms, enough for a sensor of 75.3 kohm
-    info: measure.rate-hz: a cycle takes 36.7 ms (27.2 Hz) with the sensor at Rc1 + Rc2, 92.8 ms at most
+    info: measure.rate-hz: a cycle takes 36.7 ms (27.3 Hz) with the sensor at Rc1 + Rc2, 92.8 ms at most
     "#);
 }
 

@@ -21,7 +21,9 @@ cost() {
     echo "$from $to" | mawk '{ print $4 - $1, $5 - $2, $6 - $3 }'
 }
 
-plain_us=$(tpcm 200 | sed -n 's/.*cpu_us_per_reading \([0-9.]*\).*/\1/p')
+plain() { tpcm "$@" | sed -n 's/.*cpu_us_per_reading \([0-9.]*\).*/\1/p'; }
+plain_us=$(plain 200)
+checked_us=$(plain 200 checked)
 write_configuration cermd.toml method=tpcm "offset=0 us"
 start_cermd cermd.toml
 sleep 5
@@ -36,9 +38,10 @@ stop_cermd
 {
     echo "## Linux $(uname -r)"
     read -r n all measuring <free
-    mawk -v plain="$plain_us" -v n="$n" -v all="$all" -v m="$measuring" 'BEGIN {
+    mawk -v plain="$plain_us" -v checked="$checked_us" -v n="$n" -v all="$all" -v m="$measuring" 'BEGIN {
         print "\n| a TPCM reading, three discharges | us | beside the C program |\n|---|--:|--:|"
         printf "| C program | %.0f | 1 |\n", plain
+        printf "| C program with the checks of cermd | %.0f | %.2f |\n", checked, checked / plain
         printf "| cermd, measuring | %.0f | %.2f |\n", m / n / 1e3, m / n / 1e3 / plain
         printf "| cermd, publishing | %.0f | %.2f |\n", (all - m) / n / 1e3, (all - m) / n / 1e3 / plain
     }'
