@@ -23,7 +23,7 @@ fetch_recipe() { cat "$here/lib/fetch.sh" "$here/lib/apt.sh" | sha256sum; }
 fetch_host() {
     local rust
     apt_closure bookworm qemu -t bookworm-backports qemu-system-arm
-    apt_closure bookworm cross gcc-12-aarch64-linux-gnu libc6-dev-arm64-cross
+    apt_closure bookworm cross gcc-12-aarch64-linux-gnu libc6-dev-arm64-cross make
     # This host's own glibc serves these programs: two of different age in one process do not go together.
     rm -f "$cache"/tree/{qemu,cross}/lib/x86_64-linux-gnu/{libc,libm,libpthread,libdl,librt,ld-linux-x86-64}.so.*
     rust=$(APT_CONFIG=$cache/apt/bookworm/conf apt-cache depends --recurse --important rustc-web |

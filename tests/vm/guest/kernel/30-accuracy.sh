@@ -23,16 +23,16 @@ for method in $methods; do
     column "$method" $count "$ohms"
     end
     case $method in
-    cerm | tracked)
-        offset_is_true "$method"
-        within_limits "$method"
+    cerm)
+        offset_is_true cerm 150
+        within_limits cerm
+        ;;
+    tracked) # calibrates only until it pays no more: 500 ns are 0.8 ohm at 100 ohm, and nothing near 12.7 kohm
+        offset_is_true tracked 500
+        consistent tracked
         ;;
     esac
 done
-coverage tpcm tcdic cerm >covered || status=$?
-cat covered
-[ -z "${status-}" ] || fail "the stated uncertainties are not true"
-
 begin method=cerm "offset=0 us" "t_l=2 ms"
 column uncorrected $count "$few"
 end
@@ -41,22 +41,24 @@ as_predicted uncorrected
 begin method=cerm chargers=no
 column cerm-paper $count "$few"
 end
-offset_is_true cerm-paper
+offset_is_true cerm-paper 150
 within_limits cerm-paper
 if [ $v1 = yes ]; then
     begin method=cerm backend=chardev-v1
     column cerm-v1 $count "$few"
     end
-    offset_is_true cerm-v1
+    offset_is_true cerm-v1 150
     within_limits cerm-v1
 fi
+# shellcheck disable=SC2046 # one word a column
+coverage tpcm tcdic cerm $(ls cerm-*)
 
 circuit late_ns 0
 circuit jitter_ns 0
 begin method=cerm
 column cerm-quiet $count "$few"
 end
-offset_is_true cerm-quiet
+offset_is_true cerm-quiet 150
 within_limits cerm-quiet
 [ "$(cat $parameters/conflicts)" = 0 ] || fail "lines drove against each other"
 
@@ -65,13 +67,15 @@ within_limits cerm-quiet
     # shellcheck disable=SC2086 # one word a column
     table "Interrupts 6 us late, standard deviation 1.5 us (as assumed for a board); $count readings each, $((4 * count)) at \
 100 ohm and 1 kohm:" $methods
-    printf '\nWith tpcm, tcdic and cerm, '
+    printf '\nWith tpcm, tcdic and cerm, the columns of the next table with this noise included, '
     cat covered
     others="cerm-paper cerm-quiet"
     [ $v1 = no ] || others="cerm-paper cerm-v1 cerm-quiet"
     # shellcheck disable=SC2086 # one word a column
     table "cerm with sense lines that charge (the wiring of the paper), over uAPI v1 where the kernel has it, and with \
 dedicated chargers but no noise except the kernel's own:" $others
+    printf '\nIn cerm-quiet, '
+    share cerm-quiet
     printf '\nThe offset d in ns: found, with its standard uncertainty; true, with its standard error:\n\n'
     printf '|  | found | u | true | error |\n|---|--:|--:|--:|--:|\n'
     cat offsets
