@@ -1,12 +1,15 @@
 # Other programs beside the daemon: they see who holds the lines, and disturb nothing.
 . /test/lib.sh
-# Whether all readings so far were numbers, and there are new ones.
+# Whether all readings so far were numbers, and there are new ones. A late stamp is the kernel's own in one reading of a
+# thousand, whoever else is there: chance makes three among two hundred in one run of a thousand.
 undisturbed() {
     before=$(stat readings)
     sleep 2
     cermctl stats --json >stats
+    readings=$(sed 's/.*"readings":\([0-9]*\).*/\1/' stats)
     ok=$(sed 's/.*"ok":\([0-9]*\).*/\1/' stats)
-    [ "$ok" -gt "$before" ] && grep "\"readings\":$ok," stats >/dev/null || fail "disturbed: $(cat stats)"
+    late=$(sed 's/.*"latency-outlier":\([0-9]*\).*/\1/' stats)
+    [ "$readings" -gt "$before" ] && [ $((ok + late)) = "$readings" ] && [ "$late" -le 2 ] || fail "disturbed: $(cat stats)"
 }
 
 # The noise of a board: with the kernel's own alone, a gate of five sigma is narrower than what a busy processor does.
