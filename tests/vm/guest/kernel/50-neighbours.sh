@@ -1,7 +1,7 @@
 # Other programs beside the daemon: they see who holds the lines, and disturb nothing.
 . /test/lib.sh
-# Whether all readings so far were numbers, and there are new ones. A late stamp is the kernel's own in one reading of a
-# thousand, whoever else is there: chance makes three among two hundred in one run of a thousand.
+# Whether all readings so far were numbers, and there are new ones. Programs that start keep the processor busy, and now and
+# then a stamp is late for that; then it is refused and told. Two such readings among two hundred are no disturbance.
 undisturbed() {
     before=$(stat readings)
     sleep 2
