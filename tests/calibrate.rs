@@ -91,6 +91,16 @@ fn a_reference_is_taken_off() {
 }
 
 #[test]
+fn a_tracked_calibration_tells_no_zero_and_says_what_does() {
+    let daemon = daemon_by("tracked", SHORT, SHORT);
+    let before = config(&daemon);
+    let mut command = calibrate(&daemon, &["zero", "--channel", "thumb", "--yes"]);
+    let error = String::from_utf8(command.assert().code(1).get_output().stderr.clone()).unwrap();
+    assert!(error.contains("set method = \"cerm\""), "{error}");
+    assert_eq!(config(&daemon), before);
+}
+
+#[test]
 fn a_sensor_is_no_short_circuit() {
     let daemon = daemon("constant = \"100 ohm\"", "constant = \"2 kohm\"");
     let before = config(&daemon);

@@ -44,6 +44,12 @@ pub enum CalibrateError {
         /// What should be in the sensor's place.
         part: &'static str,
     },
+    /// The discharges that tell a zero are not taken.
+    #[error(
+        "a tracked calibration takes too few discharges of Rc1 and Rc2 to tell a zero from; for the zero, set method = \"cerm\" \
+         and calibration = \"each-reading\" in [measure] and reload cermd; it holds for every method"
+    )]
+    Tracked,
     /// Nothing comes.
     #[error("cermd sends no {0}; `cermctl stats` tells whether the instrument measures")]
     Silent(&'static str),
