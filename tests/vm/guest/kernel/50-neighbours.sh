@@ -1,15 +1,17 @@
 # Other programs beside the daemon: they see who holds the lines, and disturb nothing.
 . /test/lib.sh
 # Whether all readings so far were numbers, and there are new ones. Programs that start keep the processor busy, and now and
-# then a stamp is late for that; then it is refused and told. Two such readings among two hundred are no disturbance.
+# then a stamp is late for that; then it is refused and told, where one stretch tells nothing else as `unsettled`. One crossing in
+# 400 is late of itself (docs/latency.md) and a reading has six of them: one such reading in fifty is no disturbance.
 undisturbed() {
     before=$(stat readings)
     sleep 2
     cermctl stats --json >stats
     readings=$(sed 's/.*"readings":\([0-9]*\).*/\1/' stats)
     ok=$(sed 's/.*"ok":\([0-9]*\).*/\1/' stats)
-    late=$(sed 's/.*"latency-outlier":\([0-9]*\).*/\1/' stats)
-    [ "$readings" -gt "$before" ] && [ $((ok + late)) = "$readings" ] && [ "$late" -le 2 ] || fail "disturbed: $(cat stats)"
+    late=$(sed 's/.*"latency-outlier":\([0-9]*\),"unsettled":\([0-9]*\).*/\1 + \2/' stats)
+    late=$((late))
+    [ "$readings" -gt "$before" ] && [ $((ok + late)) = "$readings" ] && [ $((late * 50)) -le "$readings" ] || fail "disturbed: $(cat stats)"
 }
 
 # The noise of a board: with the kernel's own alone, a gate of five sigma is narrower than what a busy processor does.
