@@ -34,6 +34,8 @@ pub const GROSS_SIEMENS: f64 = 1.0 / 200e3;
 pub struct LeakTest {
     siemens: [f64; REMEMBERED],
     taken: usize,
+    /// Of those that are remembered.
+    median: f64,
     /// Of the last one, siemens².
     variance: f64,
     /// The last one disagrees with those before it: a spike, or news.
@@ -58,7 +60,8 @@ impl LeakTest {
         self.siemens[self.taken % REMEMBERED] = siemens_by(lost_ns, r_ohm);
         self.variance = siemens_by(variance.sqrt(), r_ohm).powi(2);
         self.taken += 1;
-        let away = self.siemens[(self.taken - 1) % REMEMBERED] - self.median();
+        self.median = self.find_median();
+        let away = self.siemens[(self.taken - 1) % REMEMBERED] - self.median;
         self.is_surprised = away.abs() > SURPRISE * self.variance.sqrt();
     }
 
@@ -85,11 +88,11 @@ impl LeakTest {
 
     /// The likely leak, siemens, whether it shows or not: nobody has seen that there is none.
     pub fn likely_siemens(&self) -> f64 {
-        if self.taken < FIRST { 0.0 } else { self.median().max(0.0) }
+        if self.taken < FIRST { 0.0 } else { self.median.max(0.0) }
     }
 
     /// A spike is no leak, so it is not the mean.
-    fn median(&self) -> f64 {
+    fn find_median(&self) -> f64 {
         let count = self.taken.min(REMEMBERED);
         let mut sorted = self.siemens;
         let sorted = &mut sorted[..count];
