@@ -2,7 +2,7 @@
 //!
 //! For: turning a [`Plan`] into a [`Record`] or a named [`Fault`], each wait bounded, lines broken before made.
 //! Must not know: clocks, kernels, or what the times mean. [`Discharge`] answers each event with the next
-//! [`Action`]; [`run`] is the few lines that carry the actions out on real or simulated [`Pins`].
+//! [`Action`]; [`run()`] is the few lines that carry the actions out on real or simulated [`Pins`].
 
 mod run;
 
