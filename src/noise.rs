@@ -203,24 +203,39 @@ pub struct Noise {
     c2: Spread,
     /// Of one time by the clock that counts it, eq. (4), ns².
     quantisation: f64,
+    learned: Option<Learned>,
+}
+
+/// What both spreads together say about any discharge: changes with a calibration discharge, and is asked for more often.
+#[derive(Debug, Clone, Copy)]
+struct Learned {
+    nodes: [Law; 2],
+    shared: Shared,
+    /// The greatest correlation of two crossings.
+    correlated: f64,
 }
 
 impl Noise {
     /// Nothing is known yet. `resolution_ns`: period of the clock that stamps crossings. A spread cannot show
     /// quantisation where the noise is smaller: the same count comes each time.
     pub fn new(resolution_ns: f64) -> Noise {
-        Noise { c1: Spread::NEW, c2: Spread::NEW, quantisation: resolution_ns * resolution_ns / 12.0 }
+        let quantisation = resolution_ns * resolution_ns / 12.0;
+        Noise { c1: Spread::NEW, c2: Spread::NEW, quantisation, learned: None }
     }
 
     /// Takes the crossings of a discharge through the lower calibration resistor, ns. `expected`: what is known to
     /// change in them; only the rest is looked at.
     pub fn add_c1(&mut self, times: [f64; 2], expected: [f64; 2]) -> Judgement {
-        self.c1.add(times, expected, self.quantisation)
+        let judgement = self.c1.add(times, expected, self.quantisation);
+        self.learn();
+        judgement
     }
 
     /// The same for the higher one.
     pub fn add_c2(&mut self, times: [f64; 2], expected: [f64; 2]) -> Judgement {
-        self.c2.add(times, expected, self.quantisation)
+        let judgement = self.c2.add(times, expected, self.quantisation);
+        self.learn();
+        judgement
     }
 
     /// From now on, `expected` is what the crossings are on average.
@@ -229,9 +244,23 @@ impl Noise {
         self.c2.expect_what_comes();
     }
 
+    fn learn(&mut self) {
+        if !self.c1.is_known() || !self.c2.is_known() {
+            return;
+        }
+        let [v1, v2] = [&self.c1, &self.c2].map(|spread| spread.covariance().at_least(self.quantisation));
+        let freedom = self.c1.freedom().min(self.c2.freedom());
+        self.learned = Some(Learned {
+            nodes: Law::through([(self.c1.time, v1), (self.c2.time, v2)], self.quantisation),
+            shared: Shared::through([(self.c1.time, v1), (self.c2.time, v2)], freedom),
+            // Too much would make a combination of two crossings look exact: it takes many discharges to believe that.
+            correlated: 1.0 - 1.0 / freedom.sqrt(),
+        });
+    }
+
     /// Whether enough discharges have been seen.
     pub fn is_known(&self) -> bool {
-        self.c1.is_known() && self.c2.is_known()
+        self.learned.is_some()
     }
 
     /// The covariance of the crossings of a discharge whose nodes cross at `times` ns; `None` until known.
@@ -239,17 +268,9 @@ impl Noise {
         self.covariances([times]).map(|[covariance]| covariance)
     }
 
-    /// The same for several discharges at once, which costs little more than for one.
+    /// The same for several discharges.
     pub fn covariances<const N: usize>(&self, discharges: [[f64; 2]; N]) -> Option<[Covariance; N]> {
-        if !self.is_known() {
-            return None;
-        }
-        let [v1, v2] = [&self.c1, &self.c2].map(|spread| spread.covariance().at_least(self.quantisation));
-        let [law_a, law_b] = Law::through([(self.c1.time, v1), (self.c2.time, v2)], self.quantisation);
-        let freedom = self.c1.freedom().min(self.c2.freedom());
-        let shared = Shared::through([(self.c1.time, v1), (self.c2.time, v2)], freedom);
-        // Too much would make a combination of two crossings look exact: it takes many discharges to believe that.
-        let correlated = 1.0 - 1.0 / freedom.sqrt();
+        let Learned { nodes: [law_a, law_b], shared, correlated } = self.learned?;
         Some(discharges.map(|[a_ns, b_ns]| {
             let (aa, bb) = (law_a.at(a_ns), law_b.at(b_ns));
             let most = if shared.proportional > 0.0 {
