@@ -13,7 +13,6 @@ use bench::{Board, Found, LONG_TAUS, NEIGHBOUR_OHM};
 use cermd::reading::Method;
 use std::fmt::Write;
 
-const PAGE: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/docs/charging.md");
 /// The error that is allowed, in sigma.
 const SHARE: f64 = 0.1;
 /// Time constants of the charges that were made before the length was automatic.
@@ -79,14 +78,7 @@ fn the_page_is_up_to_date_and_the_error_is_as_predicted() {
         }
     }
     assert!(wrong.is_empty(), "seeds 0..{}\n{wrong}\n{page}", bench::INSTRUMENTS);
-    if std::env::var_os("UPDATE_DOCS").is_some() {
-        std::fs::write(PAGE, &page).unwrap();
-    }
-    let on_disk = std::fs::read_to_string(PAGE).unwrap_or_default();
-    assert!(
-        on_disk == page,
-        "{PAGE} is out of date; write it with UPDATE_DOCS=1 cargo test --test charging\n{page}"
-    );
+    common::check_page("charging", "charging.md", &page);
 }
 
 /// At the automatic time, the error is within its share and u is true. Below it, the error is as predicted, where each

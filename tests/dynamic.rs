@@ -11,7 +11,7 @@ use cermd::pins::sim::Sensor;
 use cermd::pins::sim::scene::DelayScene;
 use cermd::reading::{Method, Reading, Status};
 use cermd::units::{Hertz, Ohm, Seconds};
-use common::{Bench, read, rest, settle};
+use common::{Bench, check_page, read, rest, settle};
 use std::collections::BTreeMap;
 use std::f64::consts::{SQRT_2, TAU};
 use std::fmt::Write;
@@ -22,7 +22,6 @@ const READINGS: usize = 150;
 /// Readings after which a motion has been seen.
 const MEMORY: usize = 6;
 const AMPLITUDE: f64 = 0.2;
-const PAGE: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/docs/dynamic.md");
 /// A reading whose predicted error is greater is `unsettled`.
 const LIMIT: f64 = 0.01;
 
@@ -195,11 +194,7 @@ fn an_oscillation_is_read_with_its_second_order_stated_or_is_unsettled() {
     println!("{table}");
     assert!(wrong.is_empty(), "seeds 0..{INSTRUMENTS}\n{wrong}");
     let page = format!("{HEAD}{table}{TAIL}");
-    if std::env::var_os("UPDATE_DOCS").is_some() {
-        std::fs::write(PAGE, &page).unwrap();
-    }
-    let on_disk = std::fs::read_to_string(PAGE).unwrap_or_default();
-    assert!(on_disk == page, "{PAGE} is out of date; write it with UPDATE_DOCS=1 cargo test --test dynamic");
+    check_page("dynamic", "dynamic.md", &page);
 }
 
 /// Force from that of 100 kohm to that of 1 kohm and back, again and again, each flank `flank` seconds long.

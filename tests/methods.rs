@@ -6,11 +6,10 @@
 mod common;
 
 use cermd::reading::Method;
-use common::{Bench, Errors, read, settle};
+use common::{Bench, Errors, check_page, read, settle};
 use plotters::prelude::*;
 use std::fmt::Write;
 
-const PAGE: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/docs/methods.md");
 const CHART: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/docs/methods.svg");
 const INSTRUMENTS: u64 = 40;
 const READINGS: usize = 100;
@@ -122,9 +121,7 @@ fn the_page_is_up_to_date_and_tracking_pays() {
         );
     }
     if std::env::var_os("UPDATE_DOCS").is_some() {
-        std::fs::write(PAGE, &page).unwrap();
         std::fs::write(CHART, chart(&at_equal_time)).unwrap();
     }
-    let on_disk = std::fs::read_to_string(PAGE).unwrap_or_default();
-    assert!(on_disk == page, "{PAGE} is out of date; write it with UPDATE_DOCS=1 cargo test --test methods");
+    check_page("methods", "methods.md", &page);
 }

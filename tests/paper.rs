@@ -11,7 +11,7 @@ mod report;
 use cermd::pins::sim::{Kind, Sensor};
 use cermd::reading::Method;
 use cermd::units::{Farad, Ohm};
-use common::{Bench, Errors, read, settle};
+use common::{Bench, Errors, check_page, read, settle};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use std::fmt::Write;
@@ -147,10 +147,5 @@ fn the_predicted_uncertainty_of_both_branches_is_right_within_10_percent() {
 #[test]
 fn the_report_is_up_to_date() {
     let report = report::write();
-    let path = concat!(env!("CARGO_MANIFEST_DIR"), "/docs/accuracy-paper.md");
-    if std::env::var_os("UPDATE_DOCS").is_some() {
-        std::fs::write(path, &report).unwrap();
-    }
-    let on_disk = std::fs::read_to_string(path).unwrap();
-    assert!(on_disk == report, "{path} is out of date; write it with UPDATE_DOCS=1 cargo test --test paper");
+    check_page("paper", "accuracy-paper.md", &report);
 }

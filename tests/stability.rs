@@ -126,13 +126,5 @@ fn the_page_is_up_to_date() {
     let (leaks, unseen) = leaks::report();
     page += &format!("\n{defects}{leaks}");
     assert!(wrong.is_empty() && unseen.is_empty(), "{wrong}{unseen}");
-    let path = concat!(env!("CARGO_MANIFEST_DIR"), "/docs/stability.md");
-    if std::env::var_os("UPDATE_DOCS").is_some() {
-        std::fs::write(path, &page).unwrap();
-    }
-    let on_disk = std::fs::read_to_string(path).unwrap_or_default();
-    assert!(
-        on_disk == page,
-        "{path} is out of date; write it with UPDATE_DOCS=1 cargo test --test stability\n{page}"
-    );
+    common::check_page("stability", "stability.md", &page);
 }

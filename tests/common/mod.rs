@@ -74,6 +74,20 @@ impl Bench {
     }
 }
 
+/// The page that the test program `test` writes, `name` in docs: written if that is asked for; otherwise it has to be on
+/// disk as it would be.
+pub fn check_page(test: &str, name: &str, page: &str) {
+    let path = format!("{}/docs/{name}", env!("CARGO_MANIFEST_DIR"));
+    if std::env::var_os("UPDATE_DOCS").is_some() {
+        std::fs::write(&path, page).unwrap();
+    }
+    let on_disk = std::fs::read_to_string(&path).unwrap_or_default();
+    assert!(
+        on_disk == page,
+        "{path} is out of date; write it with UPDATE_DOCS=1 cargo test --test {test}\n{page}"
+    );
+}
+
 /// Steps until so many readings have come, and hands each to `each`.
 pub fn read(instrument: &mut Instrument<SimPins>, count: usize, mut each: impl FnMut(&Reading)) {
     let mut seen = 0;
