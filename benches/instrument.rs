@@ -28,6 +28,7 @@ const PLAN: Plan = Plan {
     drain: Nanos::ZERO,
     charge: Nanos(10_000_000),
     settle: Nanos(20_000),
+    expected: [None; 2],
     timeout: Nanos(50_000_000),
     limit: None,
     widest_bracket: Nanos::MAX,

@@ -136,7 +136,8 @@ impl Cycle {
         &self.estimator
     }
 
-    fn offset_is_known(&self) -> bool {
+    /// Whether switched readings have what they need: the offset, or the tracked state.
+    pub fn offset_is_known(&self) -> bool {
         if self.settings.tracked {
             return self.estimator.tracker().is_some();
         }

@@ -215,6 +215,7 @@ impl Daemon {
             self.server
                 .turn(now, &mut publish::stats(&self.told, &self.loaded.config, uptime))
                 .map_err(system("epoll_wait"))?;
+            self.measuring.set_watched(self.server.is_watched());
             let asked = self.signals.take();
             if asked.end {
                 notify(&[NotifyState::Stopping, NotifyState::Status("stopping")]);

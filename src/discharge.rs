@@ -32,6 +32,9 @@ pub struct Plan {
     pub charge: Nanos,
     /// How long to leave everything floating between charge and start; at least as long as arming takes.
     pub settle: Nanos,
+    /// When each node crosses, since the start, where that is known before: the system may rest until then. `None`: it is
+    /// waited for all the time.
+    pub expected: [Option<Nanos>; 2],
     /// The longest wait for the last crossing, from the start (or from the switch to `limit`).
     pub timeout: Nanos,
     /// What finishes a discharge that was not switched and has not ended by then; `None`: nothing.
@@ -65,8 +68,13 @@ pub enum Action {
     Rest(Nanos),
     /// [`Pins::arm`].
     Arm,
-    /// [`Pins::edge`].
-    WaitEdge(Nanos),
+    /// [`Pins::edge`], after [`Pins::rest_before_edge`] if it is known when it comes.
+    WaitEdge {
+        /// When it is due.
+        expected: Option<Nanos>,
+        /// The longest wait.
+        until: Nanos,
+    },
     /// [`Pins::levels`].
     ReadLevels,
     /// Nothing: take the [`Discharge::result`].
@@ -288,7 +296,9 @@ impl Discharge {
 
     fn wait(&mut self) -> Action {
         self.phase = Phase::Crossing;
-        Action::WaitEdge(self.wait_until)
+        let next = usize::from(self.crossings[0].is_some());
+        let expected = self.plan.expected[next].map(|after| self.start.before + after);
+        Action::WaitEdge { expected, until: self.wait_until }
     }
 
     fn waited_long(&mut self) -> Action {

@@ -261,6 +261,12 @@ pub trait Pins {
         self.sleep_until(at)
     }
 
+    /// Rests until shortly before an edge that is due at an instant, if that is cheaper than to wait for it all the time.
+    /// Here it is not.
+    fn rest_before_edge(&mut self, _at: Nanos) -> Result<(), PinsError> {
+        Ok(())
+    }
+
     /// The input levels now: tells an edge that was missed from a node that is still above its threshold.
     fn levels(&mut self) -> Result<Levels, PinsError>;
 
@@ -290,6 +296,9 @@ macro_rules! forward_pins {
             }
             fn rest_until(&mut self, at: Nanos) -> Result<(), PinsError> {
                 (**self).rest_until(at)
+            }
+            fn rest_before_edge(&mut self, at: Nanos) -> Result<(), PinsError> {
+                (**self).rest_before_edge(at)
             }
             fn levels(&mut self) -> Result<Levels, PinsError> {
                 (**self).levels()

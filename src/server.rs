@@ -109,6 +109,11 @@ impl Server {
         self.clients.values().any(|client| client.session.wants_raw())
     }
 
+    /// Whether any client wants what is published as it comes, readings or raw. If not, none of it is urgent.
+    pub fn is_watched(&self) -> bool {
+        self.clients.values().any(|client| client.session.watches())
+    }
+
     /// Other channels from now on: every client gets a new VERSION, after what was published before it. Subscriptions
     /// hold by id.
     pub fn set_channels(&mut self, channels: &[ChannelInfo]) {
@@ -126,11 +131,15 @@ impl Server {
         self.has_news = true;
     }
 
-    /// Publishes a reading. `time` is `reading.at` on the wall clock. It is sent by the next turn.
+    /// Publishes a reading. `time` is `reading.at` on the wall clock. It is sent by the next turn, and formatted only if
+    /// somebody wants it.
     pub fn publish_reading(&mut self, reading: &Reading, time: UnixTime) {
-        self.make_room();
-        self.hub.push_reading(reading, time);
-        self.has_news = true;
+        self.hub.keep_reading(reading, time);
+        if self.clients.values().any(|client| client.session.wants_readings()) {
+            self.make_room();
+            self.hub.push_reading(reading.channel);
+            self.has_news = true;
+        }
     }
 
     /// Publishes a line of a tape, with its newline; of one channel (by index), or of all. `at`: when the

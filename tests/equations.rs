@@ -55,6 +55,7 @@ fn discharge(pins: &mut SimPins, through: Through, switch_ns: Option<f64>) -> Re
         drain: Nanos::ZERO,
         charge: Nanos(163_840),
         settle: Nanos::ZERO,
+        expected: [None; 2],
         timeout: Nanos(100_000_000),
         limit: None,
         widest_bracket: Nanos::MAX,

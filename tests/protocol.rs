@@ -90,6 +90,7 @@ fn poll_gives_the_last_reading_of_each_channel() {
     peer.send(r#"{"class":"POLL"}"#);
     let lines = bench.lines(&mut peer);
     assert_eq!((received(&lines).0, error_code(&lines[1])), (vec![1], "no-reading"));
+    assert!(!bench.server.is_watched(), "who polls does not wait");
     bench.publish(4);
     peer.send(r#"{"class":"POLL"}"#);
     assert_eq!(received(&bench.lines(&mut peer)), (vec![5, 4], 0));

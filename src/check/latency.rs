@@ -80,6 +80,7 @@ pub fn stamps<P: Pins>(pins: &mut P, config: &Config) -> Result<Histogram, PinsE
         drain: Nanos::ZERO,
         charge: config.charge_time(),
         settle: config.settle_time(),
+        expected: [None; 2],
         timeout: config.deadline(),
         limit: None,
         widest_bracket: Nanos::MAX,

@@ -206,6 +206,7 @@ impl<P: Pins> Bench<'_, P> {
             drain: Nanos::ZERO,
             charge: self.config.charge_time(),
             settle: self.config.settle_time() + hold,
+            expected: [None; 2],
             timeout,
             limit: None,
             widest_bracket: Nanos::MAX,

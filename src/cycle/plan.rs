@@ -80,7 +80,18 @@ impl Cycle {
             Kind::Second => (second, None),
             Kind::Split => (Through::C1, self.split_time().map(|after| (after, second))),
         };
-        self.plan(through, switch, None)
+        Plan { expected: self.expected(kind), ..self.plan(through, switch, None) }
+    }
+
+    /// When a plain calibration discharge crosses: as the last one did.
+    fn expected(&self, kind: Kind) -> [Option<Nanos>; 2] {
+        let of_kind = |(c1, c2)| match kind {
+            Kind::First => Some(c1),
+            Kind::Second => Some(c2),
+            Kind::Split => None,
+        };
+        let crossings: Option<[f64; 2]> = self.estimator.calibration().and_then(of_kind);
+        crossings.map_or([None; 2], |crossings| crossings.map(|ns| Some(Nanos(ns as i64))))
     }
 
     /// R_1 after a pause in which a leak would show.
@@ -114,6 +125,7 @@ impl Cycle {
             drain: if self.ended_early { settings.drain } else { Nanos::ZERO },
             charge: settings.charge,
             settle: settings.settle,
+            expected: [None; 2],
             timeout: settings.deadline,
             widest_bracket: self.calls.widest(through.drives().count()),
             single_call: self.calls.single(),

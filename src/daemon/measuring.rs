@@ -54,6 +54,8 @@ struct Shared {
     beat: AtomicU64,
     lost_readings: AtomicU64,
     lost_discharges: AtomicU64,
+    /// Whether a reading wakes whoever reads the ring.
+    watched: AtomicBool,
     wake: EventFd,
 }
 
@@ -77,6 +79,7 @@ impl Measuring {
             beat: AtomicU64::new(0),
             lost_readings: AtomicU64::new(0),
             lost_discharges: AtomicU64::new(0),
+            watched: AtomicBool::new(true),
             wake: EventFd::from_flags(EfdFlags::EFD_CLOEXEC | EfdFlags::EFD_NONBLOCK)?,
         });
         let worker = Worker { shared: Arc::clone(&shared), sender, config, said: String::new() };
@@ -100,6 +103,11 @@ impl Measuring {
     pub fn take_lost(&self) -> (u64, u64) {
         let take = |counter: &AtomicU64| counter.swap(0, Ordering::Relaxed);
         (take(&self.shared.lost_readings), take(&self.shared.lost_discharges))
+    }
+
+    /// Whether readings are urgent: if nobody waits for them they are only kept, and come with the next counters.
+    pub fn set_watched(&self, watched: bool) {
+        self.shared.watched.store(watched, Ordering::Relaxed);
     }
 
     /// Changes while the thread is alive and not stuck.
@@ -165,16 +173,16 @@ impl Worker {
                 self.send(Report::Stats(instrument.stats()));
                 self.reopen(&mut instrument);
             }
-            let stats = instrument.stats();
-            if !self.said.is_empty() && stats.cycles > cycles_before {
+            if !self.said.is_empty() && instrument.stats().cycles > cycles_before {
                 self.said.clear();
                 self.send(Report::Recovered);
             }
             let now = instrument.pins().now();
-            if now >= stats_due || stats.offset_is_known != offset_was_known {
+            let offset_is_known = instrument.cycle().offset_is_known();
+            if now >= stats_due || offset_is_known != offset_was_known {
                 stats_due = now + STATS_EVERY;
-                offset_was_known = stats.offset_is_known;
-                self.send(Report::Stats(stats));
+                offset_was_known = offset_is_known;
+                self.send(Report::Stats(instrument.stats()));
             }
         }
     }
@@ -225,7 +233,11 @@ impl Worker {
             _ => None,
         };
         // Discharges wait for the reading that they lead to.
-        let is_urgent = !matches!(report, Report::Message(Message::Discharge { .. }));
+        let is_urgent = match report {
+            Report::Message(Message::Discharge { .. }) => false,
+            Report::Message(Message::Reading(_)) => self.shared.watched.load(Ordering::Relaxed),
+            _ => true,
+        };
         if self.sender.push(report).is_err() {
             if let Some(counter) = lost {
                 counter.fetch_add(1, Ordering::Relaxed);
@@ -337,6 +349,38 @@ mod tests {
             "what was measured before is still there"
         );
         measuring.stop();
+    }
+
+    #[test]
+    fn readings_wake_nobody_while_nobody_watches() {
+        let (config, settings) = config("ideal");
+        for watched in [false, true] {
+            let pins = SimPins::new(&Scene::builtin("ideal").unwrap(), None);
+            let measuring =
+                &mut Measuring::start(Some(Box::new(pins)), config.clone(), settings.clone()).unwrap();
+            measuring.set_watched(watched);
+            // What was sent before that.
+            let _ = measuring.wake().read();
+            let (mut readings, mut others) = (0, 1);
+            while readings < 200 {
+                match measuring.next() {
+                    Some(Report::Message(Message::Reading(_))) => readings += 1,
+                    Some(Report::Message(Message::Discharge { .. })) => {}
+                    Some(_) => others += 1,
+                    None => thread::yield_now(),
+                }
+            }
+            measuring.stop();
+            let wakes = measuring.wake().read().unwrap_or(0);
+            while let Some(report) = measuring.next() {
+                others += u64::from(!matches!(report, Report::Message(_)));
+            }
+            assert_eq!(
+                wakes > others + 100,
+                watched,
+                "{wakes} wake-ups, {others} reports that are no readings"
+            );
+        }
     }
 
     #[test]

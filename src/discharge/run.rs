@@ -58,7 +58,12 @@ pub fn run_on<P: Pins>(pins: &mut P, plan: Plan) -> Result<Outcome, PinsError> {
                 Event::Slept
             }
             Action::Arm => Event::Armed(pins.0.arm()?),
-            Action::WaitEdge(until) => Event::Edge(pins.0.edge(until)?),
+            Action::WaitEdge { expected, until } => {
+                if let Some(at) = expected {
+                    pins.0.rest_before_edge(at)?;
+                }
+                Event::Edge(pins.0.edge(until)?)
+            }
             Action::ReadLevels => Event::Levels(pins.0.levels()?),
             Action::Done => {
                 let result = discharge.result();

@@ -101,6 +101,7 @@ fn plan(switch: Option<(Nanos, Through)>) -> Plan {
         drain: Nanos::ZERO,
         charge: Nanos(1_000_000),
         settle: Nanos(100_000),
+        expected: [None; 2],
         timeout: Nanos(5_000_000),
         limit: None,
         widest_bracket: Nanos(3000),
@@ -165,7 +166,7 @@ fn what_is_lost_has_a_name() {
                     pins.sleep_until(at).unwrap();
                     Event::Slept
                 }
-                Action::WaitEdge(until) => Event::Edge(pins.edge(until).unwrap()),
+                Action::WaitEdge { until, .. } => Event::Edge(pins.edge(until).unwrap()),
                 Action::ReadLevels => Event::Levels(pins.levels().unwrap()),
                 Action::Done => unreachable!(),
             });
@@ -202,6 +203,30 @@ fn an_uncharged_node_and_a_slow_call_are_faults() {
 }
 
 #[test]
+fn a_crossing_that_is_known_before_is_told_to_who_waits_for_it() {
+    let mut pins = Script::new(&[A, B]);
+    let plan = Plan { expected: [Some(Nanos(49_000)), Some(Nanos(61_000))], ..plan(None) };
+    let (mut discharge, mut action) = Discharge::new(plan);
+    let mut told = Vec::new();
+    while action != Action::Done {
+        action = discharge.handle(match action {
+            Action::Arm => Event::Armed(pins.arm().unwrap()),
+            Action::Drive(on) => Event::Drove(pins.drive(on).unwrap()),
+            Action::Sleep(at) | Action::Rest(at) => {
+                pins.sleep_until(at).unwrap();
+                Event::Slept
+            }
+            Action::WaitEdge { expected, until } => {
+                told.push(expected);
+                Event::Edge(pins.edge(until).unwrap())
+            }
+            Action::ReadLevels | Action::Done => unreachable!(),
+        });
+    }
+    assert_eq!(told, [49_000, 61_000].map(|after| Some(Nanos(START_BEFORE + after))));
+}
+
+#[test]
 fn a_charge_that_was_left_alone_for_too_long_is_not_used() {
     let start = |late: i64| {
         let (mut discharge, _) = Discharge::new(plan(None));
@@ -214,7 +239,7 @@ fn a_charge_that_was_left_alone_for_too_long_is_not_used() {
         discharge.handle(Event::Slept);
         discharge.handle(drove(1_000_000 + plan(None).settle.0 + late))
     };
-    assert!(matches!(start(LONGEST_PAUSE.0), Action::WaitEdge(_)));
+    assert!(matches!(start(LONGEST_PAUSE.0), Action::WaitEdge { .. }));
     assert_eq!(start(LONGEST_PAUSE.0 + 1), Action::Done);
 }
 
@@ -267,7 +292,7 @@ fn a_discharge_that_does_not_end_is_finished_through_another_resistor() {
                 pins.sleep_until(at).unwrap();
                 Event::Slept
             }
-            Action::WaitEdge(until) => {
+            Action::WaitEdge { until, .. } => {
                 waits += 1;
                 if waits == 2 {
                     let at = |ns| Nanos(deadline + ns);

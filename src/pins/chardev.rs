@@ -14,7 +14,7 @@ use self::chips::Chip;
 use self::edges::EdgeBuffer;
 use self::error::{as_io, while_running};
 use self::request::{Switching, charging, drive_request, inputs, released, sense_request, watching};
-use self::wait::{monotonic, readable, rest_until, sleep_until};
+use self::wait::{monotonic, readable, rest_before, rest_until, sleep_until};
 use self::wiring::Lines;
 use super::{Armed, Bracket, Drives, Edge, Levels, Particulars, Pins, PinsError};
 use crate::units::Nanos;
@@ -216,6 +216,11 @@ impl Pins for Chardev {
 
     fn rest_until(&mut self, at: Nanos) -> Result<(), PinsError> {
         rest_until(at, &mut self.margin)
+            .map_err(|errno| while_running("clock_nanosleep", "CLOCK_MONOTONIC", &self.chip, errno.into()))
+    }
+
+    fn rest_before_edge(&mut self, at: Nanos) -> Result<(), PinsError> {
+        rest_before(at, &mut self.margin)
             .map_err(|errno| while_running("clock_nanosleep", "CLOCK_MONOTONIC", &self.chip, errno.into()))
     }
 

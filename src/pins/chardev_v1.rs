@@ -12,7 +12,7 @@ use super::chardev::chips::Chip;
 use super::chardev::error::{OpenError, while_running};
 use super::chardev::release::each_line;
 use super::chardev::to_be_driven;
-use super::chardev::wait::{SpinMargin, monotonic, readable, rest_until, sleep_until};
+use super::chardev::wait::{SpinMargin, monotonic, readable, rest_before, rest_until, sleep_until};
 use super::chardev::wiring::{DriveLine, Line, Wiring};
 use super::{Armed, Bracket, Drives, Edge, Levels, Node, Particulars, Pins, PinsError};
 use crate::units::Nanos;
@@ -164,6 +164,11 @@ impl Pins for ChardevV1 {
 
     fn rest_until(&mut self, at: Nanos) -> Result<(), PinsError> {
         rest_until(at, &mut self.margin)
+            .map_err(|errno| while_running("clock_nanosleep", "CLOCK_MONOTONIC", &self.chip, errno.into()))
+    }
+
+    fn rest_before_edge(&mut self, at: Nanos) -> Result<(), PinsError> {
+        rest_before(at, &mut self.margin)
             .map_err(|errno| while_running("clock_nanosleep", "CLOCK_MONOTONIC", &self.chip, errno.into()))
     }
 

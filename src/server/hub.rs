@@ -1,6 +1,6 @@
 //! What all clients share: the channels, the ring of lines, the last reading of each channel, the counts.
 //!
-//! For: formatting each reading once. Must not know: sockets, or who the clients are.
+//! For: formatting each reading once, and only if somebody wants it. Must not know: sockets, or who the clients are.
 
 use super::ring::{ChannelKey, Kind, Ring};
 use crate::reading::Reading;
@@ -26,8 +26,7 @@ pub(super) struct Hub {
 struct Channel {
     key: ChannelKey,
     id: String,
-    /// The last reading, a whole line with nothing lost; empty while there is none.
-    last: Vec<u8>,
+    last: Option<(Reading, UnixTime)>,
 }
 
 impl Hub {
@@ -50,7 +49,7 @@ impl Hub {
         self.channels.clear();
         for channel in channels {
             let key = self.intern(&channel.id);
-            self.channels.push(Channel { key, id: channel.id.clone(), last: Vec::new() });
+            self.channels.push(Channel { key, id: channel.id.clone(), last: None });
         }
         self.version.clear();
         wire::write_version(&mut self.version, channels);
@@ -84,25 +83,30 @@ impl Hub {
         })
     }
 
-    /// A reading of a channel that is no longer there is dropped: it was measured before a reload.
-    pub fn push_reading(&mut self, reading: &Reading, time: UnixTime) {
+    /// Keeps a reading as the last one of its channel. One of a channel that is no longer there is dropped: it was measured
+    /// before a reload.
+    pub fn keep_reading(&mut self, reading: &Reading, time: UnixTime) {
         let Some(channel) = self.channels.get_mut(reading.channel) else { return };
-        let last = &mut channel.last;
-        self.ring.push(Kind::Reading(channel.key), reading.at, |line| {
-            wire::begin_reading(line, reading, &channel.id, time);
-            last.clone_from(line);
-            wire::end_reading(last, 0);
-        });
+        channel.last = Some((*reading, time));
         self.published += 1;
+    }
+
+    /// The last reading of the channel of that index, as a line for those that watch.
+    pub fn push_reading(&mut self, index: usize) {
+        let Some(channel) = self.channels.get(index) else { return };
+        let Some((reading, time)) = &channel.last else { return };
+        self.ring.push(Kind::Reading(channel.key), reading.at, |line| {
+            wire::begin_reading(line, reading, &channel.id, *time);
+        });
     }
 
     /// Appends the last reading of each channel, and one refusal for those that have none yet.
     pub fn write_last_readings(&self, out: &mut Vec<u8>) {
         let mut missing = Vec::new();
         for channel in &self.channels {
-            out.extend_from_slice(&channel.last);
-            if channel.last.is_empty() {
-                missing.push(channel.id.as_str());
+            match &channel.last {
+                Some((reading, time)) => wire::write_reading(out, reading, &channel.id, *time),
+                None => missing.push(channel.id.as_str()),
             }
         }
         if !missing.is_empty() {

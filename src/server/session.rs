@@ -67,8 +67,16 @@ impl Session {
         self.output.is_empty() && !self.input.has_line()
     }
 
+    pub fn watches(&self) -> bool {
+        self.subscription.enable
+    }
+
     pub fn wants_raw(&self) -> bool {
-        self.subscription.enable && self.subscription.raw
+        self.watches() && self.subscription.raw
+    }
+
+    pub fn wants_readings(&self) -> bool {
+        self.watches() && !self.subscription.raw
     }
 
     /// Other channels, of which the line at position `at` is the first that may speak.
@@ -244,7 +252,8 @@ mod tests {
             method: Method::Cerm,
             duration: Nanos::ZERO,
         };
-        hub.push_reading(&reading, UnixTime(0));
+        hub.keep_reading(&reading, UnixTime(0));
+        hub.push_reading(0);
     }
 
     /// Sends at most so many bytes, as a kernel with little room would.

@@ -79,6 +79,7 @@ fn a_discharge_that_timed_out_is_drained_before_the_charge() {
             drain: Nanos::from_seconds(drain_s),
             charge: Nanos::from_seconds(taus * nominal.charge_tau().0),
             settle: Nanos(20_000),
+            expected: [None; 2],
             timeout: Nanos(50_000_000),
             widest_bracket: Nanos::MAX,
             single_call: None,

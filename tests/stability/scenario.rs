@@ -274,6 +274,7 @@ impl<P: Pins> ByHand<P> {
             drain: Nanos::ZERO,
             charge: self.charge,
             settle: if through.channel().is_some() { self.pause } else { SETTLE },
+            expected: [None; 2],
             timeout: Nanos(400_000_000),
             limit: None,
             widest_bracket: Nanos::MAX,

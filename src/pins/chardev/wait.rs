@@ -113,6 +113,17 @@ pub(in crate::pins) fn rest_until(at: Nanos, margin: &mut SpinMargin) -> Result<
     Ok(())
 }
 
+/// Sleeps until shortly before an edge that is due at an instant, where that spares a wake-up of [`readable`]: two thirds of
+/// its longest wait are left, in which the tick goes on.
+///
+/// # Errors
+/// What `clock_nanosleep` answers, other than an interruption.
+pub(in crate::pins) fn rest_before(edge: Nanos, margin: &mut SpinMargin) -> Result<(), Errno> {
+    let longest = longest_wait();
+    let wake = edge - Nanos(longest.0 / 3 * 2);
+    if time_left(wake) > longest { rest_until(wake, margin) } else { Ok(()) }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -181,6 +192,18 @@ mod tests {
     fn a_wait_ends_before_the_tick_would_be_stopped() {
         // CONFIG_HZ is 100 to 1000.
         assert!((Nanos(750_000)..=Nanos(7_500_000)).contains(&longest_wait()), "{}", longest_wait());
+    }
+
+    #[test]
+    fn a_rest_spares_a_wake_up_and_ends_before_the_edge() {
+        let (longest, mut margin) = (longest_wait(), SpinMargin::default());
+        let before = monotonic();
+        // Two waits are as good as a rest and a wait.
+        rest_before(before + Nanos(longest.0 / 3 * 5), &mut margin).unwrap();
+        assert_eq!(margin, SpinMargin::default(), "it has not slept");
+        rest_before(before + Nanos(longest.0 * 3), &mut margin).unwrap();
+        let rested = monotonic() - before;
+        assert!(rested > Nanos(longest.0 / 3 * 7), "woke after {rested}");
     }
 
     #[test]
