@@ -57,7 +57,8 @@ fn round(reading_clients: usize) {
     let listener = Listener::bind(&path, 0o600).unwrap();
     let mut server = Server::new(listener, &channels, Limits::default()).unwrap();
     // The ring is filled first: it belongs to the server and not to the clients.
-    (0..1024).for_each(|seq| server.publish_reading(&reading(seq), UnixTime(0)));
+    let line = format!("{:>300}\n", "");
+    (0..1024).for_each(|_| server.publish_raw(None, Nanos::ZERO, &line));
     let mut clients = ourselves("clients", reading_clients).arg(&path).spawn().unwrap();
 
     let (memory_before, kernel_before) = (status_kib("/proc/self/status", "VmRSS"), kernel_kib());

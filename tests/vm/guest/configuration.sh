@@ -1,8 +1,8 @@
 # A configuration of cermd for the circuit as the module makes it: `write_configuration FILE [NAME=VALUE...]`.
-# Names: backend, method, offset ("auto" or a duration), rate (readings per second), t_l, chargers (yes; no: the sense lines
-# charge, as in the paper), socket.
+# Names: backend, method, calibration, offset ("auto" or a duration), rate (readings per second), t_l, chargers (yes; no:
+# the sense lines charge, as in the paper), socket.
 write_configuration() (
-    file=$1 backend=chardev method=cerm offset=auto rate= t_l= chargers=yes socket=/run/cermd/cermd.sock
+    file=$1 backend=chardev method=cerm calibration= offset=auto rate= t_l= chargers=yes socket=/run/cermd/cermd.sock
     shift
     for setting in "$@"; do eval "${setting%%=*}=\${setting#*=}"; done
     {
@@ -24,6 +24,7 @@ write_configuration() (
 	TOML
         [ $chargers = no ] || printf 'charge-a = "GPIO13"\ncharge-b = "GPIO19"\n'
         printf '\n[measure]\nmethod = "%s"\noffset = "%s"\n' "$method" "$offset"
+        [ -z "$calibration" ] || echo "calibration = \"$calibration\""
         [ -z "$t_l" ] || echo "t-l = \"$t_l\""
         [ -z "$rate" ] || echo "rate-hz = $rate"
         printf '\n[[channel]]\nid = "x"\nsink = "GPIO16"\n'

@@ -1,5 +1,6 @@
-# What a reading costs the processor, beside the plain C program that takes the same reading (told, not judged); and what
-# the service costs at 10 readings a second: below 1 %.
+# What a reading costs the processor, beside the plain C program that takes the same reading: at most as much where the
+# calibration is followed, which is judged; with a calibration of its own for each reading, and with a client, it is told.
+# And what the service costs at 10 readings a second: below 1 %.
 . /test/lib.sh
 
 # cpu: ns that all threads of the daemon, and its measuring thread, have run.
@@ -22,31 +23,51 @@ cost() {
 }
 
 plain() { tpcm "$@" | sed -n 's/.*cpu_us_per_reading \([0-9.]*\).*/\1/p'; }
+# reading NAME CALIBRATION: what a TPCM reading costs, into the file NAME, and with a client that watches, into NAME.watched.
+reading() {
+    write_configuration cermd.toml method=tpcm calibration="$2" "offset=0 us"
+    start_cermd cermd.toml
+    sleep 5
+    cost 20 >"$1"
+    cermctl watch >watched.log &
+    watch=$!
+    sleep 1
+    cost 20 >"$1.watched"
+    kill $watch
+    stop_cermd
+}
+
 plain_us=$(plain 200)
 checked_us=$(plain 200 checked)
-write_configuration cermd.toml method=tpcm "offset=0 us"
-start_cermd cermd.toml
-sleep 5
-cost 20 >free
-stop_cermd
+reading each each-reading
+reading tracked tracked
 write_configuration cermd.toml method=cerm rate=10
 start_cermd cermd.toml
 until_true 1000 offset_known
 cost 60 >ten
 stop_cermd
 
+# row NAME WHAT: a row of the table from a file of that name.
+row() {
+    read -r n all measuring <"$1"
+    mawk -v plain="$plain_us" -v what="$2" -v n="$n" -v all="$all" -v m="$measuring" 'BEGIN {
+        printf "| %s | %.0f | %.0f | %.2f |\n", what, m / n / 1e3, all / n / 1e3, all / n / 1e3 / plain
+    }'
+}
+
 {
     echo "## Linux $(uname -r)"
-    read -r n all measuring <free
-    mawk -v plain="$plain_us" -v checked="$checked_us" -v n="$n" -v all="$all" -v m="$measuring" 'BEGIN {
-        print "\n| a TPCM reading, three discharges | us | beside the C program |\n|---|--:|--:|"
-        printf "| C program | %.0f | 1 |\n", plain
-        printf "| C program with the checks of cermd | %.0f | %.2f |\n", checked, checked / plain
-        printf "| cermd, measuring | %.0f | %.2f |\n", m / n / 1e3, m / n / 1e3 / plain
-        printf "| cermd, publishing | %.0f | %.2f |\n", (all - m) / n / 1e3, (all - m) / n / 1e3 / plain
-    }'
+    printf '\n| a TPCM reading | measuring, us | all threads, us | beside the C program |\n|---|--:|--:|--:|\n'
+    printf '| C program | | %.0f | 1 |\n' "$plain_us"
+    mawk -v plain="$plain_us" -v us="$checked_us" 'BEGIN { printf "| C program with the checks of cermd | | %.0f | %.2f |\n", us, us / plain }'
+    row tracked "cermd, calibration followed"
+    row tracked.watched "the same, with a client that watches"
+    row each "cermd, a calibration for each reading"
+    row each.watched "the same, with a client that watches"
     read -r n all measuring <ten
     mawk -v all="$all" 'BEGIN { printf "\nCERM, 10 readings a second: %.2f %% of the processor.\n", all / 6e8 }'
 } >cpu.md
 cat cpu.md
 mawk -v all="$all" 'BEGIN { exit !(all / 6e8 < 1) }' || fail "too dear at 10 readings a second"
+read -r n all measuring <tracked
+mawk -v all="$all" -v n="$n" -v plain="$plain_us" 'BEGIN { exit !(all / n / 1e3 <= plain) }' || fail "a reading costs more than that of the C program"
