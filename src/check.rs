@@ -24,10 +24,8 @@ pub fn check(path: &Path) -> Report {
 
 /// The tables of forces.
 fn files(config: &Config) -> Option<Finding> {
-    match Settings::new(config).err()? {
-        SettingsError::Table { id, source } => Some(error(format!("channel.{id}.force"), source.to_string())),
-        other => Some(error("measure.method", other.to_string())),
-    }
+    let SettingsError::Table { id, source } = Settings::new(config).err()?;
+    Some(error(format!("channel.{id}.force"), source.to_string()))
 }
 
 /// The circuit that is to be measured.

@@ -61,7 +61,7 @@ pub struct Config {
 #[serde(rename_all = "kebab-case", deny_unknown_fields, default)]
 pub struct Measure {
     /// The method. Default: the best that the circuit allows, `cerm`, `qerm` or `tpcm`.
-    pub method: Option<MethodName>,
+    pub method: Option<Method>,
     /// Readings of each channel per second, hertz, above 0. Default: as fast as the circuit allows.
     pub rate_hz: Option<f64>,
     /// How long the capacitors are charged before each discharge, above 0 up to 1 min. Default: the shortest
@@ -87,35 +87,6 @@ pub struct Measure {
     pub t_l: Option<Nanos>,
     /// The planned switch comes at this fraction of the predicted T_xA, above 0 and below 1.3. Default: 0.9.
     pub switch_fraction: Option<f64>,
-}
-
-/// A method by the name that the configuration gives it.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum MethodName {
-    /// One node, eq. (3).
-    Tpcm,
-    /// Series calibration.
-    Qerm,
-    /// Two capacitors, eq. (11).
-    Tcdic,
-    /// Two capacitors, eq. (16)-(19).
-    Cerm,
-    /// Followed calibration: known, and not yet available.
-    Tracked,
-}
-
-impl MethodName {
-    /// The method itself; `None` for one that is not available yet.
-    pub fn method(self) -> Option<Method> {
-        match self {
-            MethodName::Tpcm => Some(Method::Tpcm),
-            MethodName::Qerm => Some(Method::Qerm),
-            MethodName::Tcdic => Some(Method::Tcdic),
-            MethodName::Cerm => Some(Method::Cerm),
-            MethodName::Tracked => Some(Method::Tracked),
-        }
-    }
 }
 
 /// How often the calibration discharges are taken.

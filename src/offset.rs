@@ -42,6 +42,11 @@ impl Offset {
         Offset { d_ns, ..Offset::default() }
     }
 
+    /// Ro, ohm; 0 where it is not known.
+    pub fn r_o(&self) -> f64 {
+        self.r_o_ohm.map_or(0.0, |(r_o_ohm, _)| r_o_ohm)
+    }
+
     /// The variance of d but for the error that all switches have in common, ns²; `u_common_ns`: the uncertainty of that.
     pub fn own_variance(&self, u_common_ns: f64) -> f64 {
         (self.u_d_ns.powi(2) - (self.by_switch * u_common_ns).powi(2)).max(0.0)

@@ -5,6 +5,7 @@
 
 use crate::diagnosis::Suspect;
 use crate::units::Nanos;
+use serde::Deserialize;
 use std::fmt;
 
 /// A value with its 1-sigma standard uncertainty (GUM).
@@ -17,7 +18,8 @@ pub struct Measured {
 }
 
 /// How the estimate was made.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Deserialize)]
+#[serde(rename_all = "kebab-case")]
 pub enum Method {
     /// Two-point calibration, one node: eq. (3).
     Tpcm,

@@ -74,9 +74,6 @@ pub struct Settings {
 /// Why a configuration that passes its check still cannot be run.
 #[derive(Debug, thiserror::Error)]
 pub enum SettingsError {
-    /// The method does not exist yet.
-    #[error("measure.method: this method is not available in this release; use \"cerm\"")]
-    Method,
     /// A force table is not usable.
     #[error("channel {id:?}: force: {source}")]
     Table {
@@ -101,7 +98,7 @@ impl Settings {
             Ok(Channel { id: channel.id.clone(), zero_ohm: channel.zero_ohm, force })
         });
         Ok(Settings {
-            method: config.method().ok_or(SettingsError::Method)?,
+            method: config.method(),
             r_ohm,
             series: matches!(circuit.network, Network::SeriesCalibration { .. }),
             chargers: match circuit.network {

@@ -107,7 +107,7 @@ impl Budget {
         // A clock that is not that of Linux counts in hardware: its period is all the jitter there is.
         let coarser = config.measure.resolution.filter(|clock| *clock > Nanos(1));
         Some(Budget {
-            method: config.method()?,
+            method: config.method(),
             is_tracked: config.is_tracked(),
             r_o: circuit.r_o.0,
             known: [circuit.r_c1, circuit.r_second()].map(|r| r.0 + circuit.r_o.0),

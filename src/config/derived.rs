@@ -17,25 +17,24 @@ const DRAIN: f64 = 1.2;
 const SWITCH_FRACTION: f64 = 0.9;
 
 impl Config {
-    /// The method to use; `None` when the one asked for is not available.
-    pub fn method(&self) -> Option<Method> {
-        match (self.measure.method, self.circuit.network) {
-            (Some(name), _) => name.method(),
-            (None, Network::TwoCapacitor { .. }) => Some(Method::Cerm),
-            (None, Network::SeriesCalibration { .. }) => Some(Method::Qerm),
-            (None, Network::OneCapacitor { .. }) => Some(Method::Tpcm),
-        }
+    /// The method to use.
+    pub fn method(&self) -> Method {
+        self.measure.method.unwrap_or(match self.circuit.network {
+            Network::TwoCapacitor { .. } => Method::Cerm,
+            Network::SeriesCalibration { .. } => Method::Qerm,
+            Network::OneCapacitor { .. } => Method::Tpcm,
+        })
     }
 
     /// Whether the calibration is followed instead of taken anew for each reading.
     pub fn is_tracked(&self) -> bool {
-        self.method() == Some(Method::Tracked) || self.measure.calibration == Some(Calibration::Tracked)
+        self.method() == Method::Tracked || self.measure.calibration == Some(Calibration::Tracked)
     }
 
     /// The node whose crossing ends a discharge: B where the method times it.
     pub fn last_node(&self) -> Node {
         match (self.method(), self.circuit.network) {
-            (Some(Method::Tpcm | Method::Qerm), _) => Node::A,
+            (Method::Tpcm | Method::Qerm, _) => Node::A,
             (_, Network::TwoCapacitor { .. }) => Node::B,
             _ => Node::A,
         }
@@ -65,7 +64,7 @@ impl Config {
 
     /// The latency offset.
     pub fn offset(&self) -> Offset {
-        let needed = matches!(self.method(), Some(Method::Cerm | Method::Qerm));
+        let needed = matches!(self.method(), Method::Cerm | Method::Qerm);
         let default = if needed { Offset::Auto } else { Offset::Fixed(Nanos::ZERO) };
         self.measure.offset.unwrap_or(default)
     }

@@ -83,7 +83,7 @@ fn everything_can_be_said() {
     assert_eq!(config.gpio.sense_a, Some(Line::Name("GPIO5".to_owned())));
     assert_eq!(config.gpio.sense_b, Some(Line::Offset(6)));
     assert_eq!(config.gpio.sink_c1, Some(Line::Offset(20)));
-    assert_eq!(config.method(), Some(Method::Cerm));
+    assert_eq!(config.method(), Method::Cerm);
     assert_eq!(config.measure.rate_hz, Some(20.0));
     assert_eq!(config.charge_time(), Nanos(3_000_000));
     assert_eq!(config.settle_time(), Nanos(50_000));
@@ -104,7 +104,7 @@ fn silence_has_defaults() {
     assert_eq!((config.circuit.v_dd, config.circuit.v_th), (Volt(3.3), Volt(1.3)));
     assert_eq!(config.gpio, Gpio::default());
     assert_eq!(config.gpio.backend, Backend::Mock);
-    assert_eq!(config.method(), Some(Method::Cerm));
+    assert_eq!(config.method(), Method::Cerm);
     assert_eq!(config.offset(), Offset::Auto);
     assert_eq!(config.settle_time(), Nanos::ZERO);
     assert_eq!(config.switch_fraction(), 0.9);
@@ -130,11 +130,11 @@ fn the_method_follows_the_circuit() {
         );
         parse(&text)
     };
-    assert_eq!(one("one-capacitor", "").method(), Some(Method::Tpcm));
+    assert_eq!(one("one-capacitor", "").method(), Method::Tpcm);
     assert_eq!(one("one-capacitor", "").offset(), Offset::Fixed(Nanos::ZERO));
-    assert_eq!(one("series-calibration", "").method(), Some(Method::Qerm));
+    assert_eq!(one("series-calibration", "").method(), Method::Qerm);
     assert_eq!(one("series-calibration", "").offset(), Offset::Auto);
-    assert_eq!(one("one-capacitor", "[measure]\nmethod = \"tracked\"").method(), Some(Method::Tracked));
+    assert_eq!(one("one-capacitor", "[measure]\nmethod = \"tracked\"").method(), Method::Tracked);
     // TPCM in the circuit with two capacitors times node A only, and so does its deadline.
     let tpcm = parse(&format!("{MINIMAL}[measure]\nmethod = \"tpcm\""));
     assert_eq!(Some(tpcm.discharge(Ohm(1e3))), tpcm.circuit.crossing(crate::pins::Node::A, Ohm(1e3)));

@@ -150,7 +150,7 @@ impl Show {
 
 impl Board {
     fn introduction(&self, seconds: f64) -> Vec<Line> {
-        let method = self.config.method().map(crate::reading::Method::as_str).unwrap_or_default();
+        let method = self.config.method().as_str();
         let first = Line::default()
             .add(Style::Bold, " cermd demo")
             .add(Style::Notable, "  simulated")

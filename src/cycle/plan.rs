@@ -60,8 +60,7 @@ impl Memory {
             }
             // Where it is by now is known well enough for a plan.
             Status::Fault(Fault::Unsettled) => {
-                let r_o_ohm = estimator.offset().r_o_ohm.map_or(0.0, |(r_o_ohm, _)| r_o_ohm);
-                self.r_ohm = self.motion.last_ohm().map(|r_ohm| r_ohm - r_o_ohm);
+                self.r_ohm = self.motion.last_ohm().map(|r_ohm| r_ohm - estimator.offset().r_o());
             }
             // One spike says nothing about the sensor.
             Status::Fault(Fault::LatencyOutlier | Fault::WideBracket) => {}

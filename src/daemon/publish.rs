@@ -125,10 +125,10 @@ pub fn stats(told: &Told, config: &Config, uptime: Nanos) -> impl FnMut(&mut Obj
         Backend::ChardevV1 => "chardev-v1",
         Backend::Mock => "mock",
     };
-    let method = config.method().map(crate::reading::Method::as_str);
+    let method = config.method().as_str();
     move |object| {
         object.text("backend", backend);
-        object.text("method", method.unwrap_or_default());
+        object.text("method", method);
         object.flag("gpio_works", !is_away);
         object.number("uptime_s", uptime.as_seconds(), 9);
         object.integer("cycles", stats.cycles);

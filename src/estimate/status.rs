@@ -106,7 +106,7 @@ impl Estimator {
         };
         *at_ns = seen.at_ns;
         let Measured { value, u } = estimate.r_ohm;
-        let r_o_ohm = self.offset().r_o_ohm.map_or(0.0, |(r_o_ohm, _)| r_o_ohm);
+        let r_o_ohm = self.offset().r_o();
         let moved = u.map(|u| motion.judge(record.start, [value, u], r_o_ohm, &seen)).transpose();
         let moved = match moved {
             Ok(moved) => moved.unwrap_or(0.0),

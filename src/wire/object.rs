@@ -35,7 +35,12 @@ impl<'a> Object<'a> {
     /// A whole number.
     pub fn integer(&mut self, key: &str, value: impl Into<i128>) {
         self.key(key);
-        let _ = write!(self.out, "{}", value.into());
+        let value = value.into();
+        // Nearly all are, and 128 bits are slow to write.
+        let _ = match i64::try_from(value) {
+            Ok(value) => write!(self.out, "{value}"),
+            Err(_) => write!(self.out, "{value}"),
+        };
     }
 
     /// A number with `digits` significant digits, trailing zeros left out. Unknown (`None`): no field.
@@ -48,7 +53,7 @@ impl<'a> Object<'a> {
             return;
         }
         self.key(key);
-        let _ = write!(self.out, "{}", rounded(value, digits));
+        write_rounded(self.out, value, digits);
     }
 
     /// A nested object.
@@ -96,9 +101,14 @@ impl<'a> Object<'a> {
     }
 
     fn key(&mut self, key: &str) {
+        debug_assert!(
+            key.bytes().all(|byte| byte.is_ascii_lowercase() || b"-_0123456789".contains(&byte)),
+            "{key}"
+        );
         self.separate();
-        write_json_string(self.out, key);
-        self.out.push(b':');
+        self.out.push(b'"');
+        self.out.extend_from_slice(key.as_bytes());
+        self.out.extend_from_slice(b"\":");
     }
 
     fn separate(&mut self) {
@@ -112,18 +122,36 @@ fn write_json_string(out: &mut Vec<u8>, text: &str) {
     let _ = serde_json::to_writer(out, text);
 }
 
-/// Rounded to `digits` significant decimal digits.
+/// Appends a finite number with at most `digits` significant digits, never with an exponent.
 ///
-/// By way of the decimal text: only there is a decimal rounding exact, so that printing the result again
-/// gives those digits and no tail like ...0000001.
-fn rounded(value: f64, digits: usize) -> f64 {
-    let text = format!("{value:.*e}", digits.saturating_sub(1));
-    text.parse().unwrap_or(value)
+/// By way of the decimal text: only there is a decimal rounding exact.
+fn write_rounded(out: &mut Vec<u8>, value: f64, digits: usize) {
+    let text = format!("{:.*e}", digits.saturating_sub(1), value.abs());
+    let (mantissa, exponent) = text.split_once('e').unwrap_or((&text, "0"));
+    let exponent: i32 = exponent.parse().unwrap_or(0);
+    let mantissa = if mantissa.contains('.') { mantissa.trim_end_matches('0') } else { mantissa };
+    let digits = mantissa.bytes().filter(|byte| *byte != b'.');
+    if value < 0.0 {
+        out.push(b'-');
+    }
+    if exponent < 0 {
+        out.extend_from_slice(b"0.");
+        out.extend(std::iter::repeat_n(b'0', exponent.unsigned_abs() as usize - 1));
+        out.extend(digits);
+        return;
+    }
+    let whole = exponent as usize + 1;
+    out.extend(digits.clone().chain(std::iter::repeat(b'0')).take(whole));
+    if digits.clone().nth(whole).is_some() {
+        out.push(b'.');
+        out.extend(digits.skip(whole));
+    }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use proptest::prelude::*;
 
     fn number(value: f64, digits: usize) -> String {
         let mut out = Vec::new();
@@ -145,6 +173,16 @@ mod tests {
         assert_eq!(number(0.000_123_456, 3), "0.000123");
         assert_eq!(number(999.96, 4), "1000");
         assert_eq!(number(0.0, 7), "0");
+    }
+
+    proptest! {
+        /// As if it were rounded, read and printed again.
+        #[test]
+        fn a_number_is_the_one_that_rounding_gives(value in -1e12f64..1e12, scale in -30i32..30, digits in 1usize..12) {
+            let value = value * 10f64.powi(scale);
+            let rounded: f64 = format!("{value:.*e}", digits - 1).parse().unwrap();
+            prop_assert_eq!(number(value, digits), format!("{rounded}"));
+        }
     }
 
     #[test]

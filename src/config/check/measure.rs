@@ -2,7 +2,7 @@
 
 use super::Findings;
 use crate::circuit::Network;
-use crate::config::{Calibration, Config, Measure, MethodName, Offset};
+use crate::config::{Calibration, Config, Measure, Offset};
 use crate::reading::Method;
 use crate::units::{Nanos, Seconds};
 
@@ -17,7 +17,7 @@ pub fn check(config: &Config, findings: &mut Findings) {
     let measure = &config.measure;
     method(measure.method, config.circuit.network, findings);
     calibration(measure, config.circuit.network, findings);
-    if measure.t_l.is_some() && config.method().is_some_and(|method| method != Method::Cerm) {
+    if measure.t_l.is_some() && config.method() != Method::Cerm {
         findings.warning("measure.t-l", "not used: only \"cerm\" has it", "method = \"cerm\", or without it");
     }
     durations(measure, findings);
@@ -49,7 +49,7 @@ fn calibration(measure: &Measure, network: Network, findings: &mut Findings) {
         let reason = "a tracked calibration does not know the circuit with series calibration";
         findings.error("measure.calibration", reason, "\"each-reading\"");
     }
-    if measure.method == Some(MethodName::Tracked) && measure.calibration == Some(Calibration::EachReading) {
+    if measure.method == Some(Method::Tracked) && measure.calibration == Some(Calibration::EachReading) {
         let reason = "not used: method \"tracked\" has a tracked calibration";
         findings.warning("measure.calibration", reason, "without it, or method = \"cerm\"");
     }
@@ -58,21 +58,21 @@ fn calibration(measure: &Measure, network: Network, findings: &mut Findings) {
     }
 }
 
-fn method(method: Option<MethodName>, network: Network, findings: &mut Findings) {
+fn method(method: Option<Method>, network: Network, findings: &mut Findings) {
     let (remedy, reason) = match (method, network) {
-        (Some(MethodName::Tracked), Network::SeriesCalibration { .. }) => {
+        (Some(Method::Tracked), Network::SeriesCalibration { .. }) => {
             ("\"qerm\", or another circuit", "\"tracked\" does not know the circuit with series calibration")
         }
-        (Some(MethodName::Cerm | MethodName::Tcdic), Network::OneCapacitor { .. }) => {
+        (Some(Method::Cerm | Method::Tcdic), Network::OneCapacitor { .. }) => {
             ("\"tpcm\", or another circuit", "this method needs kind = \"two-capacitor\"")
         }
-        (Some(MethodName::Cerm | MethodName::Tcdic), Network::SeriesCalibration { .. }) => {
+        (Some(Method::Cerm | Method::Tcdic), Network::SeriesCalibration { .. }) => {
             ("\"qerm\", or another circuit", "this method needs kind = \"two-capacitor\"")
         }
-        (Some(MethodName::Qerm), Network::TwoCapacitor { .. }) => {
+        (Some(Method::Qerm), Network::TwoCapacitor { .. }) => {
             ("\"cerm\", or another circuit", "\"qerm\" needs kind = \"series-calibration\"")
         }
-        (Some(MethodName::Qerm), Network::OneCapacitor { .. }) => {
+        (Some(Method::Qerm), Network::OneCapacitor { .. }) => {
             ("\"tpcm\", or another circuit", "\"qerm\" needs kind = \"series-calibration\"")
         }
         _ => return,

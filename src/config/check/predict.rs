@@ -86,8 +86,8 @@ fn rate(config: &Config, findings: &mut Findings) {
 
 fn switch(config: &Config, findings: &mut Findings) {
     let latest = match config.method() {
-        Some(Method::Cerm) => ratio_b_to_a(config),
-        Some(Method::Qerm) => 1.0,
+        Method::Cerm => ratio_b_to_a(config),
+        Method::Qerm => 1.0,
         _ => return,
     };
     if config.switch_fraction() >= latest {

@@ -5,7 +5,7 @@
 use super::super::CtlError;
 use crate::circuit::{Circuit, NOMINAL_R_CHARGE, Network};
 use crate::cli;
-use crate::config::{Channel, Config, Force, Gpio, Measure, MethodName, Mock, Mode, Server};
+use crate::config::{Channel, Config, Force, Gpio, Measure, Mock, Mode, Server};
 use crate::pins::Drives;
 use crate::pins::sim::network::line_index;
 use crate::pins::sim::{Kind, Scene, Sensor, SimPins};
@@ -84,17 +84,10 @@ fn config(scene: &Scene, arguments: &cli::Demo, socket: &Path) -> Config {
         zero_ohm: 0.0,
         force: Some(Force::Alpha(FSR_402)),
     };
-    let method = arguments.method.map(|method| match method {
-        Method::Tpcm => MethodName::Tpcm,
-        Method::Qerm => MethodName::Qerm,
-        Method::Tcdic => MethodName::Tcdic,
-        Method::Cerm => MethodName::Cerm,
-        Method::Tracked => MethodName::Tracked,
-    });
     Config {
         circuit: circuit(scene),
         gpio: Gpio::default(),
-        measure: Measure { method, ..Measure::default() },
+        measure: Measure { method: arguments.method, ..Measure::default() },
         channels: (0..scene.sensors.len().max(1)).map(channel).collect(),
         realtime: Default::default(),
         server: Server { socket: socket.to_owned(), mode: Mode(0o600) },
