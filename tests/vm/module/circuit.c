@@ -19,6 +19,13 @@
  * exponentially towards 0; otherwise it stays. Crossings are hrtimers that raise the interrupts of the sense lines,
  * planned anew whenever a line changes.
  *
+ * What a charge of the time t leaves of the discharge before it is off that trajectory, with the slower mode of the
+ * network under charge: both nodes cross at another progress, to first order
+ *
+ *	g_n + memory_n (1 - exp(-theta / C_T)) exp(-t / tau),	C_T = C_A C_B / (C_A + C_B)
+ *
+ * with the theta at which that discharge ended. tau and memory_n are from a numerical integration of the network.
+ *
  * /sys/kernel/debug/gpio-cermd/discharges holds the true instants of the last discharges (CLOCK_MONOTONIC, ns):
  * the difference between a crossing there and the stamp that user space got is the true latency.
  * .../outputs is the mask of lines that drive now (gpiolib goes on calling a released open-drain line an output).
@@ -48,7 +55,7 @@
 
 static const unsigned int sink_line[SINKS] = { 20, 21, 16, 26 };
 
-/* Defaults: 2.2 uF and 680 nF, V_DD 3.3 V, V_Th 1.3 V; tau = 2 x 220 ohm x 2.2 uF. */
+/* Defaults: 2.2 uF and 680 nF, V_DD 3.3 V, V_Th 1.3 V; 220 ohm from each charger to its node. */
 static unsigned long r_mohm[SINKS] = { 2320000, 12700000, 1000000, 0 };
 module_param_array(r_mohm, ulong, NULL, 0644);
 MODULE_PARM_DESC(r_mohm, "Rc1, Rc2, Rx0, Rx1 in milliohm; 0: nothing there");
@@ -58,9 +65,15 @@ MODULE_PARM_DESC(ro_mohm, "output resistance of the pins that sink Rc1, Rc2, Rx0
 static unsigned int g_pf[2] = { 483893, 819120 };
 module_param_array(g_pf, uint, NULL, 0644);
 MODULE_PARM_DESC(g_pf, "progress at which nodes A and B cross, in pF; g_B = 0: there is no node B");
-static unsigned int charge_tau_ns = 968000;
+static unsigned int charge_tau_ns = 1048546;
 module_param(charge_tau_ns, uint, 0644);
 MODULE_PARM_DESC(charge_tau_ns, "time constant of charging");
+static int memory_pf[2] = { -23984, 269400 };
+module_param_array(memory_pf, int, NULL, 0644);
+MODULE_PARM_DESC(memory_pf, "what a charge of no time would add to g_A and g_B after a discharge to 0 V, in pF");
+static unsigned int total_pf = 519444;
+module_param(total_pf, uint, 0644);
+MODULE_PARM_DESC(total_pf, "C_T: C_A and C_B in series, in pF");
 static unsigned int trigger_pf;
 module_param(trigger_pf, uint, 0644);
 MODULE_PARM_DESC(trigger_pf, "1 sigma of g_A and g_B from discharge to discharge: moves the true crossing");
@@ -87,7 +100,7 @@ MODULE_PARM_DESC(conflicts, "how often a charger and a sink came to drive at onc
 /* One discharge; instants in ns, 0: has not happened. */
 struct record {
 	unsigned long first, next;	/* lines that sank at the start; that were added later */
-	u64 theta;			/* at the start, because charging was not complete */
+	u64 depth;			/* left by the charge before it */
 	u64 start, release, sink;	/* a first line sank; was released; a next one sank */
 	u64 cross[2], irq[2];		/* nodes A and B: the law's crossing; the interrupt was raised */
 };
@@ -108,6 +121,7 @@ static struct circuit {
 	unsigned long output, high, sinking;	/* masks of lines */
 	bool charging, conflict;
 	u64 theta, speed;			/* speed: units of theta per ns */
+	u64 depth;				/* below V_DD, left of the last discharge: 2^-32 */
 	u64 at;					/* theta was computed for this instant */
 	struct node node[2];
 	struct record *record;			/* of the discharge under way */
@@ -159,7 +173,10 @@ static void advance(struct circuit *c, u64 now)
 
 	c->at = now;
 	if (c->charging) {
-		c->theta = mul_u64_u64_shr(c->theta, decay(dt, max(charge_tau_ns, 1)), 32);
+		u64 left = decay(dt, max(charge_tau_ns, 1));
+
+		c->theta = mul_u64_u64_shr(c->theta, left, 32);
+		c->depth = mul_u64_u64_shr(c->depth, left, 32);
 		return;
 	}
 	for (n = 0; n < 2; n++) {
@@ -198,19 +215,24 @@ static void plan(struct circuit *c, u64 now)
 
 static void begin_discharge(struct circuit *c, u64 now)
 {
+	bool is_charged = true;
 	int n;
 
 	c->record = &records[c->count++ % RECORDS];
-	*c->record = (struct record){ .first = c->sinking, .theta = c->theta, .start = now };
+	*c->record = (struct record){ .first = c->sinking, .depth = c->depth, .start = now };
 	for (n = 0; n < 2; n++) {
 		struct node *node = &c->node[n];
 		s64 pf = max(g_pf[n] + noise(c, trigger_pf), 1LL);
+		s64 memory = div_s64((s64)memory_pf[n] * (s64)c->depth, 1000) << (NF_SHIFT - 32);
 
-		node->g = g_pf[n] ? units_from_pf(pf) : THETA_MAX;
+		node->g = g_pf[n] ? max_t(s64, units_from_pf(pf) + memory, 1) : THETA_MAX;
 		node->late = max(late_ns + noise(c, jitter_ns), 0LL);
 		node->crossed = !g_pf[n] || c->theta >= node->g;
 		node->raised = node->crossed;
+		is_charged &= c->theta < node->g;
 	}
+	if (is_charged)
+		c->theta = 0;
 }
 
 static void note_switch(struct circuit *c, u64 now)
@@ -253,6 +275,8 @@ static void rewire(struct circuit *c)
 	c->conflict = conflict;
 	c->sinking = sinking;
 	c->speed = speed;
+	if (charging && c->record)
+		c->depth = (1ULL << 32) - decay(c->theta, units_from_pf(max(total_pf, 1)));
 	c->charging = charging;
 	if (charging)
 		c->record = NULL;
@@ -314,9 +338,9 @@ static int records_show(struct seq_file *s, void *v)
 	scoped_guard(raw_spinlock_irqsave, &circuit.lock)
 		r = records[i % RECORDS];
 	if (!i)
-		seq_puts(s, "# seq first next theta0_pf start release sink a b a_irq b_irq\n");
+		seq_puts(s, "# seq first next depth_ppb start release sink a b a_irq b_irq\n");
 	seq_printf(s, "%lld %#lx %#lx %llu %llu %llu %llu %llu %llu %llu %llu\n", i + 1, r.first, r.next,
-		   mul_u64_u64_shr(r.theta, 1000, NF_SHIFT), r.start, r.release, r.sink,
+		   mul_u64_u64_shr(r.depth, 1000000000, 32), r.start, r.release, r.sink,
 		   r.cross[0], r.cross[1], r.irq[0], r.irq[1]);
 	return 0;
 }
@@ -349,6 +373,7 @@ void circuit_start(void (*fall)(unsigned int line))
 	prandom_seed_state(&c->rnd, seed);
 	c->at = ktime_get_ns();
 	c->theta = THETA_MAX;
+	c->depth = 1ULL << 32;
 	for (n = 0; n < 2; n++) {
 		c->node[n] = (struct node){ .line = n ? SENSE_B : SENSE_A, .g = units_from_pf(g_pf[n]),
 					    .due = KTIME_MAX, .crossed = true, .raised = true };

@@ -232,7 +232,7 @@ static int check(const char *name, const struct times *t, double r1, double r2)
 		printf("%-8s %c true %9" PRId64 " stamp %9" PRId64 " late %6" PRId64 " irq late %6" PRId64 " law off %+.1e\n",
 		       name, "ab"[node], t->cross[node] - t->start, t->stamp[node] - t->start, late,
 		       t->irq[node] - t->cross[node], off);
-		/* 1 ns in the shortest time, and what 20 ms of charging leave: e^-20.7 of the last progress. */
+		/* 1 ns in the shortest time, and what 20 ms of charging leave: e^-19 of a third of g. */
 		if (off > 3e-6 || off < -3e-6 || late <= 0 || late > 50000)
 			bad = 1;
 	}

@@ -37,6 +37,9 @@ reading() {
     stop_cermd
 }
 
+# Stamps as late as those of a board: how often the calibration is taken depends on their scatter.
+circuit late_ns 6000
+circuit jitter_ns 1500
 plain_us=$(plain 200)
 checked_us=$(plain 200 checked)
 reading each each-reading
