@@ -245,15 +245,18 @@ impl Motion {
 
     /// What was doubtful has been a change, or else a late stamp that says nothing.
     fn settle(&mut self, was_change: bool) {
-        let before = *self;
-        self.count = 0;
-        for point in before.points() {
-            match point.trust {
-                _ if was_change => self.push(Point { trust: Trust::Sound, ..*point }),
-                Trust::Doubtful => {}
-                Trust::Sound | Trust::Sudden | Trust::Mixed => self.push(*point),
+        if was_change {
+            self.points[..self.count].iter_mut().for_each(|point| point.trust = Trust::Sound);
+            return;
+        }
+        let mut kept = 0;
+        for index in 0..self.count {
+            if self.points[index].trust != Trust::Doubtful {
+                self.points.swap(kept, index);
+                kept += 1;
             }
         }
+        self.count = kept;
     }
 
     /// A sensor that has at once what it had before a sudden change never changed: had it come back in the middle of this
@@ -339,8 +342,8 @@ impl Motion {
     fn square_between(&self, is_sudden: bool, spread: f64) -> f64 {
         let (mut sum, mut most, mut count, mut newest) = (0.0, 0.0f64, 0.0, 0.0);
         for (point, next) in self.sound().zip(self.sound().skip(1)) {
-            let noise = point.u.hypot(next.u) / (next.at - point.at).as_seconds().max(1e-6);
-            newest = point.speed_to(next).powi(2) - noise * noise;
+            let seconds = (next.at - point.at).as_seconds().max(1e-6);
+            newest = point.speed_to(next).powi(2) - (point.u.powi(2) + next.u.powi(2)) / seconds.powi(2);
             (sum, most, count) = (sum + newest, most.max(newest), count + 1.0);
         }
         if count < 2.0 {
