@@ -286,6 +286,24 @@ fn the_shipped_configuration_is_good() {
     assert!(findings.iter().all(|finding| finding.severity == Severity::Info), "{report}");
 }
 
+/// Serde names the keys of a table when it refuses another one.
+#[test]
+fn the_shipped_configuration_explains_every_key() {
+    let text = include_str!("../../hw/cermd.toml");
+    for table in ["[circuit]", "[gpio]", "[measure]", "[[channel]]", "[server]", "[realtime]", "[mock]"] {
+        let comment = format!("# {table}");
+        let header = if text.contains(&comment) { comment } else { table.to_owned() };
+        let asked = text.replace(&format!("{header}\n"), &format!("{table}\nnonsense = 1\n"));
+        let refusal = Config::parse(&asked, "test").unwrap_err().to_string();
+        let (_, keys) =
+            refusal.split_once("`nonsense`, expected ").unwrap_or_else(|| panic!("{table}: {refusal}"));
+        for key in keys.split('`').skip(1).step_by(2) {
+            let is_set = |line: &str| line.trim_start_matches("# ").starts_with(&format!("{key} ="));
+            assert!(text.lines().any(is_set) || text.contains(&format!("`{key}`")), "{table}: no {key}");
+        }
+    }
+}
+
 /// Every default that the shipped file shows in a comment is the default.
 #[test]
 fn the_shipped_comments_are_true() {
@@ -306,6 +324,8 @@ fn the_shipped_comments_are_true() {
         (silent.circuit, &silent.server, &silent.channels)
     );
     assert_eq!((shown.settle_time(), shown.offset()), (silent.settle_time(), silent.offset()));
+    assert!(shown.measure.calibration.is_some() && !shown.is_tracked() && !silent.is_tracked());
+    assert_eq!(shown.measure.resolution, Some(Nanos(1)));
     assert_eq!(shown.switch_fraction(), silent.switch_fraction());
     // What is shown under [realtime] are examples: the default is nothing.
     let all = Wishes { fifo_priority: Some(40), lock_memory: true, cpu: Some(3), no_deep_idle: true };
