@@ -47,6 +47,24 @@ check 1
 says "error: circuit.r-c1: the discharge through Rc2 takes 0.18"
 circuit r_mohm 2320000,12700000,1000000,0
 
+echo "== a line is held by another program"
+gpiomon --chip "$(chip)" --edges falling GPIO5 >monitored 2>&1 &
+holder=$!
+until_true 40 sh -c 'cermctl lines | grep "held by .gpiomon"' || fail "gpiomon does not hold GPIO5: $(cat monitored)"
+check 1
+says 'held by another consumer: GPIO5 ("gpiomon")'
+kill $holder
+wait $holder || true
+
+echo "== a user without the group"
+chgrp gpio "/dev/$(chip)"
+chmod 660 "/dev/$(chip)"
+status=0
+as_user cermctl check --config "$PWD/cermd.toml" >found 2>&1 || status=$?
+cat found
+[ $status = 1 ] || fail "exit status $status"
+says "add yourself to group gpio"
+
 echo "== while the service runs"
 start_cermd cermd.toml
 status=0
@@ -54,5 +72,14 @@ cermctl check --config cermd.toml >found 2>&1 || status=$?
 cat found
 [ $status = 0 ] || fail "exit status $status"
 says "cermd holds the lines and measures"
+cermctl lines >found
+cat found
+# held NAME STATE: the list has this line, its direction and settings, and cermd as its holder.
+held() { grep "$1  *$2  *held by \"cermd\"$" found >/dev/null || fail "not in the list: $1 $2"; }
+says "[cermd-rc] /dev/$(chip), 28 lines"
+for line in GPIO5 GPIO6; do held $line "input bias-disabled falling-edges"; done
+for line in GPIO13 GPIO19; do held $line "output open-source bias-disabled"; done
+for line in GPIO16 GPIO20 GPIO21; do held $line "output open-drain bias-disabled"; done
+[ "$(grep -c 'held by "cermd"' found)" = 7 ] || fail "other lines are held, too"
 stop_cermd
 [ "$(cat $parameters/conflicts)" = 0 ] || fail "lines drove against each other"
