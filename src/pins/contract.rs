@@ -24,7 +24,7 @@ pub struct Bench {
 pub type Clause<P> = fn(&mut P, &Bench) -> Result<(), String>;
 
 /// All clauses, each with what it demands.
-pub fn clauses<P: Pins>() -> [(&'static str, Clause<P>); 12] {
+pub fn clauses<P: Pins>() -> [(&'static str, Clause<P>); 13] {
     [
         ("time never goes back, and calls lie within their brackets", brackets_are_ordered),
         ("a charger against a sink is refused, and nothing changes", conflicts_are_refused),
@@ -34,7 +34,8 @@ pub fn clauses<P: Pins>() -> [(&'static str, Clause<P>); 12] {
         ("waiting for an edge ends without one, and not early", waiting_ends_at_its_time),
         ("arming forgets the edges before it, but not their numbers", arming_forgets),
         ("edges that come during a sleep are kept", sleeping_keeps_edges),
-        ("a sleep never ends early", sleeping_is_never_short),
+        ("a sleep or a rest never ends early", sleeping_is_never_short),
+        ("a rest before an edge ends before it, and leaves it", resting_leaves_the_edge),
         ("driving what drives already changes nothing", driving_is_idempotent),
         ("a discharge goes on when another resistor takes over", switching_continues),
         ("when nothing is to drive, nothing drives", releasing_stops),
@@ -211,6 +212,28 @@ fn sleeping_is_never_short<P: Pins>(pins: &mut P, _: &Bench) -> Result<(), Strin
         pins.sleep_until(at).map_err(said)?;
         let now = pins.now();
         demand(now >= at, || format!("woke at {now}, asked for {at}"))?;
+        let at = now + Nanos(ahead);
+        pins.rest_until(at).map_err(said)?;
+        let now = pins.now();
+        demand(now >= at, || format!("rested until {now}, asked for {at}"))?;
+    }
+    Ok(())
+}
+
+/// Through Rc2: before a shorter discharge there may be no time to rest.
+fn resting_leaves_the_edge<P: Pins>(pins: &mut P, bench: &Bench) -> Result<(), String> {
+    let mut due = None;
+    for _ in 0..2 {
+        charge(pins, bench)?;
+        pins.arm().map_err(said)?;
+        let begin = pins.drive(Drives::C2).map_err(said)?.before;
+        let rested = match due {
+            Some(due) => pins.rest_before_edge(begin + due).map(|()| pins.now()).map_err(said)?,
+            None => begin,
+        };
+        let first = edges(pins, bench)?.first().map_or(Nanos::ZERO, |edge| edge.at);
+        demand(rested < first, || format!("rested until {rested}, the edge came at {first}"))?;
+        due = Some(first - begin);
     }
     Ok(())
 }

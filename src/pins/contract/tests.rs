@@ -23,6 +23,8 @@ enum Flaw {
     KeepsEdges,
     LosesEdgesInSleep,
     WakesEarly,
+    RestsTooShort,
+    RestsTooLong,
     RepeatsEdges,
     IgnoresSwitch,
     KeepsDriving,
@@ -130,6 +132,15 @@ impl Pins for Fake {
         Ok(())
     }
 
+    fn rest_until(&mut self, at: Nanos) -> Result<(), PinsError> {
+        self.sleep_until(if self.flaw == Flaw::RestsTooShort { at - Nanos(10_000) } else { at })
+    }
+
+    fn rest_before_edge(&mut self, at: Nanos) -> Result<(), PinsError> {
+        let before = Nanos(if self.flaw == Flaw::RestsTooLong { 0 } else { 500_000 });
+        self.sleep_until(at - before)
+    }
+
     fn levels(&mut self) -> Result<Levels, PinsError> {
         let high = |node: Node| self.flaw == Flaw::ReadsHigh || self.progress < CROSSINGS[node.index()];
         Ok(Levels { a: high(Node::A), b: high(Node::B) })
@@ -160,7 +171,9 @@ fn every_clause_is_broken_by_some_flaw() {
         (Flaw::GivesUpEarly, "waiting for an edge ends without one, and not early"),
         (Flaw::KeepsEdges, "arming forgets the edges before it, but not their numbers"),
         (Flaw::LosesEdgesInSleep, "edges that come during a sleep are kept"),
-        (Flaw::WakesEarly, "a sleep never ends early"),
+        (Flaw::WakesEarly, "a sleep or a rest never ends early"),
+        (Flaw::RestsTooShort, "a sleep or a rest never ends early"),
+        (Flaw::RestsTooLong, "a rest before an edge ends before it, and leaves it"),
         (Flaw::RepeatsEdges, "driving what drives already changes nothing"),
         (Flaw::IgnoresSwitch, "a discharge goes on when another resistor takes over"),
         (Flaw::KeepsDriving, "when nothing is to drive, nothing drives"),
