@@ -5,6 +5,11 @@
 //! (drivers/gpio/gpiolib-cdev.c, `lineevent_*` and `linehandle_*`) does not number events and cannot reconfigure
 //! an event line, so circuits whose sense lines charge are refused; what else it cannot see is told by
 //! [`Particulars::blind_spots`].
+//!
+//! For that the stated uncertainty has no term of its own. An edge that is lost leaves a level without an edge, and is a
+//! fault as with v2. One that is coalesced has the stamp of a later crossing of the threshold: where that happens in
+//! calibration discharges as well it is part of the noise that is learned from them, and if it is far off it is refused as an
+//! outlier. A pull-down is looked for as a leak is.
 
 use self::sense::{SenseLine, last_call, stamping_clock};
 use self::switches::{Switch, Switches};
