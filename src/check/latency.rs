@@ -39,7 +39,10 @@ impl Histogram {
 impl fmt::Display for Histogram {
     /// A line for each column from the first to the last that is not empty.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let most = self.counts.iter().max().copied().unwrap_or(0).max(1);
+        let most = self.counts.iter().max().copied().unwrap_or(0);
+        if most == 0 {
+            return writeln!(f, "  none was seen");
+        }
         let first = self.counts.iter().position(|count| *count > 0).unwrap_or(0);
         let last = self.counts.iter().rposition(|count| *count > 0).unwrap_or(0);
         for column in first..=last {
@@ -112,6 +115,7 @@ mod tests {
         assert_eq!(text.lines().count(), 9, "{text}");
         assert!(text.lines().nth(1).unwrap().ends_with(&"#".repeat(WIDTH)), "{text}");
         assert!(text.contains("below   10 us     0 \n"), "{text}");
+        assert_eq!(Histogram::default().to_string(), "  none was seen\n");
     }
 
     #[test]
