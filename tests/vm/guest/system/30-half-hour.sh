@@ -1,4 +1,5 @@
-# Half an hour of service: memory flat, the offset does not drift, the watchdog is fed, no reading is a fault.
+# Half an hour of service: memory flat, the offset does not drift, the watchdog is fed, of a thousand readings one
+# is a fault at most.
 . /test/lib.sh
 export CERMD_SOCKET=/run/cermd/cermd.sock
 circuit late_ns 6000
