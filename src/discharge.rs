@@ -8,7 +8,7 @@ mod run;
 
 #[cfg(doc)]
 use crate::pins::Pins;
-use crate::pins::{Armed, Bracket, Drives, Edge, Levels, Node};
+use crate::pins::{Armed, Bracket, Drives, Edge, Levels, Node, later};
 use crate::reading::Fault;
 use crate::record::{Record, Switch, Through};
 use crate::units::Nanos;
@@ -136,7 +136,10 @@ pub struct Discharge {
     switch: Option<Switched>,
     wait_until: Nanos,
     crossings: [Option<Nanos>; 2],
-    seqno: u32,
+    /// The last number before it, the highest since, and how many edges have come.
+    armed_seqno: u32,
+    highest_seqno: u32,
+    edges: u32,
     line_seqno: [u32; 2],
     waited: Nanos,
     charged: Option<Levels>,
@@ -155,7 +158,9 @@ impl Discharge {
             switch: None,
             wait_until: Nanos::ZERO,
             crossings: [None; 2],
-            seqno: 0,
+            armed_seqno: 0,
+            highest_seqno: 0,
+            edges: 0,
             line_seqno: [0; 2],
             waited: Nanos::ZERO,
             charged: None,
@@ -236,7 +241,7 @@ impl Discharge {
         if !charged {
             return self.stop(Some(Fault::NoCharge));
         }
-        self.seqno = armed.seqno;
+        (self.armed_seqno, self.highest_seqno) = (armed.seqno, armed.seqno);
         self.line_seqno = armed.line_seqno;
         if self.plan.settle <= Nanos::ZERO {
             return self.start();
@@ -311,24 +316,30 @@ impl Discharge {
         }
     }
 
-    /// Sequence numbers follow on or something was lost: `edge_irq_handler` and `edge_irq_thread` of
-    /// drivers/gpio/gpiolib-cdev.c. A second edge of one node is chatter at the threshold: the first counts.
+    /// The numbers of a line follow on or something was lost. A second edge of one node is chatter at the threshold: the
+    /// first counts.
     fn crossed(&mut self, edge: Edge) -> Action {
         let node = edge.node.index();
-        self.seqno = self.seqno.wrapping_add(1);
+        self.edges = self.edges.wrapping_add(1);
+        self.highest_seqno = later(self.highest_seqno, edge.seqno);
         self.line_seqno[node] = self.line_seqno[node].wrapping_add(1);
         if edge.line_seqno != self.line_seqno[node] {
             return self.stop(Some(Fault::LostEvent));
-        }
-        if edge.seqno != self.seqno {
-            return self.stop(Some(Fault::CoalescedEdge));
         }
         if edge.at >= self.start.before && self.crossings[node].is_none() {
             self.crossings[node] = Some(edge.at);
         }
         let complete =
             self.crossings[0].is_some() && (self.plan.last == Node::A || self.crossings[1].is_some());
-        if complete { self.stop(None) } else { self.wait() }
+        if complete { self.stop(self.coalesced()) } else { self.wait() }
+    }
+
+    /// A number of the whole request is drawn by the interrupt (`edge_irq_handler` of drivers/gpio/gpiolib-cdev.c), the edge
+    /// queued by a thread of its line (`edge_irq_thread`): that of B may come before that of A, but there are as many edges as
+    /// numbers, or a second interrupt has overwritten the stamp of a first.
+    fn coalesced(&self) -> Option<Fault> {
+        let numbers = self.highest_seqno.wrapping_sub(self.armed_seqno);
+        (numbers != self.edges).then_some(Fault::CoalescedEdge)
     }
 
     fn timed_out(&mut self, levels: Levels) -> Action {
@@ -336,7 +347,7 @@ impl Discharge {
         let missed = |node: Node| self.crossings[node.index()].is_none() && !levels.of(node);
         // Of two edges that should have come, the last one alone may do.
         let any = missed(self.plan.last) || (missed(Node::A) && self.crossings[1].is_none());
-        self.stop(any.then_some(Fault::MissedEdge))
+        self.stop(any.then_some(Fault::MissedEdge).or(self.coalesced()))
     }
 
     fn stop(&mut self, fault: Option<Fault>) -> Action {

@@ -181,12 +181,17 @@ pub struct Edge {
     pub line_seqno: u32,
 }
 
+/// The later of two numbers that wrap.
+pub(crate) fn later(seqno: u32, other: u32) -> u32 {
+    if other.wrapping_sub(seqno) as i32 > 0 { other } else { seqno }
+}
+
 /// The answer to [`Pins::arm`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Armed {
     /// The levels, read after arming: an edge before that gives no event.
     pub levels: Levels,
-    /// The last `seqno` handed out so far: the next edge has the following one.
+    /// The highest `seqno` handed out so far: the next edge has the following one.
     pub seqno: u32,
     /// The same for each node's `line_seqno`.
     pub line_seqno: [u32; 2],

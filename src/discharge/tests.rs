@@ -185,6 +185,11 @@ fn what_is_lost_has_a_name() {
     assert_eq!((open.a_ns, open.b_ns, open.waited_ns), (None, None, 5_000_000.0 - 500.0));
     let half = result(&[A], b_high).unwrap();
     assert_eq!((half.a_ns, half.b_ns), (Some(50_000.0), None));
+    // Another processor has queued the edge of A, and is late with it.
+    let late_a = result(&[(Node::B, 60_000, 12, 0), (Node::A, 50_000, 11, 5)], high).unwrap();
+    assert_eq!((late_a.a_ns, late_a.b_ns), (Some(50_000.0), Some(60_000.0)));
+    let twice = result(&[(Node::B, 60_000, 13, 0), (Node::A, 50_000, 11, 5)], high);
+    assert_eq!(twice, Err(Fault::CoalescedEdge));
     // Chatter at the threshold: the first edge counts, and the numbers follow on.
     let chatter = result(&[A, (Node::A, 50_200, 12, 6), (Node::B, 60_000, 13, 0)], high).unwrap();
     assert_eq!((chatter.a_ns, chatter.b_ns), (Some(50_000.0), Some(60_000.0)));

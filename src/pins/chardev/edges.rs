@@ -2,7 +2,7 @@
 //! waited for.
 
 use super::wiring::Lines;
-use crate::pins::{Edge, Node};
+use crate::pins::{Edge, Node, later};
 use crate::units::Nanos;
 use gpiocdev_uapi::v2::LineEdgeEvent;
 
@@ -39,7 +39,7 @@ impl EdgeBuffer {
         self.count = words / WORDS;
         for position in 0..self.count {
             if let Some(edge) = self.edge(position, lines) {
-                self.seqno = edge.seqno;
+                self.seqno = later(self.seqno, edge.seqno);
                 self.line_seqno[edge.node.index()] = edge.line_seqno;
             }
         }
@@ -62,7 +62,7 @@ impl EdgeBuffer {
         (self.next, self.count) = (0, 0);
     }
 
-    /// `seqno`, and for each node `line_seqno`, of the last edges that were read.
+    /// The highest `seqno`, and for each node `line_seqno`, of the edges that were read.
     pub fn last_numbers(&self) -> (u32, [u32; 2]) {
         (self.seqno, self.line_seqno)
     }
@@ -114,6 +114,15 @@ mod tests {
         buffer.forget();
         assert_eq!(buffer.take(&lines(&wiring())), None);
         assert_eq!(buffer.last_numbers(), (1, [31, 12]), "numbers wrap");
+    }
+
+    #[test]
+    fn an_edge_that_was_queued_late_has_not_the_highest_number() {
+        let mut buffer = EdgeBuffer::default();
+        fill(&mut buffer, &[event(2, 6, u32::MAX - 1, 4), event(1, 5, u32::MAX - 2, 4)]);
+        assert_eq!(buffer.last_numbers(), (0, [4, 4]), "as if the numbers had gone round before");
+        fill(&mut buffer, &[event(2, 6, 2, 5), event(1, 5, 1, 5)]);
+        assert_eq!(buffer.last_numbers(), (2, [5, 5]));
     }
 
     #[test]
