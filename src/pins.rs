@@ -216,10 +216,16 @@ pub enum PinsError {
     #[error("refused to drive {0}: no line is wired to it")]
     Unwired(Drives),
     /// The chip has disappeared, its driver unbound or the board unplugged: let go, and open it again later.
-    #[error("the GPIO chip {chip} is gone")]
+    #[error(
+        "the GPIO chip {chip} is gone, says {call} on {line}: its driver was unbound, or the board unplugged"
+    )]
     Gone {
         /// Name and label it had.
         chip: String,
+        /// The system call or ioctl that found out.
+        call: &'static str,
+        /// The line or request it was made for.
+        line: String,
     },
     /// A kernel call failed.
     #[error("{call} on {line} failed: {source}; {hint}")]

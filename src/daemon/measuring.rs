@@ -254,7 +254,7 @@ impl Worker {
 struct Closed;
 
 fn closed() -> PinsError {
-    PinsError::Gone { chip: "of before".to_owned() }
+    PinsError::Gone { chip: "of before".to_owned(), call: "open", line: "it".to_owned() }
 }
 
 impl Pins for Closed {

@@ -138,7 +138,7 @@ pub(in crate::pins) fn while_running(
 ) -> PinsError {
     let errno = source.raw_os_error().unwrap_or(0);
     if is_gone(errno) {
-        return PinsError::Gone { chip: chip.to_string() };
+        return PinsError::Gone { chip: chip.to_string(), call, line: line.to_string() };
     }
     PinsError::Call { call, line: line.to_string(), source, hint: hint(errno) }
 }
@@ -200,7 +200,9 @@ mod tests {
     fn the_disappearance_of_a_chip_is_told_from_other_failures() {
         let error =
             while_running("GET_VALUES", "sense", "gpiochip0", io::Error::from_raw_os_error(libc::ENODEV));
-        assert!(matches!(error, PinsError::Gone { chip } if chip == "gpiochip0"));
+        let expected = "the GPIO chip gpiochip0 is gone, says GET_VALUES on sense: its driver was unbound, or the board \
+                        unplugged";
+        assert!(matches!(error, PinsError::Gone { .. }) && error.to_string() == expected, "{error}");
         let error = while_running("SET_VALUES", "c1", "gpiochip0", io::Error::from_raw_os_error(libc::EIO));
         assert!(matches!(error, PinsError::Call { call: "SET_VALUES", .. }), "{error}");
         let missing = OpenError::NoChip { wanted: "x".into(), present: String::new() };
