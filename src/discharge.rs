@@ -326,12 +326,18 @@ impl Discharge {
         if edge.line_seqno != self.line_seqno[node] {
             return self.stop(Some(Fault::LostEvent));
         }
-        if edge.at >= self.start.before && self.crossings[node].is_none() {
+        let is_chatter = self.crossings[node].is_some();
+        if edge.at >= self.start.before && !is_chatter {
             self.crossings[node] = Some(edge.at);
         }
         let complete =
             self.crossings[0].is_some() && (self.plan.last == Node::A || self.crossings[1].is_some());
-        if complete { self.stop(self.coalesced()) } else { self.wait() }
+        match complete {
+            true => self.stop(self.coalesced()),
+            // A node that chatters for ever must not make the wait last for ever.
+            false if is_chatter && edge.at > self.wait_until => self.waited_long(),
+            false => self.wait(),
+        }
     }
 
     /// A number of the whole request is drawn by the interrupt (`edge_irq_handler` of drivers/gpio/gpiolib-cdev.c), the edge

@@ -196,6 +196,18 @@ fn what_is_lost_has_a_name() {
 }
 
 #[test]
+fn a_node_that_chatters_for_ever_does_not_make_the_wait_last_for_ever() {
+    let chatter = |number: u32| (Node::A, 50_000 + 100_000 * i64::from(number), 11 + number, 5 + number);
+    let mut pins = Script::new(&(0..1000).map(chatter).collect::<Vec<_>>());
+    pins.levels = Levels { a: true, b: true };
+    let record = run(&mut pins, plan(None)).unwrap().result.unwrap();
+    assert_eq!((record.a_ns, record.b_ns), (Some(50_000.0), None));
+    // 5 ms, and then one edge more.
+    let waits = pins.log.iter().filter(|call| *call == "edge").count();
+    assert_eq!(waits, 51);
+}
+
+#[test]
 fn an_uncharged_node_and_a_slow_call_are_faults() {
     let mut pins = Script { levels: Levels { a: true, b: false }, ..Script::new(&[A, B]) };
     assert_eq!(run(&mut pins, plan(None)).unwrap().result, Err(Fault::NoCharge));

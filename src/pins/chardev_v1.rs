@@ -44,6 +44,9 @@ const NEEDS_CHARGERS: &str = "backend \"chardev-v1\" needs charge-a (and charge-
 const NO_V1: &str =
     "the kernel refuses a flag, or has no uAPI v1 (CONFIG_GPIO_CDEV_V1): use backend \"chardev\"";
 
+/// More edges than the kernel keeps of two lines.
+const MOST_STALE: u32 = 64;
+
 /// The lines of one circuit, held until dropped; then all of them are inputs.
 pub struct ChardevV1 {
     chip: String,
@@ -140,7 +143,9 @@ impl Pins for ChardevV1 {
     }
 
     fn arm(&mut self) -> Result<Armed, PinsError> {
-        while let Some(index) = self.earliest()? {
+        // Not for ever: on a line that catches a radio, edges may come faster than they are read.
+        for _ in 0..MOST_STALE {
+            let Some(index) = self.earliest()? else { break };
             self.take(index);
         }
         let mut line_seqno = [0; 2];
