@@ -321,11 +321,17 @@ fn positive(text: &str, limit: f64) -> Option<f64> {
     text.parse().ok().filter(|value| *value > 0.0 && *value <= limit)
 }
 
+/// As on a tape.
+const LONGEST_OFFSET: Nanos = Nanos(1_000_000);
+
 fn offset(text: &str) -> Result<TapeOffset, String> {
     if text == "auto" {
         return Ok(TapeOffset::Auto);
     }
     let d: Nanos = text.parse().map_err(|error| format!("{error}; or auto"))?;
+    if d.0.abs() >= LONGEST_OFFSET.0 {
+        return Err("a latency is below 1 ms, such as 8 us".to_owned());
+    }
     Ok(TapeOffset::Given(d.as_ns()))
 }
 

@@ -2,6 +2,7 @@
 
 use cermd::{cli::Cermctl, ctl};
 use clap::Parser;
+use std::io::{self, Write};
 use std::process::ExitCode;
 
 fn main() -> ExitCode {
@@ -10,7 +11,8 @@ fn main() -> ExitCode {
         // Whoever reads our output has had enough.
         Err(error) if error.is_closed_pipe() => ExitCode::SUCCESS,
         Err(error) => {
-            eprintln!("cermctl: {error}");
+            // If nobody can be told, the status says it.
+            let _ = writeln!(io::stderr(), "cermctl: {error}");
             ExitCode::FAILURE
         }
     }

@@ -6,7 +6,7 @@ use cermd::{backend, check, daemon};
 use clap::Parser;
 use nix::sys::stat::fstat;
 use std::error::Error;
-use std::io::Write;
+use std::io::{self, Write};
 use std::os::fd::{AsFd, BorrowedFd};
 use std::path::Path;
 use std::process::ExitCode;
@@ -15,20 +15,23 @@ fn main() -> ExitCode {
     let arguments = Cermd::parse();
     start_log();
     let Some(path) = arguments.config else {
-        eprintln!(
+        // If nobody can be told, the status says it.
+        let _ = writeln!(
+            io::stderr(),
             "cermd: no configuration file: name one with --config FILE. No hardware was touched.\n{NO_HARDWARE}"
         );
         return ExitCode::from(2);
     };
-    if arguments.check {
-        let report = check::check(&path);
-        print!("{report}");
-        return if report.is_usable() { ExitCode::SUCCESS } else { ExitCode::FAILURE };
-    }
-    let outcome =
-        if arguments.release_lines { release_lines(&path) } else { daemon::run(&path).map_err(Into::into) };
+    let outcome = if arguments.check {
+        check(&path)
+    } else if arguments.release_lines {
+        release_lines(&path)
+    } else {
+        daemon::run(&path).map(|()| true).map_err(Into::into)
+    };
     match outcome {
-        Ok(()) => ExitCode::SUCCESS,
+        Ok(true) => ExitCode::SUCCESS,
+        Ok(false) => ExitCode::FAILURE,
         Err(error) => {
             log::error!("{error}");
             ExitCode::FAILURE
@@ -36,14 +39,27 @@ fn main() -> ExitCode {
     }
 }
 
-fn release_lines(path: &Path) -> Result<(), Box<dyn Error>> {
+/// Prints what is found; whether the configuration is usable.
+fn check(path: &Path) -> Result<bool, Box<dyn Error>> {
+    let report = check::check(path);
+    let printed = io::stdout().write_all(report.to_string().as_bytes()).and_then(|()| io::stdout().flush());
+    match printed {
+        // Whoever reads our output has had enough.
+        Err(error) if error.kind() != io::ErrorKind::BrokenPipe => {
+            Err(format!("standard output: {error}").into())
+        }
+        _ => Ok(report.is_usable()),
+    }
+}
+
+fn release_lines(path: &Path) -> Result<bool, Box<dyn Error>> {
     let config = Config::load(path)?;
     if backend::release_lines(&config)? {
         log::info!("every line of {} is an input", path.display());
     } else {
         log::info!("{} is about a simulated circuit: no line to release", path.display());
     }
-    Ok(())
+    Ok(true)
 }
 
 /// To standard error; into the journal, each line begins with its syslog priority (sd-daemon(3)) and has no time, which

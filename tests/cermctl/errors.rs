@@ -108,6 +108,8 @@ fn usage_is_explained_by_the_parser() {
         &["demo", "--seconds", "NaN"],
         &["estimate", "--method", "cerm"],
         &["estimate", "--method", "cerm", "--offset", "8", "-"],
+        &["estimate", "--method", "cerm", "--offset", "5 s", "-"],
+        &["estimate", "--method", "cerm", "--offset=-1 ms", "-"],
         &["check"],
     ] {
         let assert = ctl(arguments).assert().code(2);
@@ -116,5 +118,30 @@ fn usage_is_explained_by_the_parser() {
             complaint.contains("Usage: cermctl") || complaint.contains("--help"),
             "{arguments:?}: {complaint}"
         );
+    }
+}
+
+#[test]
+fn a_full_disk_is_an_error_of_its_own() {
+    let daemon = Daemon::start();
+    let full = || fs::File::create("/dev/full").unwrap();
+    let config = daemon.path("cermd.toml");
+    let check = ["--check", "--config", config.to_str().unwrap()];
+    for (program, arguments) in [
+        (env!("CARGO_BIN_EXE_cermd"), check.as_slice()),
+        (env!("CARGO_BIN_EXE_cermctl"), &["check", check[1], check[2]]),
+        (env!("CARGO_BIN_EXE_cermctl"), &["lines", "--json"]),
+    ] {
+        let run = |stderr: std::process::Stdio| {
+            let mut command = std::process::Command::new(program);
+            command.args(arguments).stdout(full()).stderr(stderr).output().unwrap()
+        };
+        let output = run(std::process::Stdio::piped());
+        let complaint = String::from_utf8(output.stderr).unwrap();
+        assert_eq!(output.status.code(), Some(1), "{arguments:?}: {complaint}");
+        let is_told = complaint.contains("standard output: No space left on device");
+        assert!(is_told || arguments[0] == "lines", "{arguments:?}: {complaint}");
+        // Neither is there anybody to tell.
+        assert_eq!(run(full().into()).status.code(), Some(1), "{arguments:?}");
     }
 }
