@@ -94,8 +94,10 @@ impl Config {
         circuit::check(&self.circuit, &mut findings);
         measure::check(self, &mut findings);
         let predictable = !findings.has_errors();
-        gpio::check(self, &mut findings);
-        channels::check(&self.channels, &mut findings);
+        if channels::number(&self.channels, &mut findings) {
+            gpio::check(self, &mut findings);
+            channels::check(&self.channels, &mut findings);
+        }
         server::check(self, &mut findings);
         realtime::check(&self.realtime, &mut findings);
         if predictable {

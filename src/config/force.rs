@@ -31,7 +31,11 @@ pub enum Force {
 }
 
 #[derive(Deserialize)]
-#[serde(rename_all = "kebab-case", deny_unknown_fields)]
+#[serde(
+    rename_all = "kebab-case",
+    deny_unknown_fields,
+    expecting = "one of { fc1, fc2 }, { alpha }, { at-1-kohm, exponent }, { table }"
+)]
 struct Table {
     fc1: Option<Newton>,
     fc2: Option<Newton>,

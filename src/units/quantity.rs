@@ -74,7 +74,12 @@ fn write<Q: Quantity>(quantity: Q, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         None if size == 0.0 => ("", 0),
         None => PREFIXES[PREFIXES.len() - 1],
     };
-    write!(f, "{} {prefix}{}", rounded(value / 10f64.powi(power), digits), Q::UNITS[0])
+    let scaled = rounded(value / 10f64.powi(power), digits);
+    match scaled.abs() {
+        // Beyond the prefixes: a row of zeros is hard to count.
+        size if size >= 1e6 || (size < 1e-6 && size > 0.0) => write!(f, "{value:e} {}", Q::UNITS[0]),
+        _ => write!(f, "{scaled} {prefix}{}", Q::UNITS[0]),
+    }
 }
 
 /// The nearest number with so many significant digits; itself if it is not finite.
@@ -208,6 +213,14 @@ mod tests {
         for alpha in ["13346 N ohm", "13346Nohm", "13.346 kN \u{3a9}"] {
             assert_eq!(alpha.parse(), Ok(NewtonOhm(13_346.0)), "{alpha}");
         }
+    }
+
+    #[test]
+    fn what_is_beyond_the_prefixes_has_an_exponent() {
+        assert_eq!(Ohm(1e300).to_string(), "1e300 ohm");
+        assert_eq!(Farad(-2.2e-30).to_string(), "-2.2e-30 F");
+        assert_eq!(Ohm(1e11).to_string(), "100000 Mohm");
+        assert_eq!("1e300 ohm".parse(), Ok(Ohm(1e300)));
     }
 
     #[test]

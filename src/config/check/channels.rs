@@ -3,11 +3,23 @@
 use super::Findings;
 use crate::config::{Channel, Force};
 use crate::pins::MAX_CHANNELS;
+use crate::units::Ohm;
+use std::fmt::Display;
+use std::ops::RangeInclusive;
 
 /// The longest name of a channel, bytes: the first line that a client gets has to hold all of them.
 const LONGEST_ID: usize = 64;
 /// Beyond this a zero is neither the difference of two pins nor a resistor that limits the sensor's current, ohm.
 pub const LARGEST_ZERO_OHM: f64 = 500.0;
+
+/// Beyond this it is a slip, ohm.
+const ABSURD_ZERO_OHM: f64 = 1e6;
+
+/// Forces outside these are slips of a prefix, newton.
+const FORCES: RangeInclusive<f64> = 1e-9..=1e9;
+
+/// Exponents outside these are no sensor's.
+const EXPONENTS: RangeInclusive<f64> = 0.01..=100.0;
 
 /// The name of a channel's key: by the channel's id, or by its number (from 1) where the id is unfit to print.
 pub fn key(index: usize, channel: &Channel, name: &str) -> String {
@@ -22,7 +34,8 @@ fn is_printable(id: &str) -> bool {
     !id.trim().is_empty() && !id.contains(char::is_control)
 }
 
-pub fn check(channels: &[Channel], findings: &mut Findings) {
+/// Whether there are few enough to look at each.
+pub fn number(channels: &[Channel], findings: &mut Findings) -> bool {
     if channels.is_empty() {
         findings.error("channel", "there is none", "[[channel]] with id = \"thumb\"");
     }
@@ -33,6 +46,10 @@ pub fn check(channels: &[Channel], findings: &mut Findings) {
             "a second circuit with a daemon of its own",
         );
     }
+    channels.len() <= MAX_CHANNELS
+}
+
+pub fn check(channels: &[Channel], findings: &mut Findings) {
     for (index, channel) in channels.iter().enumerate() {
         id(index, channels, findings);
         zero(index, channel, findings);
@@ -60,14 +77,15 @@ fn id(index: usize, channels: &[Channel], findings: &mut Findings) {
 
 fn zero(index: usize, channel: &Channel, findings: &mut Findings) {
     let key = key(index, channel, "zero-ohm");
-    if !channel.zero_ohm.is_finite() {
-        findings.error(key, "not a number", "0.0, or what a short circuit reads");
-    } else if channel.zero_ohm.abs() > LARGEST_ZERO_OHM {
-        findings.warning(
-            key,
-            format!("{} ohm is more than pins and a series resistor make up", channel.zero_ohm),
-            "0.0, or what a short circuit in the sensor's place reads",
-        );
+    let zero = Ohm(channel.zero_ohm);
+    let reason = format!("{zero} is more than pins and a series resistor make up");
+    let remedy = "0.0, or what a short circuit in the sensor's place reads";
+    if !zero.0.is_finite() {
+        findings.error(key, "not a number", remedy);
+    } else if zero.0.abs() > ABSURD_ZERO_OHM {
+        findings.error(key, reason, remedy);
+    } else if zero.0.abs() > LARGEST_ZERO_OHM {
+        findings.warning(key, reason, remedy);
     }
 }
 
@@ -86,6 +104,18 @@ fn force(key: &str, characteristic: &Force, findings: &mut Findings) {
             format!("at-1-kohm = {at_1_kohm} and exponent = {exponent} have to be above zero"),
             "{ at-1-kohm = \"13.3 N\", exponent = 1.0 }",
         )),
+        Force::Calibrated { fc1: force, .. } if !FORCES.contains(&force.0) => Some(absurd(force)),
+        Force::Calibrated { fc2: force, .. } | Force::PowerLaw { at_1_kohm: force, .. }
+            if !FORCES.contains(&force.0) =>
+        {
+            Some(absurd(force))
+        }
+        // At 1 kohm.
+        Force::Alpha(alpha) if !FORCES.contains(&(alpha.0 / 1e3)) => Some(absurd(alpha)),
+        Force::PowerLaw { exponent, .. } if !EXPONENTS.contains(exponent) => Some((
+            format!("exponent = {exponent:e} is not between {} and {}", EXPONENTS.start(), EXPONENTS.end()),
+            "1.0, near which force-sensing resistors are",
+        )),
         Force::Table(file) if file.as_os_str().is_empty() => {
             Some(("table names no file".to_owned(), "a CSV file beside the configuration"))
         }
@@ -94,4 +124,8 @@ fn force(key: &str, characteristic: &Force, findings: &mut Findings) {
     if let Some((reason, remedy)) = fault {
         findings.error(key, reason, remedy);
     }
+}
+
+fn absurd(value: impl Display) -> (String, &'static str) {
+    (format!("{value} is beyond any sensor"), "another prefix: M is mega, m is milli")
 }

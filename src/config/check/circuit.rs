@@ -22,7 +22,12 @@ pub fn check(circuit: &Circuit, findings: &mut Findings) {
     for defect in circuit.defects() {
         let (key, remedy) = match defect {
             Defect::NotPositive(name) => {
-                (name, "the value printed on the part, such as \"2.2 uF\"".to_owned())
+                let example = match name.as_bytes()[0] {
+                    b'r' => Ohm::EXAMPLE,
+                    b'v' => Volt::EXAMPLE,
+                    _ => Farad::EXAMPLE,
+                };
+                (name, format!("the value of the part, such as \"{example}\""))
             }
             Defect::Order { .. } => ("r-c1", "the lower resistor as r-c1".to_owned()),
             Defect::Threshold { .. } => ("v-th", "\"1.3 V\", usual for a 3.3 V input".to_owned()),

@@ -111,7 +111,11 @@ fn circuit_values() {
     );
     one(&[("\"2.32 kohm\"", "\"15 kohm\"")], "error: circuit.r-c1: 15 kohm is not below");
     one(&[("\"2.2 uF\"", "\"0 F\"")], "error: circuit.c-a: c-a is not above zero");
-    one(&[("\"2.32 kohm\"", "\"-1 ohm\"")], "error: circuit.r-c1: r-c1 is not above zero");
+    let negative = &[("\"2.32 kohm\"", "\"-1 ohm\"")];
+    one(
+        negative,
+        "error: circuit.r-c1: r-c1 is not above zero; try the value of the part, such as \"2.32 kohm\"",
+    );
     one(&[("\"2.2 uF\"", "\"2.2 F\"")], "error: circuit.c-a: 2.2 F is not between 10 pF and 1 mF");
     one(
         &[("\"2.32 kohm\"", "\"2.32 mohm\"")],
@@ -269,6 +273,9 @@ fn channels() {
     let many: String =
         (0..=MAX_CHANNELS).map(|i| format!("[[channel]]\nid = \"{i}\"\nsink = {}\n", 100 + i)).collect();
     one(&[(channel, &many)], "error: channel: there are 17, more than the 16");
+    // Of which nothing more is said.
+    let same = format!("{channel}\n[[channel]]\nid = \"thumb\"\n").repeat(20);
+    one(&[(channel, &same)], "error: channel: there are 40, more than the 16");
     one(&[("\"thumb\"", "\"\"")], "error: channel.#1.id: \"\" is empty or has control characters");
     one(&[("\"thumb\"", "\"a\\nb\"")], "error: channel.#1.id: \"a\\nb\" is empty or has control");
     one(&[("\"thumb\"", &format!("\"{}\"", "x".repeat(65)))], "error: channel.xxx");
@@ -277,7 +284,8 @@ fn channels() {
         "error: channel.thumb.id: two channels have this id",
     );
     one(&[("id = ", "zero-ohm = inf\nid = ")], "error: channel.thumb.zero-ohm: not a number");
-    one(&[("id = ", "zero-ohm = 1000\nid = ")], "warning: channel.thumb.zero-ohm: 1000 ohm is more");
+    one(&[("id = ", "zero-ohm = 1000\nid = ")], "warning: channel.thumb.zero-ohm: 1 kohm is more");
+    one(&[("id = ", "zero-ohm = -1e308\nid = ")], "error: channel.thumb.zero-ohm: -1e308 ohm is more");
 }
 
 #[test]
@@ -290,6 +298,19 @@ fn forces() {
     one_force("{ alpha = \"0 N ohm\" }", "error: channel.thumb.force: alpha = 0 N ohm is not above zero");
     one_force("{ at-1-kohm = \"13 N\", exponent = -1 }", "error: channel.thumb.force: at-1-kohm = 13 N");
     one_force("{ table = \"\" }", "error: channel.thumb.force: table names no file");
+    one_force("{ alpha = \"1e308 N ohm\" }", "error: channel.thumb.force: 1e308 N ohm is beyond any sensor");
+    one_force(
+        "{ fc1 = \"1e300 N\", fc2 = \"1 N\" }",
+        "error: channel.thumb.force: 1e300 N is beyond any sensor",
+    );
+    one_force(
+        "{ fc1 = \"1 N\", fc2 = \"1e-300 N\" }",
+        "error: channel.thumb.force: 1e-300 N is beyond any sensor",
+    );
+    one_force(
+        "{ at-1-kohm = \"13 N\", exponent = 1e300 }",
+        "error: channel.thumb.force: exponent = 1e300 is not",
+    );
     for force in
         ["{ alpha = \"13346 N ohm\" }", "{ at-1-kohm = \"13 N\", exponent = 1.1 }", "{ table = \"f.csv\" }"]
     {
