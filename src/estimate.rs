@@ -240,6 +240,10 @@ impl Estimator {
         let switch =
             record.switch.map_or((f64::INFINITY, f64::INFINITY), |switch| (switch.at_ns, switch.on_ns));
         let branch = if last - self.offset().d_ns > switch.1 { Branch::Inferred } else { Branch::Direct };
+        if self.method == Method::Tracked && branch == Branch::Inferred {
+            // Of a switched discharge nothing is known before there is a tracked calibration.
+            return Err(Fault::NoCalibration);
+        }
         let (at, on) = if branch == Branch::Inferred { switch } else { (0.0, 0.0) };
         let on = if self.method == Method::Qerm { record.second_ns } else { on };
         // An inferred estimate can do without the crossing of A; 0 is never looked at then.

@@ -23,6 +23,8 @@ pub const PROTO_MAJOR: u32 = 1;
 const LONGEST_LINE: usize = 65_536;
 /// No discharge takes longer, ns (one hour): a greater number is a mistake of units.
 const LONGEST_NS: f64 = 3.6e12;
+/// No resistance and no force is greater, nor smaller than its reciprocal, ohm, newton.
+const LARGEST: f64 = 1e12;
 
 /// The first line of a tape.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -87,7 +89,11 @@ fn is_zero(value: &f64) -> bool {
 
 /// The characteristic of a sensor on a tape.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(untagged, deny_unknown_fields)]
+#[serde(
+    untagged,
+    deny_unknown_fields,
+    expecting = "force is one of {\"fc1_n\", \"fc2_n\"}, {\"alpha_n_ohm\"}"
+)]
 pub enum TapeForce {
     /// The forces that belong to Rc1 and Rc2, newton.
     Pair {
@@ -227,8 +233,11 @@ impl Header {
             )));
         }
         let [r1, r2] = header.r_ohm();
-        if !(r1 > 0.0 && r1.is_finite() && r2.is_finite() && header.circuit.r_c2_ohm > 0.0) {
-            return Err(at(format!("r_c1_ohm and r_c2_ohm must be above 0, and are {r1} and {r2}")));
+        let TapeCircuit { r_c1_ohm, r_c2_ohm, .. } = header.circuit;
+        if !(is_sound(r_c1_ohm) && is_sound(r_c2_ohm)) {
+            return Err(at(format!(
+                "r_c1_ohm and r_c2_ohm must be resistances above 0, and are {r_c1_ohm:e} and {r_c2_ohm:e}"
+            )));
         }
         if r1 >= r2 {
             return Err(at(format!("r_c1_ohm = {r1} is not below r_c2_ohm = {r2}; are they swapped?")));
@@ -238,6 +247,12 @@ impl Header {
         }
         if header.offset_ns.is_some_and(|d_ns| d_ns.abs() >= 1e6) {
             return Err(at("offset_ns is a latency: it must be below 1 ms".to_owned()));
+        }
+        for (index, channel) in header.channels.iter().enumerate() {
+            if header.channels[..index].iter().any(|other| other.id == channel.id) {
+                return Err(at(format!("two channels have the id {:?}", channel.id)));
+            }
+            channel.check().map_err(|reason| at(format!("channel {:?}: {reason}", channel.id)))?;
         }
         Ok(header)
     }
@@ -316,6 +331,32 @@ impl Header {
     }
 }
 
+impl TapeChannel {
+    fn check(&self) -> Result<(), String> {
+        if self.zero_ohm.abs() > LARGEST {
+            return Err(format!("zero_ohm = {:e} is no resistance of wires and pins", self.zero_ohm));
+        }
+        match &self.force {
+            Some(TapeForce::Pair { fc1_n, fc2_n })
+                if !(is_sound(*fc1_n) && is_sound(*fc2_n) && fc1_n > fc2_n) =>
+            {
+                Err(format!(
+                    "fc1_n = {fc1_n:e} must exceed fc2_n = {fc2_n:e}, and both be above 0: more force, less resistance"
+                ))
+            }
+            Some(TapeForce::Alpha { alpha_n_ohm }) if !is_sound(*alpha_n_ohm) => {
+                Err(format!("alpha_n_ohm = {alpha_n_ohm:e} must be above 0, such as 13346"))
+            }
+            _ => Ok(()),
+        }
+    }
+}
+
+/// Whether a force or a resistance is that of a part.
+fn is_sound(value: f64) -> bool {
+    (1.0 / LARGEST..=LARGEST).contains(&value)
+}
+
 impl From<Through> for Resistor {
     fn from(through: Through) -> Resistor {
         match through {
@@ -342,7 +383,7 @@ fn check_times(record: &Record) -> Result<(), String> {
                 return Err(format!("{name} is {time}; a time since the start is above 0"));
             }
             Some(time) if time > LONGEST_NS => {
-                return Err(format!("{name} is {time}; times are in nanoseconds"));
+                return Err(format!("{name} is {time:e}; times are in nanoseconds"));
             }
             _ => {}
         }

@@ -19,10 +19,17 @@ fn a_bad_header_is_refused_with_its_reason() {
     for (from, to, reason) in [
         ("\"proto_major\":1", "\"proto_major\":2", "line 1: this is a tape of version 2"),
         ("2320", "12700", "are they swapped?"),
-        ("2320", "-1", "must be above 0"),
+        ("2320", "-1", "must be resistances above 0"),
         ("TAPE", "TOPE", "line 1: not the header of a tape"),
         ("\"offset_ns\":8000", "\"offset_ns\":8e6", "below 1 ms"),
         ("two-capacitor", "three-capacitor", "unknown variant"),
+        ("12700", "1e308", "must be resistances above 0, and are 2.32e3 and 1e308"),
+        ("\"fc1_n\":5.75", "\"fc1_n\":0.5", "\"thumb\": fc1_n = 5e-1 must exceed fc2_n = 1.05e0"),
+        ("\"fc2_n\":1.05", "\"fc2_n\":-1.05", "and both be above 0"),
+        ("\"fc1_n\":5.75,\"fc2_n\":1.05", "\"alpha_n_ohm\":1e308", "alpha_n_ohm = 1e308 must be above 0"),
+        ("\"fc1_n\":5.75", "\"f1_n\":5.75", "force is one of {\"fc1_n\", \"fc2_n\"}"),
+        ("\"id\":\"thumb\"", "\"id\":\"thumb\",\"zero_ohm\":-1e308", "zero_ohm = -1e308 is no resistance"),
+        ("[{", "[{\"id\":\"thumb\"},{", "two channels have the id \"thumb\""),
     ] {
         let message = message(from, to);
         assert!(message.contains(reason), "{message}");

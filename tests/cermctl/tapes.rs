@@ -105,6 +105,13 @@ fn the_offset_is_the_tapes_or_the_one_given() {
 }
 
 #[test]
+fn a_tape_without_split_discharges_has_no_tracked_calibration() {
+    let lines = estimates("tracked", &[], TAPE);
+    assert_eq!(lines[0]["status"], "ok", "a full discharge needs none");
+    assert_eq!((&lines[1]["status"], &lines[1]["fault"]), (&"fault".into(), &"no-calibration".into()));
+}
+
+#[test]
 fn a_missing_crossing_is_a_state_and_no_number() {
     let tape = TAPE.replace(",\"b_ns\":1170000", "");
     let lines = estimates("cerm", &[], &tape);
