@@ -59,23 +59,28 @@ impl Line {
     /// Without its style.
     #[cfg(test)]
     pub fn text(&self) -> String {
-        self.render(usize::MAX, false)
+        self.render(usize::MAX, false, '>')
     }
 
     fn length(&self) -> usize {
         self.0.iter().map(|(_, text)| text.chars().count()).sum()
     }
 
-    /// Cut to `width` characters; every character is one column wide.
-    fn render(&self, width: usize, colours: bool) -> String {
+    /// Cut to `width` characters, the last of which is `cut` then: half a number is another number. Every character is one
+    /// column wide.
+    fn render(&self, width: usize, colours: bool, cut: char) -> String {
         let mut out = String::new();
-        let mut left = width;
+        let is_cut = self.length() > width;
+        let mut left = if is_cut { width.saturating_sub(1) } else { width };
         for (style, text) in &self.0 {
             let piece: String = text.chars().take(left).collect();
             left -= piece.chars().count();
             let code = if colours { style.code() } else { "" };
             let reset = if code.is_empty() { "" } else { "\x1b[0m" };
             out.extend([code, &piece, reset]);
+        }
+        if is_cut && width > 0 {
+            out.push(cut);
         }
         out
     }
@@ -132,7 +137,7 @@ impl Terminal {
             text += &format!("\x1b[{rows}A");
         }
         for line in lines {
-            text += &format!("\r{}{CLEAR_TO_END_OF_LINE}\n", line.render(width, self.colours));
+            text += &format!("\r{}{CLEAR_TO_END_OF_LINE}\n", self.render(line, width));
         }
         // What is left of a longer drawing.
         text += "\x1b[J";
@@ -144,7 +149,11 @@ impl Terminal {
     pub fn say(&mut self, line: &Line) -> Result<(), CtlError> {
         self.drawn.clear();
         let width = if self.is_live { self.width() } else { usize::MAX };
-        write(&(line.render(width, self.colours) + "\n"))
+        write(&(self.render(line, width) + "\n"))
+    }
+
+    fn render(&self, line: &Line, width: usize) -> String {
+        line.render(width, self.colours, if self.unicode { '…' } else { '>' })
     }
 }
 
@@ -180,9 +189,11 @@ mod tests {
     #[test]
     fn lines_are_cut_by_characters_and_not_by_codes() {
         let line = Line::default().add(Style::Bold, "a±b").add(Style::Plain, "cd").add(Style::Bad, "e");
-        assert_eq!(line.render(80, false), "a±bcde");
-        assert_eq!(line.render(4, false), "a±bc");
-        assert_eq!(line.render(2, true), "\x1b[1ma±\x1b[0m\x1b[31m\x1b[0m");
-        assert_eq!(line.render(0, false), "");
+        assert_eq!(line.render(80, false, '…'), "a±bcde");
+        assert_eq!(line.render(6, false, '…'), "a±bcde");
+        assert_eq!(line.render(4, false, '…'), "a±b…");
+        assert_eq!(line.render(2, true, '>'), "\x1b[1ma\x1b[0m\x1b[31m\x1b[0m>");
+        assert_eq!(line.render(1, false, '>'), ">");
+        assert_eq!(line.render(0, false, '>'), "");
     }
 }
