@@ -106,11 +106,20 @@ fn a_sensor_is_no_short_circuit() {
     let before = config(&daemon);
     let mut command = calibrate(&daemon, &["zero", "--channel", "index", "--count", "20", "--yes"]);
     let error = String::from_utf8(command.assert().code(1).get_output().stderr.clone()).unwrap();
-    assert!(error.contains("more than two pins can differ by; is the short circuit"), "{error}");
+    assert!(error.contains("more than pins and a series resistor make up; is the short circuit"), "{error}");
     let mut command = calibrate(&daemon, &["zero", "--yes"]);
     let error = String::from_utf8(command.assert().code(1).get_output().stderr.clone()).unwrap();
     assert!(error.contains("--channel; there is thumb, index"), "{error}");
     assert_eq!(config(&daemon), before);
+    let manual = include_str!("../docs/commissioning.md");
+    assert!(manual.contains(&format!("A zero of more than {} ohm", cermd::config::LARGEST_ZERO_OHM)));
+}
+
+#[test]
+fn a_resistor_that_limits_the_current_is_part_of_the_zero() {
+    let daemon = daemon("constant = \"220 ohm\"", SHORT);
+    let arguments = ["zero", "--channel", "thumb", "--count", "50", "--yes", "--json"];
+    zero(&stdout(&mut calibrate(&daemon, &arguments)), 224.0);
 }
 
 #[test]

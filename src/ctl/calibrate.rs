@@ -36,7 +36,7 @@ pub enum CalibrateError {
     },
     /// That is no short circuit.
     #[error(
-        "a zero of {zero_ohm:.1} ohm is more than two pins can differ by; is the {part} in the sensor's place?"
+        "a zero of {zero_ohm:.1} ohm is more than pins and a series resistor make up; is the {part} in the sensor's place?"
     )]
     NoZero {
         /// What was found.
