@@ -107,7 +107,11 @@ impl Measuring {
 
     /// Whether readings are urgent: if nobody waits for them they are only kept, and come with the next counters.
     pub fn set_watched(&self, watched: bool) {
-        self.shared.watched.store(watched, Ordering::Relaxed);
+        let was_watched = self.shared.watched.swap(watched, Ordering::Relaxed);
+        if watched && !was_watched {
+            // What was kept until now is urgent from now on.
+            let _ = self.shared.wake.write(1);
+        }
     }
 
     /// Changes while the thread is alive and not stuck.
@@ -381,6 +385,20 @@ mod tests {
                 "{wakes} wake-ups, {others} reports that are no readings"
             );
         }
+    }
+
+    #[test]
+    fn what_was_kept_is_told_as_soon_as_somebody_watches() {
+        let (config, settings) = config("ideal");
+        let pins = SimPins::new(&Scene::builtin("ideal").unwrap(), None);
+        let mut measuring = Measuring::start(Some(Box::new(pins)), config, settings).unwrap();
+        measuring.stop();
+        measuring.set_watched(false);
+        let _ = measuring.wake().read();
+        measuring.set_watched(true);
+        assert_eq!(measuring.wake().read(), Ok(1));
+        measuring.set_watched(true);
+        assert!(measuring.wake().read().is_err(), "nothing has changed");
     }
 
     #[test]
