@@ -88,6 +88,7 @@ fn look_where(error: &io::Error) -> &'static str {
         io::ErrorKind::NotFound => "is the path right, and is its directory there?",
         io::ErrorKind::PermissionDenied => "this user may not; choose another place, or try sudo",
         io::ErrorKind::InvalidData => "it must be text in UTF-8",
+        io::ErrorKind::AlreadyExists => "nothing was changed; try again, the name is that of the second",
         _ => "is it a file, and is there room?",
     }
 }
@@ -96,5 +97,17 @@ impl CtlError {
     /// Whether the reader of our standard output has gone away, which is his right.
     pub fn is_closed_pipe(&self) -> bool {
         matches!(self, CtlError::Output(error) if error.kind() == io::ErrorKind::BrokenPipe)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_copy_of_the_same_second_is_no_full_disk() {
+        let source = io::Error::from(io::ErrorKind::AlreadyExists);
+        let said = CtlError::File { path: PathBuf::from("cermd.toml.bak-1"), source }.to_string();
+        assert!(said.ends_with("nothing was changed; try again, the name is that of the second"), "{said}");
     }
 }
