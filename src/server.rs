@@ -118,8 +118,6 @@ impl Server {
     /// hold by id.
     pub fn set_channels(&mut self, channels: &[ChannelInfo]) {
         self.hub.set_channels(channels);
-        let at = self.hub.ring.next();
-        self.clients.values_mut().for_each(|client| client.session.announce_version(at));
         self.has_news = true;
     }
 

@@ -5,12 +5,14 @@
 use super::ring::{ChannelKey, Kind, Ring};
 use crate::reading::Reading;
 use crate::wire::{self, ChannelInfo, ErrorCode, Refusal, UnixTime};
+use std::collections::VecDeque;
 
 /// The shared state.
 #[derive(Debug)]
 pub(super) struct Hub {
     pub ring: Ring,
-    pub version: Vec<u8>,
+    /// Each from its position in the ring on; of old ones only those that a slow client may still be due.
+    versions: VecDeque<Version>,
     /// The line that begins a tape; empty while there is none.
     pub tape_header: Vec<u8>,
     pub clients: usize,
@@ -20,6 +22,15 @@ pub(super) struct Hub {
     channels: Vec<Channel>,
     /// Every id that there ever was; its index is its key.
     ids: Vec<String>,
+}
+
+/// A VERSION line, and from where on it holds.
+#[derive(Debug)]
+pub(super) struct Version {
+    /// Counted from 1.
+    pub number: u64,
+    at: u64,
+    pub line: Vec<u8>,
 }
 
 #[derive(Debug)]
@@ -33,7 +44,7 @@ impl Hub {
     pub fn new(channels: &[ChannelInfo], ring_lines: usize) -> Hub {
         let mut hub = Hub {
             ring: Ring::new(ring_lines),
-            version: Vec::new(),
+            versions: VecDeque::new(),
             tape_header: Vec::new(),
             clients: 0,
             published: 0,
@@ -51,8 +62,25 @@ impl Hub {
             let key = self.intern(&channel.id);
             self.channels.push(Channel { key, id: channel.id.clone(), last: None });
         }
-        self.version.clear();
-        wire::write_version(&mut self.version, channels);
+        let at = self.ring.next();
+        let number = self.versions.back().map_or(1, |version| version.number + 1);
+        // Nothing was published under this one.
+        if self.versions.back().is_some_and(|version| version.at == at) {
+            self.versions.pop_back();
+        }
+        let oldest = self.ring.oldest();
+        while self.versions.get(1).is_some_and(|version| version.at <= oldest) {
+            self.versions.pop_front();
+        }
+        let mut line = Vec::new();
+        wire::write_version(&mut line, channels);
+        self.versions.push_back(Version { number, at, line });
+    }
+
+    /// The VERSION of the line at `position`, unless it is the one of this number.
+    pub fn version(&self, position: u64, known: u64) -> Option<&Version> {
+        let current = self.versions.iter().rfind(|version| version.at <= position);
+        current.filter(|version| version.number != known)
     }
 
     fn intern(&mut self, id: &str) -> ChannelKey {
@@ -61,6 +89,12 @@ impl Hub {
             self.ids.len() - 1
         });
         ChannelKey(index as u32)
+    }
+
+    /// How many VERSION lines are kept.
+    #[cfg(test)]
+    pub fn versions(&self) -> usize {
+        self.versions.len()
     }
 
     /// The channel of that index in the configuration.

@@ -45,6 +45,11 @@ impl Ring {
         self.next
     }
 
+    /// The position of the oldest line that is still there.
+    pub fn oldest(&self) -> u64 {
+        self.next.saturating_sub(self.slots.len() as u64)
+    }
+
     /// The line at a position; `None` before it is published and after it was overwritten.
     pub fn get(&self, position: u64) -> Option<&Entry> {
         let in_reach = position < self.next && self.next - position <= self.slots.len() as u64;

@@ -25,9 +25,9 @@ pub(super) struct Session {
     /// Wanted lines that were overwritten since the last one it got.
     lost: u64,
     subscription: Subscription,
-    /// VERSION is due, before the line at this position in the ring: older ones belong to the VERSION before it.
-    version_due: Option<u64>,
-    /// The same for the header of a tape.
+    /// The number of the VERSION that it got last; 0: none yet.
+    version: u64,
+    /// The header of a tape is due, before the line at this position in the ring: older ones belong to the one before it.
     tape_header_due: Option<u64>,
     /// May change the instrument: root, or the daemon's own user.
     privileged: bool,
@@ -42,7 +42,7 @@ impl Session {
             cursor: hub.ring.next(),
             lost: 0,
             subscription: Subscription::default(),
-            version_due: Some(0),
+            version: 0,
             tape_header_due: None,
             privileged,
         }
@@ -77,11 +77,6 @@ impl Session {
 
     pub fn wants_readings(&self) -> bool {
         self.watches() && !self.subscription.raw
-    }
-
-    /// Other channels, of which the line at position `at` is the first that may speak.
-    pub fn announce_version(&mut self, at: u64) {
-        self.version_due = Some(at);
     }
 
     /// Another tape, of which the line at position `at` is the first that may be.
@@ -133,8 +128,9 @@ impl Session {
     fn compose(&mut self, hub: &Hub, stats: &mut dyn FnMut(&mut Object<'_>)) -> bool {
         let cursor = self.cursor;
         let is_due = |at: &mut u64| cursor >= *at;
-        if self.version_due.take_if(is_due).is_some() {
-            self.output.extend_from_slice(&hub.version);
+        if let Some(version) = hub.version(cursor, self.version) {
+            self.version = version.number;
+            self.output.extend_from_slice(&version.line);
         } else if self.tape_header_due.take_if(is_due).is_some() {
             self.output.extend_from_slice(&hub.tape_header);
         } else if let Some(line) = self.input.next_line() {
@@ -318,7 +314,6 @@ mod tests {
         answers(&mut session, &hub, "");
         (1..=2).for_each(|seq| publish(&mut hub, &mut session, seq));
         hub.set_channels(&[ChannelInfo { id: "thumb".into(), unit: Unit::Ohm }]);
-        session.announce_version(hub.ring.next());
         publish(&mut hub, &mut session, 3);
         let classes = |stream: String| -> Vec<String> {
             let lines = stream.lines().map(|line| serde_json::from_str::<serde_json::Value>(line).unwrap());
@@ -326,12 +321,12 @@ mod tests {
         };
         assert_eq!(classes(answers(&mut session, &hub, "")), ["READING", "READING", "VERSION", "READING"]);
 
-        session.announce_version(hub.ring.next());
+        hub.set_channels(&[ChannelInfo { id: "thumb".into(), unit: Unit::Ohm }]);
         (4..=9).for_each(|seq| publish(&mut hub, &mut session, seq));
         let overtaken = classes(answers(&mut session, &hub, ""));
         assert_eq!(overtaken, ["VERSION", "READING", "READING", "READING", "READING"]);
 
-        session.announce_version(hub.ring.next());
+        hub.set_channels(&[ChannelInfo { id: "thumb".into(), unit: Unit::Ohm }]);
         publish(&mut hub, &mut session, 10);
         session.announce_tape_header(hub.ring.next());
         assert_eq!(
@@ -339,6 +334,33 @@ mod tests {
             ["VERSION", "READING"],
             "a tape is no reason to wait"
         );
+    }
+
+    #[test]
+    fn every_reading_comes_after_its_own_version() {
+        let mut hub = hub(4);
+        let mut session = Session::new(&hub, false);
+        answers(&mut session, &hub, "");
+        let channels = |unit| [ChannelInfo { id: "thumb".into(), unit }];
+        publish(&mut hub, &mut session, 1);
+        hub.set_channels(&channels(Unit::Ohm));
+        publish(&mut hub, &mut session, 2);
+        // Two at once: nothing was said under the first of them.
+        hub.set_channels(&channels(Unit::Ohm));
+        hub.set_channels(&channels(Unit::Newton));
+        publish(&mut hub, &mut session, 3);
+        let stream = answers(&mut session, &hub, "");
+        let wanted = ["\"seq\":1,", "\"unit\":\"ohm\"", "\"seq\":2,", "\"unit\":\"N\"", "\"seq\":3,"];
+        let lines: Vec<&str> = stream.lines().collect();
+        assert!(
+            lines.len() == 5 && lines.iter().zip(wanted).all(|(line, part)| line.contains(part)),
+            "{stream}"
+        );
+        for seq in 4..1000 {
+            hub.set_channels(&channels(Unit::Ohm));
+            publish(&mut hub, &mut session, seq);
+        }
+        assert!(hub.versions() <= 5, "{} are kept", hub.versions());
     }
 
     proptest! {
