@@ -18,6 +18,7 @@ lines_are_safe() { [ "$(cat $outputs)" = 0 ] || fail "$1: lines $(cat $outputs) 
 systemd-analyze verify --man=no /usr/lib/systemd/system/cermd.service
 systemd-sysusers
 grep '^gpio:' /etc/group
+grep '^cermd:' /etc/group
 udevadm control --reload
 udevadm trigger --action=add
 udevadm settle
@@ -41,6 +42,12 @@ for right in priority lock-memory cpu dma-latency; do
     [ "$(stat $right)" = granted ] || { cermctl stats --json; fail "$right is not granted"; }
 done
 gpioinfo --chip "$(chip)" | grep 'consumer="cermd"' >/dev/null || fail "no line is held"
+
+echo "clients"
+setpriv --reuid=1000 --regid=1000 --groups="$(sed -n 's/^cermd:[^:]*:\([0-9]*\):.*/\1/p' /etc/group)" cermctl get || fail "the group may not talk to it"
+as_user cermctl get 2>refused && fail "everybody may talk to it"
+cat refused
+grep 'usermod -aG cermd' refused || fail "the user is not told the group"
 
 echo "reload"
 sed -i 's/id = "x"/id = "y"/' /etc/cermd/cermd.toml
