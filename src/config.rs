@@ -12,6 +12,7 @@ mod circuit;
 mod derived;
 mod force;
 mod gpio;
+mod number;
 mod report;
 
 pub use check::{Finding, LARGEST_ZERO_OHM, Severity};
@@ -63,6 +64,7 @@ pub struct Measure {
     /// The method. Default: the best that the circuit allows, `cerm`, `qerm` or `tpcm`.
     pub method: Option<Method>,
     /// Readings of each channel per second, hertz, above 0. Default: as fast as the circuit allows.
+    #[serde(deserialize_with = "number::optional")]
     pub rate_hz: Option<f64>,
     /// How long the capacitors are charged before each discharge, above 0 up to 1 min. Default: the shortest
     /// charge whose being incomplete (most of which cancels) changes a reading by no more than a tenth of its uncertainty: 4 to
@@ -86,6 +88,7 @@ pub struct Measure {
     /// predicted uncertainties of both branches cross.
     pub t_l: Option<Nanos>,
     /// The planned switch comes at this fraction of the predicted T_xA, above 0 and below 1.3. Default: 0.9.
+    #[serde(deserialize_with = "number::optional")]
     pub switch_fraction: Option<f64>,
 }
 
@@ -127,7 +130,7 @@ pub struct Channel {
     /// The line that sinks the sensor's far end. Required, except with the simulated circuit.
     pub sink: Option<Line>,
     /// What the instrument reads with a short circuit in the sensor's place, ohm; subtracted. Default: 0.
-    #[serde(default)]
+    #[serde(default, deserialize_with = "number::number")]
     pub zero_ohm: f64,
     /// How resistance becomes force. Default: not at all, the channel gives ohm only.
     pub force: Option<Force>,

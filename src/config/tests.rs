@@ -197,6 +197,12 @@ fn refusals_name_the_line_and_the_choice() {
         (text("[server]\nmode = \"1777\""), 9, "expected octal permissions"),
         (text("[[channel]]\nsink = 1"), 8, "missing field `id`"),
         (text("[[channel]]\nid = \"a\"\nforce = { fc1 = \"1 N\" }"), 10, "force takes one of"),
+        (
+            text("[measure]\nrate-hz = \"10 Hz\""),
+            9,
+            "invalid type: string \"10 Hz\", expected a number, without a unit",
+        ),
+        (text("[[channel]]\nid = \"a\"\nzero-ohm = \"220 ohm\""), 10, "expected a number, without a unit"),
         (text("[[channel]]\nid = \"a\"\nforce = 5"), 10, "integer `5`, expected one of { fc1, fc2 }"),
         (
             text("[[channel]]\nid = \"a\"\nforce = { fc1 = \"1 N\", fc2 = \"1 g\" }"),
