@@ -1,0 +1,149 @@
+use super::*;
+use crate::pins::sim::{Scene, SimPins};
+use std::sync::atomic::AtomicU32;
+
+const CONFIG: &str = "[circuit]\nkind = \"two-capacitor\"\nc-a = \"2.2 uF\"\nc-b = \"680 nF\"\nv-th = \"1.1 V\"\n\
+                      r-c1 = \"2.32 kohm\"\nr-c2 = \"12.7 kohm\"\n[gpio]\nbackend = \"mock\"\n\
+                      [[channel]]\nid = \"x\"\n[mock]\nscene = \"SCENE\"\n";
+
+fn config(scene: &str) -> (Config, Settings) {
+    let config = Config::parse(&CONFIG.replace("SCENE", scene), "test").unwrap();
+    let settings = Settings::new(&config).unwrap();
+    (config, settings)
+}
+
+/// Pins with a mistake in the program that shows at the last of so many waits for an edge.
+struct Mistaken {
+    pins: SimPins,
+    waits: u32,
+    /// How many lines drive, for all to see.
+    driving: Arc<AtomicU32>,
+}
+
+impl Pins for Mistaken {
+    fn now(&mut self) -> Nanos {
+        self.pins.now()
+    }
+    fn drive(&mut self, on: Drives) -> Result<Bracket, PinsError> {
+        self.driving.store(on.count(), Ordering::SeqCst);
+        self.pins.drive(on)
+    }
+    fn arm(&mut self) -> Result<Armed, PinsError> {
+        self.pins.arm()
+    }
+    fn edge(&mut self, until: Nanos) -> Result<Option<Edge>, PinsError> {
+        self.waits -= 1;
+        assert!(self.waits > 0, "a panic that this test asks for, {} lines driving", self.driving());
+        self.pins.edge(until)
+    }
+    fn sleep_until(&mut self, at: Nanos) -> Result<(), PinsError> {
+        self.pins.sleep_until(at)
+    }
+    fn levels(&mut self) -> Result<Levels, PinsError> {
+        self.pins.levels()
+    }
+}
+
+impl Mistaken {
+    fn driving(&self) -> u32 {
+        self.driving.load(Ordering::SeqCst)
+    }
+}
+
+#[test]
+fn a_panic_ends_the_measurement_with_every_line_released() {
+    let (config, settings) = config("ideal");
+    let driving = Arc::new(AtomicU32::new(u32::MAX));
+    let pins = SimPins::new(&Scene::builtin("ideal").unwrap(), None);
+    let pins = Mistaken { pins, waits: 20, driving: Arc::clone(&driving) };
+    let mut measuring = Measuring::start(Some(Box::new(pins)), config, settings).unwrap();
+    while !measuring.has_ended() {
+        thread::yield_now();
+    }
+    assert_eq!(driving.load(Ordering::SeqCst), 0);
+    assert!(matches!(measuring.next(), Some(Report::Realtime(_))));
+    assert!(matches!(measuring.next(), Some(Report::Message(_))), "what was measured before is still there");
+    measuring.stop();
+}
+
+#[test]
+fn readings_wake_nobody_while_nobody_watches() {
+    let (config, settings) = config("ideal");
+    for watched in [false, true] {
+        let pins = SimPins::new(&Scene::builtin("ideal").unwrap(), None);
+        let measuring =
+            &mut Measuring::start(Some(Box::new(pins)), config.clone(), settings.clone()).unwrap();
+        measuring.set_watched(watched);
+        // What was sent before that.
+        let _ = measuring.wake().read();
+        let (mut readings, mut others) = (0, 1);
+        while readings < 200 {
+            match measuring.next() {
+                Some(Report::Message(Message::Reading(_))) => readings += 1,
+                Some(Report::Message(Message::Discharge { .. })) => {}
+                Some(_) => others += 1,
+                None => thread::yield_now(),
+            }
+        }
+        measuring.stop();
+        let wakes = measuring.wake().read().unwrap_or(0);
+        while let Some(report) = measuring.next() {
+            others += u64::from(!matches!(report, Report::Message(_)));
+        }
+        assert_eq!(wakes > others + 100, watched, "{wakes} wake-ups, {others} reports that are no readings");
+    }
+}
+
+#[test]
+fn what_was_kept_is_told_as_soon_as_somebody_watches() {
+    let (config, settings) = config("ideal");
+    let pins = SimPins::new(&Scene::builtin("ideal").unwrap(), None);
+    let mut measuring = Measuring::start(Some(Box::new(pins)), config, settings).unwrap();
+    measuring.stop();
+    measuring.set_watched(false);
+    let _ = measuring.wake().read();
+    measuring.set_watched(true);
+    assert_eq!(measuring.wake().read(), Ok(1));
+    measuring.set_watched(true);
+    assert!(measuring.wake().read().is_err(), "nothing has changed");
+}
+
+#[test]
+fn pins_that_are_missing_are_opened_by_and_by() {
+    let (config, settings) = config("pi4");
+    let mut measuring = Measuring::start(None, config, settings).unwrap();
+    let reading = loop {
+        match measuring.next() {
+            Some(Report::Message(Message::Reading(reading))) => break reading,
+            Some(Report::NotOpened(error)) => panic!("{error}"),
+            _ => thread::yield_now(),
+        }
+    };
+    assert_ne!(reading.status, crate::reading::Status::Fault(crate::reading::Fault::Pins));
+}
+
+#[test]
+fn a_reason_is_told_once() {
+    let (config, settings) = config("nowhere.toml");
+    let mut measuring = Measuring::start(None, config, settings).unwrap();
+    let begin = measuring.beat();
+    // Two rounds of trying, each of ten naps.
+    while measuring.beat() < begin + 25 {
+        thread::sleep(Duration::from_millis(10));
+    }
+    measuring.stop();
+    let (mut complaints, mut faults) = (0, 0);
+    while let Some(report) = measuring.next() {
+        match report {
+            Report::NotOpened(_) => complaints += 1,
+            Report::Message(Message::Reading(reading)) => {
+                assert_eq!(reading.status, crate::reading::Status::Fault(crate::reading::Fault::Pins));
+                faults += 1;
+            }
+            Report::Realtime(_) | Report::Stats(_) => {}
+            other => panic!("{other:?}"),
+        }
+    }
+    // But whoever reads hears in each round that there is no reading.
+    assert_eq!((complaints, faults), (1, 2));
+}
