@@ -188,7 +188,6 @@ impl Daemon {
         let measuring = start_measuring(Some(open(config)?), &loaded)?;
         log::info!("serving {} channel(s) on {place}", config.channels.len());
         let watchdog = sd_notify::watchdog_enabled();
-        warn_of_watchdog(watchdog, &loaded.settings);
         notify(&[NotifyState::Ready, NotifyState::Status("measuring")]);
         Ok(Daemon {
             measuring,
@@ -314,7 +313,6 @@ impl Daemon {
             Ok(pins) => {
                 self.measuring = start_measuring(Some(pins), &loaded)?;
                 self.loaded = loaded;
-                warn_of_watchdog(sd_notify::watchdog_enabled(), &self.loaded.settings);
                 log::info!(
                     "the new configuration is in force: {} channel(s)",
                     self.loaded.config.channels.len()
@@ -341,18 +339,6 @@ impl Daemon {
         let status = publish::status_line(&self.told.stats, self.server.clients());
         let states = [NotifyState::Status(&status), NotifyState::Watchdog];
         notify(if self.has_watchdog { &states } else { &states[..1] });
-    }
-}
-
-/// A watchdog that waits for less than a discharge may take would kill a daemon that is well.
-fn warn_of_watchdog(watchdog: Option<Duration>, settings: &Settings) {
-    let step = Duration::from_nanos(settings.longest_step().0.unsigned_abs());
-    if let Some(watchdog) = watchdog.filter(|watchdog| *watchdog < 2 * step) {
-        log::warn!(
-            "a discharge may take {step:.1?} (measure.charge-time, and measure.deadline twice), and the service manager kills \
-             cermd after {watchdog:?}: WatchdogSec= in cermd.service should be at least {:.0?}",
-            2 * step
-        );
     }
 }
 

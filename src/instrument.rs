@@ -74,10 +74,10 @@ impl<P: Pins> Instrument<P> {
     ///
     /// # Errors
     /// If the pins cannot be used. Every channel that has not been read gets a reading with [`Fault::Pins`] first; the
-    /// next step begins a new cycle.
+    /// next step begins a new cycle. If the measurement was stopped, no reading is made up.
     pub fn step(&mut self, out: &mut impl FnMut(Message)) -> Result<(), PinsError> {
         let result = self.try_step(out);
-        if result.is_err() {
+        if !matches!(result, Ok(()) | Err(PinsError::Stopped)) {
             self.report_failure(out);
         }
         result

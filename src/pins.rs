@@ -215,6 +215,9 @@ pub enum PinsError {
     /// A part that no line plays was asked to drive; nothing was switched.
     #[error("refused to drive {0}: no line is wired to it")]
     Unwired(Drives),
+    /// The thread is to stop: no failure of the hardware.
+    #[error("the measurement was stopped")]
+    Stopped,
     /// The chip has disappeared, its driver unbound or the board unplugged: let go, and open it again later.
     #[error(
         "the GPIO chip {chip} is gone, says {call} on {line}: its driver was unbound, or the board unplugged"

@@ -6,7 +6,6 @@ use crate::circuit::Network;
 use crate::config::{self, Config};
 use crate::cycle::{MOST_CALIBRATIONS, MOST_OF_SENSOR};
 use crate::force::{Force, Table, TableError};
-use crate::leak;
 use crate::pins::{Drives, Node};
 use crate::reading::Method;
 use crate::record::Through;
@@ -136,11 +135,6 @@ impl Settings {
     /// finished through a known resistor until another.
     fn discharge(&self) -> Nanos {
         self.drain + self.charge + self.settle + self.deadline + self.deadline
-    }
-
-    /// The longest that the measuring thread can be busy without a sign of life: with a discharge that is held back.
-    pub fn longest_step(&self) -> Nanos {
-        self.discharge() + leak::HOLD
     }
 
     /// The longest that the share of one reading in a cycle can take, whatever is connected: every discharge taken as often

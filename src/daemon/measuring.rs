@@ -5,6 +5,8 @@
 //!
 //! In the loop nothing is allocated, logged or locked. A full ring loses results and counts them.
 
+mod interruptible;
+
 use crate::backend::{self, AnyPins, OpenError};
 use crate::config::Config;
 use crate::instrument::{Instrument, Message};
@@ -13,6 +15,7 @@ use crate::realtime::{self, Realtime};
 use crate::settings::Settings;
 use crate::stats::Stats;
 use crate::units::Nanos;
+use interruptible::Interruptible;
 use nix::sys::eventfd::{EfdFlags, EventFd};
 use rtrb::{Consumer, Producer, RingBuffer};
 use std::io;
@@ -125,6 +128,14 @@ impl Measuring {
     }
 }
 
+impl Shared {
+    /// Whether the thread is to stop; each look is a sign of life.
+    fn is_stopped(&self) -> bool {
+        self.beat.fetch_add(1, Ordering::Relaxed);
+        self.stop.load(Ordering::Relaxed)
+    }
+}
+
 impl Measuring {
     /// Stops the thread and waits for its end; every line is released then. What it has told can still be read.
     pub fn stop(&mut self) {
@@ -156,16 +167,21 @@ impl Worker {
         let realtime = Realtime::request(&self.config.realtime);
         self.send(Report::Realtime(realtime.report()));
         let is_open = pins.is_some();
-        let mut instrument = Instrument::new(pins.unwrap_or_else(|| Box::new(Closed)), settings);
+        let pins = pins.unwrap_or_else(|| Box::new(Closed));
+        let mut instrument =
+            Instrument::new(Interruptible { pins, shared: Arc::clone(&self.shared) }, settings);
         if !is_open {
             self.reopen(&mut instrument);
         }
         let mut stats_due = Nanos::ZERO;
         let mut offset_was_known = false;
         let mut cycles_before = 0;
-        while !self.is_stopped() {
+        while !self.shared.is_stopped() {
             let result = instrument.step(&mut |message| self.send(Report::Message(message)));
             if let Err(error) = result {
+                if matches!(error, PinsError::Stopped) {
+                    return;
+                }
                 cycles_before = instrument.stats().cycles;
                 if matches!(error, PinsError::Gone { .. }) {
                     // The lines drive no more. This thread is told in the middle of the chip's removal, with a priority
@@ -191,19 +207,14 @@ impl Worker {
         }
     }
 
-    fn is_stopped(&self) -> bool {
-        self.shared.beat.fetch_add(1, Ordering::Relaxed);
-        self.shared.stop.load(Ordering::Relaxed)
-    }
-
     /// Opens the pins again until that works or the thread is to stop. What was learned stays.
-    fn reopen(&mut self, instrument: &mut Instrument<AnyPins>) {
+    fn reopen(&mut self, instrument: &mut Instrument<Interruptible>) {
         // The old pins go first: a line has one holder at a time.
-        *instrument.pins() = Box::new(Closed);
+        instrument.pins().pins = Box::new(Closed);
         loop {
             let naps = REOPEN_AFTER.as_millis() / 100;
             for _ in 0..naps {
-                if self.is_stopped() {
+                if self.shared.is_stopped() {
                     return;
                 }
                 thread::sleep(Duration::from_millis(100));
@@ -211,7 +222,7 @@ impl Worker {
             let now = instrument.pins().now();
             match backend::open(&self.config, now) {
                 Ok(pins) => {
-                    *instrument.pins() = pins;
+                    instrument.pins().pins = pins;
                     return;
                 }
                 Err(error) => self.complain(error.to_string(), Report::NotOpened(error)),

@@ -25,6 +25,8 @@ pub enum Failed {
     Unwired,
     /// [`PinsError::Gone`].
     Gone,
+    /// [`PinsError::Stopped`].
+    Stopped,
     /// [`PinsError::Call`].
     Call,
 }
@@ -35,6 +37,7 @@ impl From<&PinsError> for Failed {
             PinsError::Conflict(_) => Failed::Conflict,
             PinsError::Unwired(_) => Failed::Unwired,
             PinsError::Gone { .. } => Failed::Gone,
+            PinsError::Stopped => Failed::Stopped,
             PinsError::Call { .. } => Failed::Call,
         }
     }
@@ -144,6 +147,7 @@ impl fmt::Display for Failed {
             Failed::Call => "failed",
             Failed::Unwired => "unwired",
             Failed::Gone => "gone",
+            Failed::Stopped => "stopped",
         })
     }
 }

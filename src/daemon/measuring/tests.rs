@@ -50,6 +50,65 @@ impl Mistaken {
     }
 }
 
+/// A circuit whose nodes stay high: each wait for an edge lasts as long as it may. It takes no time.
+struct Endless {
+    now: Nanos,
+    driving: Arc<AtomicU32>,
+    waits: Arc<AtomicU32>,
+}
+
+impl Pins for Endless {
+    fn now(&mut self) -> Nanos {
+        self.now
+    }
+    fn drive(&mut self, on: Drives) -> Result<Bracket, PinsError> {
+        self.driving.store(on.count(), Ordering::SeqCst);
+        Ok(Bracket { before: self.now, after: self.now })
+    }
+    fn arm(&mut self) -> Result<Armed, PinsError> {
+        Ok(Armed { levels: self.levels()?, seqno: 0, line_seqno: [0; 2] })
+    }
+    fn edge(&mut self, until: Nanos) -> Result<Option<Edge>, PinsError> {
+        self.waits.fetch_add(1, Ordering::SeqCst);
+        thread::sleep(Duration::from_millis(1));
+        self.now = until;
+        Ok(None)
+    }
+    fn sleep_until(&mut self, at: Nanos) -> Result<(), PinsError> {
+        self.now = self.now.max(at);
+        Ok(())
+    }
+    fn levels(&mut self) -> Result<Levels, PinsError> {
+        Ok(Levels { a: true, b: true })
+    }
+}
+
+#[test]
+fn a_long_discharge_looks_alive_and_ends_when_it_is_to() {
+    let text = CONFIG.replace("SCENE", "ideal").replace("[gpio]", "[measure]\ndeadline = \"60 s\"\n[gpio]");
+    let config = Config::parse(&text, "test").unwrap();
+    let settings = Settings::new(&config).unwrap();
+    let [driving, waits] = [(); 2].map(|()| Arc::new(AtomicU32::new(0)));
+    let pins = Endless { now: Nanos::ZERO, driving: Arc::clone(&driving), waits: Arc::clone(&waits) };
+    let mut measuring = Measuring::start(Some(Box::new(pins)), config, settings).unwrap();
+    while waits.load(Ordering::SeqCst) < 3 {
+        thread::yield_now();
+    }
+    assert_eq!(driving.load(Ordering::SeqCst), 1);
+    let beat = measuring.beat();
+    while waits.load(Ordering::SeqCst) < 10 {
+        thread::yield_now();
+    }
+    assert!(measuring.beat() > beat, "no sign of life within a discharge");
+    measuring.stop();
+    // 60 s in pieces of 100 ms.
+    assert!(waits.load(Ordering::SeqCst) < 600, "the discharge went on to its deadline");
+    assert_eq!(driving.load(Ordering::SeqCst), 0);
+    while let Some(report) = measuring.next() {
+        assert!(matches!(report, Report::Realtime(_) | Report::Stats(_)), "{report:?}");
+    }
+}
+
 #[test]
 fn a_panic_ends_the_measurement_with_every_line_released() {
     let (config, settings) = config("ideal");
