@@ -22,5 +22,6 @@ cat cermd.log
 [ "$(grep -c '"status":"fault","fault":"pins"' stream)" -ge 3 ] || fail "clients were not told"
 [ "$(grep -c 'is gone' cermd.log)" = 3 ] || fail "the log does not say each time that the chip is gone"
 [ "$(grep -c 'the GPIO lines work again' cermd.log)" = 3 ] || fail "the log does not say each time that it is back"
-tail -n 1 stream | grep '"status":"ok"'
+# One in some hundred readings is a fault by itself.
+[ "$(tail -n 20 stream | grep -c '"status":"ok"')" -ge 18 ] || fail "readings do not go on: $(tail -n 20 stream)"
 [ "$(cat /sys/kernel/debug/gpio-cermd/outputs)" = 0 ] || fail "lines drive after the end"
