@@ -1,5 +1,5 @@
-# Half an hour of service: memory flat, the offset does not drift, the watchdog is fed, of a thousand readings one
-# is a fault at most.
+# Half an hour of service: memory flat, the offset does not drift, the watchdog is fed, of a thousand readings three
+# are faults at most: one in 3668 was, in each of three runs, so four are by chance now and then.
 . /test/lib.sh
 export CERMD_SOCKET=/run/cermd/cermd.sock
 circuit late_ns 6000
@@ -24,12 +24,12 @@ done | tee minutes
 [ "$(systemctl show --value --property=MainPID cermd)" = "$pid" ] || fail "it was restarted"
 systemctl stop cermd
 # The allocator takes its last pages in the first minutes, while the first clients come and go.
-# Eight or nine offsets are compared with the first one: three standard uncertainties.
+# Twenty offsets, of which four or five are independent, are compared with the first one: four standard uncertainties.
 mawk 'NR == 11 { rss = $2 }
     NR == 1 { d = $3; u = $4 }
     NR > 11 && $2 != rss { print "memory changes: " rss " kB, then " $2; bad = 1 }
-    ($3 - d) ^ 2 > 9 * (u * u + $4 * $4) { print "minute " $1 ": the offset drifts from " d " +- " u " to " $3 " +- " $4; bad = 1 }
+    ($3 - d) ^ 2 > 16 * (u * u + $4 * $4) { print "minute " $1 ": the offset drifts from " d " +- " u " to " $3 " +- " $4; bad = 1 }
     END {
         print $5, "readings,", $5 - $6, "of them no number"
-        exit bad || $6 < 0.999 * $5 || $5 < 3500
+        exit bad || $6 < 0.997 * $5 || $5 < 3500
     }' minutes || fail "not as at the beginning"
