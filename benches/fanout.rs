@@ -57,11 +57,11 @@ fn round(reading_clients: usize) {
     let listener = Listener::bind(&path, 0o600).unwrap();
     let mut server = Server::new(listener, &channels, Limits::default()).unwrap();
     // The ring is filled first: it belongs to the server and not to the clients.
-    let line = format!("{:>300}\n", "");
+    let line = format!("{:>500}\n", "");
     (0..1024).for_each(|_| server.publish_raw(None, Nanos::ZERO, &line));
     let mut clients = ourselves("clients", reading_clients).arg(&path).spawn().unwrap();
 
-    let (memory_before, kernel_before) = (status_kib("/proc/self/status", "VmRSS"), kernel_kib());
+    let (memory_before, kernel_before) = (status_kib("/proc/self/status", "RssAnon"), kernel_kib());
     while server.clients() < CLIENTS {
         turn(&mut server);
     }
@@ -78,7 +78,7 @@ fn round(reading_clients: usize) {
         durations.push(published.elapsed());
     }
     let cpu = cpu_time() - cpu_before;
-    let memory = status_kib("/proc/self/status", "VmRSS") - memory_before;
+    let memory = status_kib("/proc/self/status", "RssAnon") - memory_before;
     let kernel = kernel_kib() - kernel_before;
     clients.kill().unwrap();
     clients.wait().unwrap();
