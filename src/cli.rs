@@ -3,6 +3,7 @@
 //! For: arguments and their help texts, in one place, from which the man pages are made too. Must not know: what is
 //! done with them.
 
+use crate::offset;
 use crate::reading::Method;
 use crate::replay::TapeOffset;
 use crate::units::{Nanos, Ohm};
@@ -321,15 +322,12 @@ fn positive(text: &str, limit: f64) -> Option<f64> {
     text.parse().ok().filter(|value| *value > 0.0 && *value <= limit)
 }
 
-/// As on a tape.
-const LONGEST_OFFSET: Nanos = Nanos(1_000_000);
-
 fn offset(text: &str) -> Result<TapeOffset, String> {
     if text == "auto" {
         return Ok(TapeOffset::Auto);
     }
     let d: Nanos = text.parse().map_err(|error| format!("{error}; or auto"))?;
-    if d.0.abs() >= LONGEST_OFFSET.0 {
+    if d.0.abs() >= offset::LONGEST.0 {
         return Err("a latency is below 1 ms, such as 8 us".to_owned());
     }
     Ok(TapeOffset::Given(d.as_ns()))

@@ -20,6 +20,10 @@
 use crate::noise::{Covariance, Noise};
 use crate::record::{Record, UNLIKE_CALLS};
 use crate::tracker::SwitchScatter;
+use crate::units::Nanos;
+
+/// What is longer is no latency: a slip of the unit.
+pub const LONGEST: Nanos = Nanos(1_000_000);
 
 /// What the split calibration found; each uncertainty is 1 sigma.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]

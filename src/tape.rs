@@ -12,6 +12,7 @@
 
 use crate::circuit::Network;
 use crate::config::Config;
+use crate::offset;
 use crate::record::{Record, Switch, Through};
 use crate::settings::{OffsetSource, Settings};
 use crate::units::Nanos;
@@ -245,7 +246,7 @@ impl Header {
         if header.channels.is_empty() || header.channels.len() > crate::pins::MAX_CHANNELS {
             return Err(at(format!("a tape has 1 to {} channels", crate::pins::MAX_CHANNELS)));
         }
-        if header.offset_ns.is_some_and(|d_ns| d_ns.abs() >= 1e6) {
+        if header.offset_ns.is_some_and(|d_ns| d_ns.abs() >= offset::LONGEST.as_ns()) {
             return Err(at("offset_ns is a latency: it must be below 1 ms".to_owned()));
         }
         for (index, channel) in header.channels.iter().enumerate() {

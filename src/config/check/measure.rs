@@ -3,11 +3,10 @@
 use super::Findings;
 use crate::circuit::Network;
 use crate::config::{Calibration, Config, Measure, Offset};
+use crate::offset;
 use crate::reading::Method;
 use crate::units::{Nanos, Seconds};
 
-/// An offset beyond this is not a latency.
-const LARGEST_OFFSET: Nanos = Nanos(1_000_000);
 /// A longer wait is a slip of a prefix.
 const LONGEST_WAIT: Nanos = Nanos(60_000_000_000);
 /// Beyond this fraction of T_xA even a late node B has crossed.
@@ -29,7 +28,7 @@ pub fn check(config: &Config, findings: &mut Findings) {
         );
     }
     if let Some(Offset::Fixed(d)) = measure.offset {
-        if d < Nanos::ZERO || d > LARGEST_OFFSET {
+        if d < Nanos::ZERO || d > offset::LONGEST {
             findings.error(
                 "measure.offset",
                 format!("{} is not between 0 and 1 ms", Seconds::from(d)),
