@@ -12,7 +12,7 @@
 
 use self::chips::Chip;
 use self::edges::EdgeBuffer;
-use self::error::{as_io, while_running};
+use self::error::{as_io, while_running, while_sleeping};
 use self::request::{Switching, charging, drive_request, inputs, released, sense_request, watching};
 use self::wait::{monotonic, readable, rest_before, rest_until, sleep_until};
 use self::wiring::Lines;
@@ -217,18 +217,15 @@ impl Pins for Chardev {
     }
 
     fn sleep_until(&mut self, at: Nanos) -> Result<(), PinsError> {
-        sleep_until(at, &mut self.margin)
-            .map_err(|errno| while_running("clock_nanosleep", "CLOCK_MONOTONIC", &self.chip, errno.into()))
+        while_sleeping(&self.chip, sleep_until(at, &mut self.margin))
     }
 
     fn rest_until(&mut self, at: Nanos) -> Result<(), PinsError> {
-        rest_until(at, &mut self.margin)
-            .map_err(|errno| while_running("clock_nanosleep", "CLOCK_MONOTONIC", &self.chip, errno.into()))
+        while_sleeping(&self.chip, rest_until(at, &mut self.margin))
     }
 
     fn rest_before_edge(&mut self, at: Nanos) -> Result<(), PinsError> {
-        rest_before(at, &mut self.margin)
-            .map_err(|errno| while_running("clock_nanosleep", "CLOCK_MONOTONIC", &self.chip, errno.into()))
+        while_sleeping(&self.chip, rest_before(at, &mut self.margin))
     }
 
     fn levels(&mut self) -> Result<Levels, PinsError> {

@@ -14,7 +14,7 @@
 use self::sense::{SenseLine, last_call, stamping_clock};
 use self::switches::{Switch, Switches};
 use super::chardev::chips::Chip;
-use super::chardev::error::{OpenError, while_running};
+use super::chardev::error::{OpenError, while_running, while_sleeping};
 use super::chardev::release::each_line;
 use super::chardev::to_be_driven;
 use super::chardev::wait::{SpinMargin, monotonic, readable, rest_before, rest_until, sleep_until};
@@ -168,18 +168,15 @@ impl Pins for ChardevV1 {
     }
 
     fn sleep_until(&mut self, at: Nanos) -> Result<(), PinsError> {
-        sleep_until(at, &mut self.margin)
-            .map_err(|errno| while_running("clock_nanosleep", "CLOCK_MONOTONIC", &self.chip, errno.into()))
+        while_sleeping(&self.chip, sleep_until(at, &mut self.margin))
     }
 
     fn rest_until(&mut self, at: Nanos) -> Result<(), PinsError> {
-        rest_until(at, &mut self.margin)
-            .map_err(|errno| while_running("clock_nanosleep", "CLOCK_MONOTONIC", &self.chip, errno.into()))
+        while_sleeping(&self.chip, rest_until(at, &mut self.margin))
     }
 
     fn rest_before_edge(&mut self, at: Nanos) -> Result<(), PinsError> {
-        rest_before(at, &mut self.margin)
-            .map_err(|errno| while_running("clock_nanosleep", "CLOCK_MONOTONIC", &self.chip, errno.into()))
+        while_sleeping(&self.chip, rest_before(at, &mut self.margin))
     }
 
     fn levels(&mut self) -> Result<Levels, PinsError> {

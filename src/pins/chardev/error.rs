@@ -143,6 +143,11 @@ pub(in crate::pins) fn while_running(
     PinsError::Call { call, line: line.to_string(), source, hint: hint(errno) }
 }
 
+/// What came of sleeping, which fails only if the system is at fault.
+pub(in crate::pins) fn while_sleeping(chip: &str, outcome: Result<(), Errno>) -> Result<(), PinsError> {
+    outcome.map_err(|errno| while_running("clock_nanosleep", "CLOCK_MONOTONIC", chip, errno.into()))
+}
+
 /// The name of the group that owns a device node, its number if it has no name; `None` for root's.
 pub(in crate::pins) fn owning_group(node: &Path) -> Option<String> {
     let gid = std::fs::metadata(node).ok()?.gid();
