@@ -12,7 +12,7 @@ use crate::settings::Settings;
 use crate::stats::Stats;
 use crate::units::Nanos;
 
-/// The longest sleep of one step while waiting for the next cycle, so that the caller can stop in between.
+/// The longest sleep of one step while waiting for the next cycle, so that the caller can tell its counters in between.
 const NAP: Nanos = Nanos(100_000_000);
 
 /// What comes out of the instrument.

@@ -62,6 +62,14 @@ struct Shared {
     wake: EventFd,
 }
 
+impl Shared {
+    /// Whether the thread is to stop; each look is a sign of life.
+    fn is_stopped(&self) -> bool {
+        self.beat.fetch_add(1, Ordering::Relaxed);
+        self.stop.load(Ordering::Relaxed)
+    }
+}
+
 /// A running measurement. Dropping it stops the thread; every line is released before the thread ends.
 #[derive(Debug)]
 pub struct Measuring {
@@ -126,17 +134,7 @@ impl Measuring {
     pub fn has_ended(&self) -> bool {
         self.thread.as_ref().is_none_or(JoinHandle::is_finished)
     }
-}
 
-impl Shared {
-    /// Whether the thread is to stop; each look is a sign of life.
-    fn is_stopped(&self) -> bool {
-        self.beat.fetch_add(1, Ordering::Relaxed);
-        self.stop.load(Ordering::Relaxed)
-    }
-}
-
-impl Measuring {
     /// Stops the thread and waits for its end; every line is released then. What it has told can still be read.
     pub fn stop(&mut self) {
         self.shared.stop.store(true, Ordering::Relaxed);
