@@ -10,8 +10,8 @@ mod common;
 use cermd::discharge::{self, Plan};
 use cermd::estimate::Estimator;
 use cermd::instrument::Message;
+use cermd::pins::Node;
 use cermd::pins::sim::{Scene, SimPins};
-use cermd::pins::{Drives, Node};
 use cermd::reading::{Branch, Method, Status};
 use cermd::record::{Record, Through};
 use cermd::units::Nanos;
@@ -20,20 +20,8 @@ use criterion::Criterion;
 use std::hint::black_box;
 
 /// Of the daemon with 2.2 uF and 680 nF: a full discharge through Rc1.
-const PLAN: Plan = Plan {
-    through: Through::C1,
-    switch: None,
-    chargers: Drives::CHARGE,
-    last: Node::B,
-    drain: Nanos::ZERO,
-    charge: Nanos(10_000_000),
-    settle: Nanos(20_000),
-    expected: [None; 2],
-    timeout: Nanos(50_000_000),
-    limit: None,
-    widest_bracket: Nanos::MAX,
-    single_call: None,
-};
+const PLAN: Plan =
+    Plan { settle: Nanos(20_000), ..Plan::full(Through::C1, Node::B, Nanos(10_000_000), Nanos(50_000_000)) };
 
 fn discharges(criterion: &mut Criterion) {
     for name in ["ideal", "fpga-paper", "pi4"] {

@@ -45,6 +45,26 @@ pub struct Plan {
     pub single_call: Option<Nanos>,
 }
 
+impl Plan {
+    /// A full discharge after a charge, started at once: nothing is known of the calls or of when it ends.
+    pub const fn full(through: Through, last: Node, charge: Nanos, timeout: Nanos) -> Plan {
+        Plan {
+            through,
+            switch: None,
+            chargers: Drives::CHARGE,
+            last,
+            drain: Nanos::ZERO,
+            charge,
+            settle: Nanos::ZERO,
+            expected: [None; 2],
+            timeout,
+            limit: None,
+            widest_bracket: Nanos::MAX,
+            single_call: None,
+        }
+    }
+}
+
 impl Through {
     /// The lines that sink for this discharge.
     pub fn drives(self) -> Drives {

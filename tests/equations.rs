@@ -7,8 +7,8 @@
 use cermd::discharge::{Plan, run};
 use cermd::force::Force;
 use cermd::method::{Times, cerm, tcdic, tpcm};
+use cermd::pins::Node;
 use cermd::pins::sim::{Scene, Sensor, SimPins};
-use cermd::pins::{Drives, Node};
 use cermd::reading::Measured;
 use cermd::record::{Record, Through};
 use cermd::units::{Farad, Nanos, Ohm};
@@ -48,18 +48,8 @@ fn with_c_b(mut scene: Scene, c_b: f64) -> Scene {
 /// One discharge, with a switch to Rc2 after so many ns.
 fn discharge(pins: &mut SimPins, through: Through, switch_ns: Option<f64>) -> Record {
     let plan = Plan {
-        through,
         switch: switch_ns.map(|ns| (Nanos(ns as i64), Through::C2)),
-        chargers: Drives::CHARGE,
-        last: Node::B,
-        drain: Nanos::ZERO,
-        charge: Nanos(163_840),
-        settle: Nanos::ZERO,
-        expected: [None; 2],
-        timeout: Nanos(100_000_000),
-        limit: None,
-        widest_bracket: Nanos::MAX,
-        single_call: None,
+        ..Plan::full(through, Node::B, Nanos(163_840), Nanos(100_000_000))
     };
     run(pins, plan).unwrap().result.unwrap()
 }

@@ -4,9 +4,8 @@
 
 use crate::config::Config;
 use crate::discharge::{self, Plan};
-use crate::pins::{Drives, Node, Pins, PinsError};
+use crate::pins::{Node, Pins, PinsError};
 use crate::record::Through;
-use crate::units::Nanos;
 use std::fmt;
 use std::thread;
 use std::time::{Duration, Instant};
@@ -76,18 +75,8 @@ pub fn wake_ups() -> Histogram {
 /// If the pins cannot be used.
 pub fn stamps<P: Pins>(pins: &mut P, config: &Config) -> Result<Histogram, PinsError> {
     let plan = Plan {
-        through: Through::C1,
-        switch: None,
-        chargers: Drives::CHARGE,
-        last: config.last_node(),
-        drain: Nanos::ZERO,
-        charge: config.charge_time(),
         settle: config.settle_time(),
-        expected: [None; 2],
-        timeout: config.deadline(),
-        limit: None,
-        widest_bracket: Nanos::MAX,
-        single_call: None,
+        ..Plan::full(Through::C1, config.last_node(), config.charge_time(), config.deadline())
     };
     let mut times_us = Vec::with_capacity(DISCHARGES);
     for _ in 0..DISCHARGES {

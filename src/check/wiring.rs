@@ -198,19 +198,10 @@ impl<P: Pins> Bench<'_, P> {
         timeout: Nanos,
         hold: Nanos,
     ) -> Result<Result<Record, Fault>, PinsError> {
+        let last = if self.has_node_b() { Node::B } else { Node::A };
         let plan = Plan {
-            through,
-            switch: None,
-            chargers: Drives::CHARGE,
-            last: if self.has_node_b() { Node::B } else { Node::A },
-            drain: Nanos::ZERO,
-            charge: self.config.charge_time(),
             settle: self.config.settle_time() + hold,
-            expected: [None; 2],
-            timeout,
-            limit: None,
-            widest_bracket: Nanos::MAX,
-            single_call: None,
+            ..Plan::full(through, last, self.config.charge_time(), timeout)
         };
         Ok(discharge::run(self.pins, plan)?.result)
     }

@@ -81,6 +81,9 @@ impl Pins for Script {
         self.now = self.now.max(at.0);
         Ok(())
     }
+    fn rest_before_edge(&mut self, at: Nanos) -> Result<(), PinsError> {
+        self.call(format!("rest before {}", at.0))
+    }
     fn levels(&mut self) -> Result<Levels, PinsError> {
         self.call("levels".to_owned())?;
         Ok(self.levels)
@@ -94,18 +97,10 @@ const B: (Node, i64, u32, u32) = (Node::B, 60_000, 12, 0);
 
 fn plan(switch: Option<(Nanos, Through)>) -> Plan {
     Plan {
-        through: Through::X(2),
         switch,
-        chargers: Drives::CHARGE,
-        last: Node::B,
-        drain: Nanos::ZERO,
-        charge: Nanos(1_000_000),
         settle: Nanos(100_000),
-        expected: [None; 2],
-        timeout: Nanos(5_000_000),
-        limit: None,
         widest_bracket: Nanos(3000),
-        single_call: None,
+        ..Plan::full(Through::X(2), Node::B, Nanos(1_000_000), Nanos(5_000_000))
     }
 }
 
@@ -220,27 +215,16 @@ fn an_uncharged_node_and_a_slow_call_are_faults() {
 }
 
 #[test]
-fn a_crossing_that_is_known_before_is_told_to_who_waits_for_it() {
+fn a_crossing_that_is_known_before_is_rested_for() {
     let mut pins = Script::new(&[A, B]);
     let plan = Plan { expected: [Some(Nanos(49_000)), Some(Nanos(61_000))], ..plan(None) };
-    let (mut discharge, mut action) = Discharge::new(plan);
-    let mut told = Vec::new();
-    while action != Action::Done {
-        action = discharge.handle(match action {
-            Action::Arm => Event::Armed(pins.arm().unwrap()),
-            Action::Drive(on) => Event::Drove(pins.drive(on).unwrap()),
-            Action::Sleep(at) | Action::Rest(at) => {
-                pins.sleep_until(at).unwrap();
-                Event::Slept
-            }
-            Action::WaitEdge { expected, until } => {
-                told.push(expected);
-                Event::Edge(pins.edge(until).unwrap())
-            }
-            Action::ReadLevels | Action::Done => unreachable!(),
-        });
-    }
-    assert_eq!(told, [49_000, 61_000].map(|after| Some(Nanos(START_BEFORE + after))));
+    assert!(run(&mut pins, plan).unwrap().result.is_ok());
+    let [a, b] = [49_000, 61_000].map(|after| START_BEFORE + after);
+    let log = pins.log.join("|");
+    assert!(
+        log.ends_with(&format!("drive x2|rest before {a}|edge|rest before {b}|edge|drive none")),
+        "{log}"
+    );
 }
 
 #[test]

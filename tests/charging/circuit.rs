@@ -69,20 +69,12 @@ fn a_discharge_that_timed_out_is_drained_before_the_charge() {
     let mut pins = SimPins::new(&scene, Some(1));
     let nominal = nominal(network::Wiring::TwoCapacitor { c_a: 2.2e-6, c_b: 680e-9 }, 1.3);
     let taus = 6.0;
+    let charge = Nanos::from_seconds(taus * nominal.charge_tau().0);
     let mut take = |through, drain_s: f64| -> Record {
         let plan = Plan {
-            through,
-            switch: None,
-            limit: None,
-            chargers: Drives::CHARGE,
-            last: Node::B,
             drain: Nanos::from_seconds(drain_s),
-            charge: Nanos::from_seconds(taus * nominal.charge_tau().0),
             settle: Nanos(20_000),
-            expected: [None; 2],
-            timeout: Nanos(50_000_000),
-            widest_bracket: Nanos::MAX,
-            single_call: None,
+            ..Plan::full(through, Node::B, charge, Nanos(50_000_000))
         };
         run(&mut pins, plan).unwrap().result.unwrap()
     };

@@ -267,18 +267,10 @@ impl<P: Pins> ByHand<P> {
     /// missing.
     pub fn discharge(&mut self, through: Through, switch: Option<f64>) -> Option<([f64; 2], f64)> {
         let plan = Plan {
-            through,
             switch: switch.map(|s| (Nanos::from_seconds(s), Through::C2)),
-            chargers: Drives::CHARGE,
-            last: Node::B,
-            drain: Nanos::ZERO,
-            charge: self.charge,
             settle: if through.channel().is_some() { self.pause } else { SETTLE },
-            expected: [None; 2],
-            timeout: Nanos(400_000_000),
-            limit: None,
-            widest_bracket: Nanos::MAX,
             single_call: Some(SINGLE_CALL),
+            ..Plan::full(through, Node::B, self.charge, Nanos(400_000_000))
         };
         let record = run(&mut self.pins, plan).unwrap().result.ok()?;
         // The equations know a single instant of the switch; between release and sink nothing moves.
