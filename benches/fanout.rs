@@ -7,9 +7,9 @@
 #![allow(clippy::unwrap_used, clippy::print_stdout, reason = "a bench that cannot go on has failed")]
 
 use cermd::reading::{Branch, Measured, Method, Reading, Status};
-use cermd::server::{Limits, Listener, Server};
+use cermd::stream::server::{Limits, Listener, Server};
+use cermd::stream::wire::{ChannelInfo, Unit, UnixTime};
 use cermd::units::Nanos;
-use cermd::wire::{ChannelInfo, Unit, UnixTime};
 use nix::poll::{PollFd, PollFlags, PollTimeout, poll};
 use nix::sys::resource::{Resource, UsageWho, getrlimit, getrusage, setrlimit};
 use std::io::Read;

@@ -7,10 +7,10 @@
 #[path = "../tests/common/mod.rs"]
 mod common;
 
-use cermd::discharge::{self, Plan};
+use cermd::circuit::Node;
 use cermd::estimate::Estimator;
 use cermd::instrument::Message;
-use cermd::pins::Node;
+use cermd::instrument::discharge::{self, Plan};
 use cermd::pins::sim::{Scene, SimPins};
 use cermd::reading::{Branch, Method, Status};
 use cermd::record::{Record, Through};

@@ -6,8 +6,8 @@
 use cermd::pins::chardev::{Chardev, Wiring};
 use cermd::pins::chardev_v1::ChardevV1;
 use cermd::pins::contract::{Bench, check, dropping_releases};
+use cermd::pins::realtime::{Realtime, Wishes};
 use cermd::pins::{Drives, Pins, chardev, chardev_v1};
-use cermd::realtime::{Realtime, Wishes};
 use cermd::units::Nanos;
 use clap::{Parser, ValueEnum};
 use std::error::Error;

@@ -3,7 +3,7 @@
 //! For: the states of physics kept apart from numbers, so that a fault can never become one. Must not know: how it
 //! was estimated, or how it is sent.
 
-use crate::diagnosis::Suspect;
+use crate::circuit::Node;
 use crate::units::Nanos;
 use serde::Deserialize;
 use std::fmt;
@@ -139,6 +139,120 @@ impl Fault {
 }
 
 impl fmt::Display for Fault {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(self.as_str())
+    }
+}
+
+/// What a fault looks like.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum Suspect {
+    /// A node is low after the charge.
+    Uncharged(Node),
+    /// Nothing falls through Rc1.
+    FirstOpen,
+    /// Nothing falls through Rc2.
+    SecondOpen,
+    /// Nothing falls through either.
+    BothOpen,
+    /// A node stays high while the other one falls.
+    StaysHigh(Node),
+    /// Node B falls before node A.
+    NodesSwapped,
+    /// Rc1 is where Rc2 should be.
+    ResistorsSwapped,
+    /// C_A is not there.
+    NoCA,
+    /// C_B is not there.
+    NoCB,
+    /// One of the capacitors is not there, or the only one.
+    NoCapacitor,
+    /// Another path to ground.
+    Leak,
+    /// Another path to the supply.
+    Pull,
+}
+
+impl Suspect {
+    /// Every suspect.
+    pub const ALL: [Suspect; 14] = [
+        Suspect::Uncharged(Node::A),
+        Suspect::Uncharged(Node::B),
+        Suspect::FirstOpen,
+        Suspect::SecondOpen,
+        Suspect::BothOpen,
+        Suspect::StaysHigh(Node::A),
+        Suspect::StaysHigh(Node::B),
+        Suspect::NodesSwapped,
+        Suspect::ResistorsSwapped,
+        Suspect::NoCA,
+        Suspect::NoCB,
+        Suspect::NoCapacitor,
+        Suspect::Leak,
+        Suspect::Pull,
+    ];
+
+    /// What was seen, and what to look at.
+    pub fn as_str(self) -> &'static str {
+        match self {
+            Suspect::Uncharged(Node::A) => {
+                "node A is low after the charge; look at the wires from charge-a through its resistor to node A and on to \
+                 sense-a, and for a short circuit to ground"
+            }
+            Suspect::Uncharged(Node::B) => {
+                "node B is low after the charge; look at the wires from charge-b through its resistor to node B and on to \
+                 sense-b, and for a short circuit to ground"
+            }
+            Suspect::FirstOpen => {
+                "nothing falls in a discharge through Rc1; look at the wire from sink-c1 through Rc1 to node A"
+            }
+            Suspect::SecondOpen => {
+                "nothing falls in a discharge through Rc2; look at the wire from sink-c2 through Rc2 to node A (series \
+                 calibration: to Rc1)"
+            }
+            Suspect::BothOpen => {
+                "nothing falls in a discharge through Rc1, nor through Rc2; look at the wire of sense-a, and those of sink-c1 \
+                 and sink-c2 through Rc1 and Rc2 to node A"
+            }
+            Suspect::StaysHigh(Node::A) => {
+                "node A stays high while node B falls; look at the wire of sense-a"
+            }
+            Suspect::StaysHigh(Node::B) => {
+                "node B stays high while node A falls; look at the wire of sense-b, both capacitors (C_A from node A to node B, \
+                 C_B from there to ground), and for a pull-up left on"
+            }
+            Suspect::NodesSwapped => {
+                "node B falls before node A; look whether sense-a and sense-b, or C_A and C_B, are swapped"
+            }
+            Suspect::ResistorsSwapped => {
+                "Rc1 and Rc2 look swapped; look at sink-c1 and sink-c2, r-c1 and r-c2"
+            }
+            Suspect::NoCA => {
+                "node A falls at once and node B does not; look for C_A: missing or without contact"
+            }
+            Suspect::NoCB => "nodes A and B fall at once; look for C_B: missing or without contact",
+            Suspect::NoCapacitor => {
+                "node A falls at once; look for a capacitor that is missing or without contact"
+            }
+            Suspect::Leak => {
+                "current leaves the nodes by a path of its own; look for pull-downs, leaking capacitors, moisture, a sensor \
+                 wired to ground, and whether r-c1 and r-c2 are as measured"
+            }
+            Suspect::Pull => {
+                "current enters the nodes by a path of its own; look for pull-ups left on, and whether r-c1 and r-c2 are as \
+                 measured"
+            }
+        }
+    }
+
+    /// What was seen alone.
+    pub fn sight(self) -> &'static str {
+        let text = self.as_str();
+        text.split_once("; ").map_or(text, |(sight, _)| sight)
+    }
+}
+
+impl fmt::Display for Suspect {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(self.as_str())
     }

@@ -1,6 +1,6 @@
 //! The timings of one discharge.
 //!
-//! For: what passes from [`discharge`](crate::discharge) to the methods, and onto a tape. Must not know: how it
+//! For: what passes from [`discharge`](crate::instrument::discharge) to the methods, and onto a tape. Must not know: how it
 //! was taken, or what follows from it.
 
 use crate::units::Nanos;
@@ -28,6 +28,23 @@ impl Through {
             _ => None,
         }
     }
+}
+
+/// The kinds of calibration discharge.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum CalibrationKind {
+    /// Through R_1.
+    First,
+    /// Through R_2.
+    Second,
+    /// Through R_1, then through R_2.
+    Split,
+}
+
+impl CalibrationKind {
+    /// Every kind.
+    pub const ALL: [CalibrationKind; 3] =
+        [CalibrationKind::First, CalibrationKind::Second, CalibrationKind::Split];
 }
 
 /// The planned change of resistor in the middle of a discharge. Times in ns since its start.

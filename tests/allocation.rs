@@ -8,9 +8,10 @@
 
 mod common;
 
+use cermd::circuit::Node;
 use cermd::instrument::{Instrument, Message};
+use cermd::pins::Pins;
 use cermd::pins::faulty::{Faulty, Injection};
-use cermd::pins::{Node, Pins};
 use cermd::reading::Method;
 use cermd::units::Nanos;
 use common::Bench;

@@ -4,10 +4,10 @@
 //! Every bound is four standard errors of a standard deviation from so many discharges, both sides. Seeds are fixed.
 #![allow(clippy::unwrap_used, clippy::panic)] // A test that cannot be set up fails.
 
-use cermd::discharge::{Plan, run};
-use cermd::force::Force;
-use cermd::method::{Times, cerm, tcdic, tpcm};
-use cermd::pins::Node;
+use cermd::circuit::Node;
+use cermd::estimate::force::Force;
+use cermd::estimate::method::{Times, cerm, tcdic, tpcm};
+use cermd::instrument::discharge::{Plan, run};
 use cermd::pins::sim::{Scene, Sensor, SimPins};
 use cermd::reading::Measured;
 use cermd::record::{Record, Through};

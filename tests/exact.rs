@@ -8,14 +8,14 @@
 mod circuits;
 
 use cermd::circuit::Network;
+use cermd::ctl::replay::{self, TapeOffset};
 use cermd::estimate::Estimator;
-use cermd::offset::Offset;
+use cermd::estimate::offset::Offset;
 use cermd::pins::Drives;
 use cermd::pins::sim::Scene;
 use cermd::reading::Method;
 use cermd::record::Through;
-use cermd::replay::{self, TapeOffset};
-use cermd::tape::Header;
+use cermd::stream::tape::Header;
 use cermd::units::{Farad, Ohm, Volt};
 use circuits::{Case, cases, record, walk};
 use proptest::prelude::*;

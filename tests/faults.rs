@@ -7,7 +7,8 @@
 
 mod common;
 
-use cermd::force::Force;
+use cermd::estimate::force::Force;
+use cermd::instrument::cycle::longest_reading;
 use cermd::instrument::{Instrument, Message};
 use cermd::pins::Pins;
 use cermd::pins::faulty::{Faulty, Injection};
@@ -61,7 +62,7 @@ fn draw(rng: &mut ChaCha8Rng) -> (Instrument<Faulty<SimPins>>, Nanos) {
         let most = if injection == Injection::FailingCall { -2.0 } else { -0.5 };
         pins = pins.with(injection, 10f64.powf(rng.random_range(-5.0..most)));
     }
-    let bound = settings.longest_reading() + FOR_THE_SYSTEM;
+    let bound = longest_reading(&settings) + FOR_THE_SYSTEM;
     (Instrument::new(pins, settings), bound)
 }
 

@@ -4,7 +4,7 @@
 
 #![allow(clippy::unwrap_used, clippy::panic, reason = "a test that cannot go on has failed")]
 
-use cermd::cli::{Cermctl, Cermd};
+use cermd::ctl::cli::{Cermctl, Cermd};
 use clap::CommandFactory;
 use clap_complete::Shell;
 use std::collections::BTreeMap;

@@ -5,8 +5,8 @@
 
 mod common;
 
+use cermd::circuit::Node;
 use cermd::instrument::Message;
-use cermd::pins::Node;
 use cermd::pins::sim::{Kind, Scene, Sensor};
 use cermd::reading::Method;
 use cermd::units::Ohm;

@@ -9,8 +9,8 @@
 mod bench;
 
 use bench::{TIME, channels, reading};
-use cermd::client::Client;
-use cermd::server::{Limits, ListenError, Listener, Server};
+use cermd::stream::client::Client;
+use cermd::stream::server::{Limits, ListenError, Listener, Server};
 use cermd::units::Nanos;
 use std::io::Read;
 use std::os::fd::OwnedFd;

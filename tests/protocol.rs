@@ -9,8 +9,8 @@
 mod bench;
 
 use bench::{Bench, Peer, channels, reading};
-use cermd::client::{Client, ClientError};
-use cermd::server::Limits;
+use cermd::stream::client::{Client, ClientError};
+use cermd::stream::server::Limits;
 use cermd::units::Nanos;
 use serde_json::{Value, json};
 use std::time::Duration;
@@ -361,15 +361,15 @@ fn the_client_library_talks_to_it() {
     }
     let mut client = client.join().unwrap().unwrap();
     assert_eq!(client.version().channels, channels());
-    client.request(&cermd::wire::Request::Poll).unwrap();
+    client.request(&cermd::stream::wire::Request::Poll).unwrap();
     bench.settle();
     bench.publish(1);
     let code = |message| match message {
-        Ok(Some(cermd::wire::ServerMessage::Error { code, .. })) => code,
+        Ok(Some(cermd::stream::wire::ServerMessage::Error { code, .. })) => code,
         other => panic!("{other:?}"),
     };
     assert_eq!(code(client.message()), "no-reading");
-    let Ok(Some(cermd::wire::ServerMessage::Reading(reading))) = client.message() else {
+    let Ok(Some(cermd::stream::wire::ServerMessage::Reading(reading))) = client.message() else {
         panic!("no reading")
     };
     assert_eq!((reading.seq, reading.channel.as_str(), reading.lost), (1, "thumb", 0));

@@ -1,6 +1,6 @@
 //! Everything a person types: parse, dispatch, exit status.
 
-use cermd::{cli::Cermctl, ctl};
+use cermd::ctl::{self, cli::Cermctl};
 use clap::Parser;
 use std::io::{self, Write};
 use std::process::ExitCode;

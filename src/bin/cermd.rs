@@ -1,8 +1,10 @@
 //! The daemon: parse, run, exit status.
 
-use cermd::cli::{Cermd, NO_HARDWARE};
 use cermd::config::Config;
-use cermd::{backend, check, daemon};
+use cermd::config::backend;
+use cermd::ctl::check;
+use cermd::ctl::cli::{Cermd, NO_HARDWARE};
+use cermd::daemon;
 use clap::Parser;
 use nix::sys::stat::fstat;
 use std::error::Error;

@@ -35,7 +35,7 @@
 //! What all discharges find alike is only another g, and cancels in every method; what their D differ by does not.
 
 use super::{Circuit, Network};
-use crate::pins::Node;
+use crate::circuit::Node;
 use crate::units::Seconds;
 
 impl Circuit {

@@ -18,8 +18,8 @@
 //! to this at most.
 
 use super::Config;
+use crate::circuit::Node;
 use crate::circuit::{Circuit, Network};
-use crate::pins::Node;
 use crate::reading::Method;
 use crate::units::{Nanos, Ohm, Seconds};
 

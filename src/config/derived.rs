@@ -5,7 +5,7 @@
 
 use super::{Calibration, Config, Offset};
 use crate::circuit::Network;
-use crate::pins::Node;
+use crate::circuit::Node;
 use crate::reading::Method;
 use crate::units::{Nanos, Ohm, Seconds};
 

@@ -118,7 +118,7 @@ fn derived_times_follow_the_circuit() {
     let config = parse(MINIMAL);
     let (charge, deadline) = (config.charge_time().as_seconds(), config.deadline().as_seconds());
     assert!((charge / config.circuit.charge_tau().0 - 7.31).abs() < 0.01, "{charge}");
-    let t_c2b = (12_700.0 + 40.0) * config.circuit.g(crate::pins::Node::B).unwrap().0;
+    let t_c2b = (12_700.0 + 40.0) * config.circuit.g(crate::circuit::Node::B).unwrap().0;
     assert!((deadline - 5.0 * t_c2b).abs() < 1e-9, "{deadline}");
 }
 
@@ -137,7 +137,7 @@ fn the_method_follows_the_circuit() {
     assert_eq!(one("one-capacitor", "[measure]\nmethod = \"tracked\"").method(), Method::Tracked);
     // TPCM in the circuit with two capacitors times node A only, and so does its deadline.
     let tpcm = parse(&format!("{MINIMAL}[measure]\nmethod = \"tpcm\""));
-    assert_eq!(Some(tpcm.discharge(Ohm(1e3))), tpcm.circuit.crossing(crate::pins::Node::A, Ohm(1e3)));
+    assert_eq!(Some(tpcm.discharge(Ohm(1e3))), tpcm.circuit.crossing(crate::circuit::Node::A, Ohm(1e3)));
 }
 
 #[test]

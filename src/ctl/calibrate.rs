@@ -9,9 +9,9 @@ mod plot;
 mod zero;
 
 use super::{CtlError, print};
-use crate::cli::{CalibrateBy, Update};
 use crate::config::Config;
-use crate::fit::FitError;
+use crate::ctl::cli::{CalibrateBy, Update};
+use crate::estimate::fit::FitError;
 use edit::Value;
 use std::io::{self, BufRead, IsTerminal};
 use std::path::PathBuf;

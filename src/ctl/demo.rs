@@ -11,9 +11,9 @@ use super::interrupt::Interrupt;
 use super::panel::Panel;
 use super::stream::{Next, Stream};
 use super::terminal::{Line, Style, Terminal};
-use crate::cli;
+use crate::ctl::cli;
 use crate::daemon::{Daemon, DaemonError, Loaded, Signals, StopHandle, monotonic};
-use crate::wire::{Request, ServerMessage};
+use crate::stream::wire::{Request, ServerMessage};
 use board::Board;
 use serde_json::{Map, Value};
 use std::path::Path;
@@ -106,10 +106,10 @@ impl Show {
                     self.show(&reading.channel)?;
                 }
                 Next::Line(..) | Next::Quiet => {}
-                Next::Ended => return Err(crate::client::ClientError::Closed.into()),
+                Next::Ended => return Err(crate::stream::client::ClientError::Closed.into()),
             }
             if asked.is_some_and(|asked| asked.elapsed() > ANSWER) {
-                return Err(crate::client::ClientError::TimedOut(ANSWER).into());
+                return Err(crate::stream::client::ClientError::TimedOut(ANSWER).into());
             }
         }
     }

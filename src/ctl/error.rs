@@ -2,11 +2,11 @@
 //!
 //! For: the last line that a person sees of a verb that failed. Must not know: exit statuses.
 
-use crate::client::ClientError;
 use crate::config::ConfigError;
+use crate::ctl::replay::ReplayError;
 use crate::daemon::DaemonError;
 use crate::pins::sim::SceneError;
-use crate::replay::ReplayError;
+use crate::stream::client::ClientError;
 use std::io;
 use std::path::PathBuf;
 

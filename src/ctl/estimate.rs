@@ -3,8 +3,8 @@
 //! For: one line for each discharge of a sensor. Must not know: the format of a tape, or the equations.
 
 use super::{CtlError, print};
-use crate::cli;
-use crate::replay::{self, TapeOffset};
+use crate::ctl::cli;
+use crate::ctl::replay::{self, TapeOffset};
 use std::io::Read;
 use std::path::Path;
 

@@ -6,9 +6,9 @@ use super::panel::Panel;
 use super::stream::{Next, Stream, is_wanted};
 use super::terminal::Terminal;
 use super::{CtlError, print};
-use crate::cli;
-use crate::client::ClientError;
-use crate::wire::{ErrorCode, ReadingLine, Request, ServerMessage};
+use crate::ctl::cli;
+use crate::stream::client::ClientError;
+use crate::stream::wire::{ErrorCode, ReadingLine, Request, ServerMessage};
 use std::time::{Duration, Instant};
 
 /// How long to wait for the first reading of an instrument that has just started.

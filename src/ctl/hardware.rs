@@ -4,11 +4,11 @@
 
 use super::CtlError;
 use super::stats;
-use crate::backend::{self, CONSUMER, OpenError};
-use crate::check::{error, info, latency, warning, wiring};
+use crate::config::backend::{self, CONSUMER, OpenError};
 use crate::config::{Backend, Config, Finding};
+use crate::ctl::check::{error, info, latency, warning, wiring};
+use crate::pins::realtime::{Outcome, Realtime};
 use crate::pins::{Pins, chardev};
-use crate::realtime::{Outcome, Realtime};
 use std::fmt::Write;
 use std::io;
 

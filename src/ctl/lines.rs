@@ -3,7 +3,7 @@
 //! For: finding the names that a configuration needs, and who holds a line. Must not know: what lines are used for.
 
 use super::{CtlError, print};
-use crate::cli;
+use crate::ctl::cli;
 use crate::pins::chardev::{self, ChipListing, LineListing};
 use serde_json::{Value, json};
 

@@ -5,7 +5,7 @@
 
 use super::terminal::{Line, Style};
 use super::text::{bar, measured, rough, sparkline};
-use crate::wire::{ChannelInfo, ReadingLine, StatusName, Unit};
+use crate::stream::wire::{ChannelInfo, ReadingLine, StatusName, Unit};
 use std::collections::VecDeque;
 
 /// Readings per second are counted over so long, ns.
@@ -232,7 +232,7 @@ impl Channel {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::wire::ServerMessage;
+    use crate::stream::wire::ServerMessage;
 
     fn reading(at_ms: i64, rest: &str) -> ReadingLine {
         let line = format!(

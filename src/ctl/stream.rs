@@ -3,8 +3,8 @@
 //! For: connecting, choosing channels, and telling silence from the end. Must not know: what the lines are used for.
 
 use super::CtlError;
-use crate::client::{Client, ClientError};
-use crate::wire::{Request, ServerMessage, VersionLine, Watch};
+use crate::stream::client::{Client, ClientError};
+use crate::stream::wire::{Request, ServerMessage, VersionLine, Watch};
 use std::path::Path;
 use std::time::Duration;
 

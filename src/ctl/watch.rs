@@ -8,9 +8,9 @@ use super::panel::Panel;
 use super::stream::{Next, Stream, is_wanted};
 use super::terminal::{Line, Style, Terminal};
 use super::{CtlError, print};
-use crate::cli;
-use crate::client::ClientError;
-use crate::wire::{ServerMessage, VersionLine};
+use crate::ctl::cli;
+use crate::stream::client::ClientError;
+use crate::stream::wire::{ServerMessage, VersionLine};
 use std::time::{Duration, Instant};
 
 /// From one attempt to connect again to the next.

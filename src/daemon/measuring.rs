@@ -7,13 +7,13 @@
 
 mod interruptible;
 
-use crate::backend::{self, AnyPins, OpenError};
 use crate::config::Config;
+use crate::config::backend::{self, AnyPins, OpenError};
+use crate::instrument::settings::Settings;
+use crate::instrument::stats::Stats;
 use crate::instrument::{Instrument, Message};
+use crate::pins::realtime::{self, Realtime};
 use crate::pins::{Armed, Bracket, Drives, Edge, Levels, Pins, PinsError};
-use crate::realtime::{self, Realtime};
-use crate::settings::Settings;
-use crate::stats::Stats;
 use crate::units::Nanos;
 use interruptible::Interruptible;
 use nix::sys::eventfd::{EfdFlags, EventFd};

@@ -5,20 +5,20 @@
 use super::Loaded;
 use super::measuring::Report;
 use crate::config::{Backend, Config};
-use crate::diagnosis::{LEAKS, Suspect};
 use crate::instrument::Message;
+use crate::instrument::diagnosis::LEAKS;
+use crate::instrument::settings::Settings;
+use crate::instrument::stats::Stats;
+use crate::pins::realtime::{self, Outcome};
+use crate::reading::Suspect;
 use crate::reading::{Fault, Reading, Status};
-use crate::realtime::{self, Outcome};
-use crate::server::Server;
-use crate::settings::Settings;
-use crate::stats::Stats;
-use crate::tape::Header;
+use crate::stream::server::Server;
+use crate::stream::wire::{ChannelInfo, Object, Unit, UnixTime};
 use crate::units::{Nanos, Ohm};
-use crate::wire::{ChannelInfo, Object, Unit, UnixTime};
 
 /// The channels as VERSION announces them.
 pub fn channels(settings: &Settings) -> Vec<ChannelInfo> {
-    let info = |channel: &crate::settings::Channel| ChannelInfo {
+    let info = |channel: &crate::instrument::settings::Channel| ChannelInfo {
         id: channel.id.clone(),
         unit: if channel.force.is_some() { Unit::Newton } else { Unit::Ohm },
     };
@@ -27,7 +27,7 @@ pub fn channels(settings: &Settings) -> Vec<ChannelInfo> {
 
 /// The header of a tape, as a line; `found`: the latency offset that a calibration has found, ns.
 pub fn header(config: &Config, settings: &Settings, found: Option<f64>) -> String {
-    let mut header = Header::new(config, settings);
+    let mut header = config.tape_header(settings);
     header.offset_ns = header.offset_ns.or(found);
     header.to_line() + "\n"
 }
@@ -90,7 +90,7 @@ pub fn report(server: &mut Server, told: &mut Told, loaded: &Loaded, report: Rep
         }
         Report::Message(Message::Discharge { seq, record }) => {
             if server.wants_raw() {
-                let line = Header::new(&loaded.config, &loaded.settings).discharge_line(seq, &record) + "\n";
+                let line = loaded.config.tape_header(&loaded.settings).discharge_line(seq, &record) + "\n";
                 server.publish_raw(record.through.channel(), record.start, &line);
             }
         }

@@ -1,12 +1,12 @@
 //! Two sensors on one board, charges of any length, and wake-ups that come late.
 
 use crate::common::{Bench, Errors};
+use cermd::circuit::Node;
 use cermd::config::Config;
 use cermd::instrument::{Instrument, Message};
 use cermd::pins::sim::{Scene, Sensor, SimPins};
-use cermd::pins::{Armed, Bracket, Drives, Edge, Levels, Node, Pins, PinsError};
+use cermd::pins::{Armed, Bracket, Drives, Edge, Levels, Pins, PinsError};
 use cermd::reading::{Method, Reading};
-use cermd::settings::Settings;
 use cermd::units::{Nanos, Ohm, Seconds};
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
@@ -135,7 +135,7 @@ impl Board {
         let config = self.config(&self.charge(taus));
         let (mut all, mut means) = (Errors::default(), Vec::new());
         for seed in 0..INSTRUMENTS {
-            let settings = Settings::new(&config).unwrap();
+            let settings = config.settings().unwrap();
             let mut instrument = Instrument::new(self.pins(&[neighbour_ohm, self.r_ohm], seed), settings);
             let mut errors = Errors::default();
             until_known(&mut instrument);
@@ -151,7 +151,7 @@ impl Board {
     /// Readings per second of a sensor that is alone.
     pub fn rate_alone(self, taus: f64) -> f64 {
         let bench = Bench::new("pi4", self.method, self.r_ohm, 0, &self.charge(taus));
-        let settings = Settings::new(&Config::parse(&bench.config, "bench").unwrap()).unwrap();
+        let settings = Config::parse(&bench.config, "bench").unwrap().settings().unwrap();
         let mut instrument = Instrument::new(self.pins(&[self.r_ohm], 1), settings);
         until_known(&mut instrument);
         readings(&mut instrument, 0, BEFORE, |_| {});

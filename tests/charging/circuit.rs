@@ -1,9 +1,10 @@
 //! The closed form against the simulated network, which knows neither progress nor modes; and discharges that end early.
 
+use cermd::circuit::Node;
 use cermd::circuit::{Circuit, NOMINAL_R_CHARGE, Network};
-use cermd::discharge::{Plan, run};
+use cermd::instrument::discharge::{Plan, run};
+use cermd::pins::Drives;
 use cermd::pins::sim::{Kind, Scene, Sensor, SimPins, network};
-use cermd::pins::{Drives, Node};
 use cermd::record::{Record, Through};
 use cermd::units::{Farad, Nanos, Ohm, Volt};
 

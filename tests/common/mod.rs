@@ -2,12 +2,12 @@
 #![allow(dead_code)] // Each test program uses its own part.
 
 use cermd::config::Config;
+use cermd::instrument::settings::Settings;
 use cermd::instrument::{Instrument, Message};
 use cermd::pins::Pins;
 use cermd::pins::sim::{Kind, Scene, Sensor, SimPins};
 use cermd::reading::{Method, Reading, Status};
 use cermd::record::Record;
-use cermd::settings::Settings;
 use cermd::units::{Nanos, Ohm};
 
 /// What a test runs: a board by name, and what is changed on it and in the configuration.
@@ -70,7 +70,7 @@ impl Bench {
     /// What an instrument is made of.
     pub fn parts(&self) -> (SimPins, Settings) {
         let config = Config::parse(&self.config, "bench").unwrap();
-        (SimPins::new(&self.scene, Some(self.seed)), Settings::new(&config).unwrap())
+        (SimPins::new(&self.scene, Some(self.seed)), config.settings().unwrap())
     }
 }
 

@@ -1,8 +1,9 @@
 //! Random circuits, and the discharges that Kirchhoff's laws give for them.
 
+use cermd::circuit::Node;
 use cermd::pins::sim::network::{LINES, Sense, Wiring};
 use cermd::pins::sim::{Charge, Circuit};
-use cermd::pins::{Drives, MAX_CHANNELS, Node};
+use cermd::pins::{Drives, MAX_CHANNELS};
 use cermd::reading::{Branch, Method};
 use cermd::record::{Record, Switch, Through};
 use cermd::units::Nanos;

@@ -1,9 +1,9 @@
 //! A server and its clients in one thread.
 
 use cermd::reading::{Branch, Measured, Method, Reading, Status};
-use cermd::server::{Limits, Listener, Server};
+use cermd::stream::server::{Limits, Listener, Server};
+use cermd::stream::wire::{ChannelInfo, Unit, UnixTime};
 use cermd::units::Nanos;
-use cermd::wire::{ChannelInfo, Unit, UnixTime};
 use nix::poll::{PollFd, PollFlags, PollTimeout, poll};
 use serde_json::Value;
 use std::io::{ErrorKind, Read, Write};

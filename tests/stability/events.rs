@@ -4,8 +4,9 @@ use crate::common::{Errors, settle};
 use crate::paper::{self, Parts, R_O, Times};
 use crate::scenario::{Board, ByHand, Scenario, is_true, moments, percent, truth, without_number};
 use crate::switching::STAMP;
+use cermd::circuit::Node;
 use cermd::pins::sim::scene::EventsScene;
-use cermd::pins::{Drives, Node, Pins};
+use cermd::pins::{Drives, Pins};
 use cermd::reading::{Fault, Method};
 use cermd::units::Nanos;
 

@@ -2,10 +2,11 @@
 
 use crate::common::{Bench, Errors, kind_of};
 use crate::paper::{Parts, Times};
-use cermd::discharge::{Plan, run};
+use cermd::circuit::Node;
+use cermd::instrument::discharge::{Plan, run};
 use cermd::instrument::{Instrument, Message};
 use cermd::pins::sim::{Kind, Scene, Sensor, SimPins};
-use cermd::pins::{Bracket, Drives, Node, Pins};
+use cermd::pins::{Bracket, Drives, Pins};
 use cermd::reading::{Fault, Method};
 use cermd::record::Through;
 use cermd::units::{Farad, Nanos, Ohm, Volt};

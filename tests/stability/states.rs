@@ -1,11 +1,12 @@
 //! Defects of the circuit, one at a time: they come while the instrument runs, stay, and go again.
 
 use crate::common::{Bench, kind_of};
-use cermd::diagnosis::Suspect;
+use cermd::circuit::Node;
+use cermd::instrument::cycle::longest_reading;
 use cermd::instrument::{Instrument, Message};
-use cermd::pins::Node;
 use cermd::pins::sim::network::Wiring;
 use cermd::pins::sim::{Circuit, SimPins};
+use cermd::reading::Suspect;
 use cermd::reading::{Fault, Method, Reading, Status};
 use cermd::units::Nanos;
 use std::collections::BTreeMap;
@@ -151,7 +152,7 @@ fn examine(defect: &Defect, method: Method) -> (String, Option<String>) {
         "deadline = \"60 ms\"\noffset = \"auto\"",
     );
     let (pins, settings) = bench.parts();
-    let bound = settings.longest_reading() + FOR_THE_SYSTEM;
+    let bound = longest_reading(&settings) + FOR_THE_SYSTEM;
     let mut instrument = Instrument::new(pins, settings);
     let well = listen(&mut instrument, BEFORE, R_OHM);
     let healthy = instrument.pins().circuit().clone();

@@ -4,7 +4,8 @@
 use crate::common::{read, records, settle};
 use crate::paper::{self, Noise, Parts, R_O, Times, V_DD, normal_below};
 use crate::scenario::{Board, ByHand, Scenario, is_true, moments, percent, rms, truth};
-use cermd::pins::{Drives, Node, Pins};
+use cermd::circuit::Node;
+use cermd::pins::{Drives, Pins};
 use cermd::reading::{Branch, Method, Status};
 use cermd::units::Nanos;
 

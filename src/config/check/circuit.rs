@@ -1,8 +1,8 @@
 //! `[circuit]`: can these parts measure at all, and would they last.
 
 use super::Findings;
+use crate::circuit::Node;
 use crate::circuit::{Circuit, Defect, Network};
-use crate::pins::Node;
 use crate::units::{Farad, Ohm, Quantity, Volt};
 use std::ops::RangeInclusive;
 

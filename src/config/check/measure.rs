@@ -3,7 +3,7 @@
 use super::Findings;
 use crate::circuit::Network;
 use crate::config::{Calibration, Config, Measure, Offset};
-use crate::offset;
+use crate::estimate::offset;
 use crate::reading::Method;
 use crate::units::{Nanos, Seconds};
 

@@ -4,9 +4,9 @@
 
 use super::Findings;
 use crate::circuit::Network;
+use crate::circuit::Node;
 use crate::config::charge::Remembered;
 use crate::config::{Config, Offset};
-use crate::pins::Node;
 use crate::reading::Method;
 use crate::units::Seconds;
 

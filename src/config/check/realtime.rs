@@ -1,7 +1,7 @@
 //! `[realtime]`: numbers that no kernel knows.
 
 use super::Findings;
-use crate::realtime::Wishes;
+use crate::pins::realtime::Wishes;
 
 /// The priorities of SCHED_FIFO, sched(7).
 const PRIORITIES: std::ops::RangeInclusive<u8> = 1..=99;

@@ -4,10 +4,10 @@
 //! not know: where the value comes from.
 
 use super::{CalibrateError, CtlError};
-use crate::check;
-use crate::fit::{Fit, Pair};
+use crate::ctl::check;
+use crate::estimate::fit::{Fit, Pair};
+use crate::stream::wire::UnixTime;
 use crate::units::{Newton, NewtonOhm};
-use crate::wire::UnixTime;
 use nix::time::{ClockId, clock_gettime};
 use std::fs::{self, File};
 use std::io::{self, Write};

@@ -3,7 +3,7 @@
 //! For: lines such as `120 g`, `1.2 N, 11122 ohm` and `1.20,11122`. Must not know: how a resistance is measured.
 
 use super::CalibrateError;
-use crate::fit::Pair;
+use crate::estimate::fit::Pair;
 use crate::units::{Newton, Ohm};
 
 /// Standard gravity, m/s^2: what a mass weighs (CGPM 1901).

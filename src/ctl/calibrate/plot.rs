@@ -2,7 +2,7 @@
 //!
 //! For: an SVG that is legible on white and on black. Must not know: where it goes.
 
-use crate::fit::{Fit, Pair};
+use crate::estimate::fit::{Fit, Pair};
 use std::fmt::Write;
 
 const WIDTH: f64 = 640.0;
@@ -117,7 +117,7 @@ fn escaped(text: &str) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::fit;
+    use crate::estimate::fit;
 
     #[test]
     fn every_pair_is_inside_both_panels() {

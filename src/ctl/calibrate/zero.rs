@@ -6,15 +6,15 @@
 //! estimates from the timings of the discharges, which keep their sign, by the method of the daemon.
 
 use super::{CalibrateError, CtlError, Target, Value};
-use crate::cli::Zero;
 use crate::config::LARGEST_ZERO_OHM;
+use crate::ctl::cli::Zero;
+use crate::ctl::replay;
 use crate::ctl::stream::{Next, Stream};
 use crate::ctl::text::measured;
-use crate::fit;
+use crate::estimate::fit;
 use crate::reading::{Fault, Method};
-use crate::replay;
-use crate::tape::Header;
-use crate::wire::ServerMessage;
+use crate::stream::tape::Header;
+use crate::stream::wire::ServerMessage;
 use std::time::{Duration, Instant};
 
 /// How long to wait for the next discharge or reading.
@@ -123,7 +123,7 @@ fn next(
         match stream.next()? {
             Next::Line(line, message) => return Ok((line, message)),
             Next::Quiet => {}
-            Next::Ended => return Err(crate::client::ClientError::Closed.into()),
+            Next::Ended => return Err(crate::stream::client::ClientError::Closed.into()),
         }
     }
 }

@@ -4,8 +4,8 @@
 
 use super::super::CtlError;
 use crate::circuit::{Circuit, NOMINAL_R_CHARGE, Network};
-use crate::cli;
 use crate::config::{Channel, Config, Force, Gpio, Measure, Mock, Mode, Server};
+use crate::ctl::cli;
 use crate::pins::Drives;
 use crate::pins::sim::network::line_index;
 use crate::pins::sim::{Kind, Scene, Sensor, SimPins};

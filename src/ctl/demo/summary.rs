@@ -7,8 +7,8 @@ use super::super::terminal::{Line, Style};
 use super::super::text::{measured, rough};
 use super::board::Board;
 use crate::pins::sim::SimPins;
+use crate::stream::wire::{ReadingLine, StatusName};
 use crate::units::Nanos;
-use crate::wire::{ReadingLine, StatusName};
 use serde_json::{Map, Value};
 use std::collections::BTreeMap;
 

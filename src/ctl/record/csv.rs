@@ -2,7 +2,7 @@
 //!
 //! For: spreadsheets and scripts. Must not know: where the lines go.
 
-use crate::wire::{ReadingLine, StatusName};
+use crate::stream::wire::{ReadingLine, StatusName};
 
 /// The columns: the fields of READING.
 const COLUMNS: [&str; 18] = [

@@ -2,7 +2,7 @@
 //! not know: what is waited for.
 
 use super::Shared;
-use crate::backend::AnyPins;
+use crate::config::backend::AnyPins;
 use crate::pins::{Armed, Bracket, Drives, Edge, Levels, Particulars, Pins, PinsError};
 use crate::units::Nanos;
 use std::sync::Arc;

@@ -8,7 +8,7 @@ const CONFIG: &str = "[circuit]\nkind = \"two-capacitor\"\nc-a = \"2.2 uF\"\nc-b
 
 fn config(scene: &str) -> (Config, Settings) {
     let config = Config::parse(&CONFIG.replace("SCENE", scene), "test").unwrap();
-    let settings = Settings::new(&config).unwrap();
+    let settings = config.settings().unwrap();
     (config, settings)
 }
 
@@ -87,7 +87,7 @@ impl Pins for Endless {
 fn a_long_discharge_looks_alive_and_ends_when_it_is_to() {
     let text = CONFIG.replace("SCENE", "ideal").replace("[gpio]", "[measure]\ndeadline = \"60 s\"\n[gpio]");
     let config = Config::parse(&text, "test").unwrap();
-    let settings = Settings::new(&config).unwrap();
+    let settings = config.settings().unwrap();
     let [driving, waits] = [(); 2].map(|()| Arc::new(AtomicU32::new(0)));
     let pins = Endless { now: Nanos::ZERO, driving: Arc::clone(&driving), waits: Arc::clone(&waits) };
     let mut measuring = Measuring::start(Some(Box::new(pins)), config, settings).unwrap();

@@ -2,7 +2,8 @@
 //! waited for.
 
 use super::wiring::Lines;
-use crate::pins::{Edge, Node, later};
+use crate::circuit::Node;
+use crate::pins::{Edge, later};
 use crate::units::Nanos;
 use gpiocdev_uapi::v2::LineEdgeEvent;
 

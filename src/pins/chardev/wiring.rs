@@ -4,7 +4,8 @@
 use super::chips::Chip;
 use super::error::OpenError;
 use super::names::line_offset;
-use crate::pins::{Drives, MAX_CHANNELS, Node};
+use crate::circuit::Node;
+use crate::pins::{Drives, MAX_CHANNELS};
 
 /// How a circuit is wired to the lines of one chip. A line is given by name ("GPIO17") or by offset ("17").
 #[derive(Debug, Clone, PartialEq, Eq)]

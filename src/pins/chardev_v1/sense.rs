@@ -1,6 +1,6 @@
 //! For: one sense line of uAPI v1, its stamps and its count of edges. Must not know: the other lines.
 
-use crate::pins::Node;
+use crate::circuit::Node;
 use crate::pins::chardev::wait::{clock, monotonic};
 use crate::units::Nanos;
 use gpio_cdev::LineEventHandle;

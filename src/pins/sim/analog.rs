@@ -7,7 +7,8 @@ use super::network::{Circuit, Flow, Wiring, line_index};
 use super::noise::Noise;
 use super::scene::DriftScene;
 use super::sensor::Source;
-use crate::pins::{Drives, Levels, Node};
+use crate::circuit::Node;
+use crate::pins::{Drives, Levels};
 use rand_chacha::ChaCha8Rng;
 
 /// A sense input that fell. Seconds count from the last change of the network, at `since_ns`.

@@ -3,7 +3,8 @@
 //! For: stamps, sequence numbers and the event buffer, as in drivers/gpio/gpiolib-cdev.c. Must not know: circuits.
 
 use super::latency::Delay;
-use crate::pins::{Edge, Node};
+use crate::circuit::Node;
+use crate::pins::Edge;
 use crate::units::Nanos;
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;

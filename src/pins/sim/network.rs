@@ -16,7 +16,8 @@
 //! phi(r, t) = (1 - exp(-r t)) / r, or t where the rate is 0 (charge that cannot leave, or a constant current).
 
 use super::course::Course;
-use crate::pins::{Drives, MAX_CHANNELS, Node};
+use crate::circuit::Node;
+use crate::pins::{Drives, MAX_CHANNELS};
 
 /// How many lines can drive: two chargers, two sinks of calibration resistors, the sensors' sinks.
 pub const LINES: usize = 4 + MAX_CHANNELS;

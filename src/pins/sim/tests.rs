@@ -1,5 +1,5 @@
 use super::*;
-use crate::pins::Node;
+use crate::circuit::Node;
 use crate::units::{Ohm, Seconds};
 
 const MS: i64 = 1_000_000;

@@ -2,7 +2,8 @@
 //!
 //! For: comparing what was measured with what was. Must not know: how it was measured.
 
-use crate::pins::{Drives, Node};
+use crate::circuit::Node;
+use crate::pins::Drives;
 
 /// A discharge has a start, a switch and an end, of two lines each; more changes than this are not kept.
 const CHANGES: usize = 16;

@@ -1,0 +1,204 @@
+//! The law of the circuit: a discharge runs along one fixed trajectory, and only its speed depends on the resistor.
+//!
+//! For: planning (predicted times), checking a configuration, documentation. Must not know: GPIO lines,
+//! configuration files, or how measured times become a resistance; nominal values never enter an estimate.
+//!
+//! The *progress* of a discharge is `theta = sum of t_i / (R_i + Ro)` over its parts, in s/ohm = F. Node A crosses
+//! its threshold at `theta = g_A`, node B at `theta = g_B`, whatever the resistors were. Equation numbers are those
+//! of the paper on the compact error reduction method: (2), (6) one capacitor; (9), (10) two capacitors, with C_A
+//! between the nodes A and B, C_B from B to ground, and the resistors at A.
+
+use crate::units::{Farad, Ohm, Seconds, Volt};
+
+mod charge;
+mod node;
+
+pub use node::Node;
+
+/// Supply voltage V_DD when nothing else is said.
+pub const NOMINAL_V_DD: Volt = Volt(3.3);
+/// Falling threshold V_Th of an input when nothing else is said.
+pub const NOMINAL_V_TH: Volt = Volt(1.3);
+/// Rp + Ro of a charger when nothing else is said, 180 ohm and a pin of 40 ohm: 3.3 V over it stay below the 16 mA that a pin
+/// may deliver. The parts of hw/wiring.md, 220 ohm and 40 ohm, leave more room; hw/cermd.toml says so.
+pub const NOMINAL_R_CHARGE: Ohm = Ohm(220.0);
+/// Output resistance Ro of a sinking pin, for predictions only.
+pub const NOMINAL_R_O: Ohm = Ohm(40.0);
+
+/// The capacitors, and how the calibration resistors are wired to them.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Network {
+    /// Fig. 1(c): TCDIC and CERM; node A alone serves TPCM too.
+    TwoCapacitor {
+        /// Between nodes A and B.
+        c_a: Farad,
+        /// From node B to ground.
+        c_b: Farad,
+    },
+    /// Fig. 1(a): TPCM.
+    OneCapacitor {
+        /// From node A to ground.
+        c: Farad,
+    },
+    /// Fig. 1(b): QERM; Rc2 is in series with Rc1.
+    SeriesCalibration {
+        /// From node A to ground.
+        c: Farad,
+    },
+}
+
+/// A circuit by its nominal values.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Circuit {
+    /// The capacitors.
+    pub network: Network,
+    /// Calibration resistor Rc1, the lower one.
+    pub r_c1: Ohm,
+    /// Calibration resistor Rc2.
+    pub r_c2: Ohm,
+    /// Supply voltage V_DD.
+    pub v_dd: Volt,
+    /// Falling threshold V_Th of the sense inputs.
+    pub v_th: Volt,
+    /// Rp + Ro of a charger.
+    pub r_charge: Ohm,
+    /// Output resistance Ro of a sinking pin.
+    pub r_o: Ohm,
+}
+
+/// Why a circuit cannot measure.
+#[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
+pub enum Defect {
+    /// The value of this name (`c-a`, `v-dd` ...) is not positive.
+    #[error("{0} is not above zero")]
+    NotPositive(&'static str),
+    /// Nothing ever crosses a threshold that is not below V_DD.
+    #[error("the threshold {v_th:.4} is not below the supply {v_dd:.4}")]
+    Threshold {
+        /// V_Th.
+        v_th: Volt,
+        /// V_DD.
+        v_dd: Volt,
+    },
+    /// The calibration resistors are swapped or equal.
+    #[error("{r_c1} is not below r-c2 = {r_c2}")]
+    Order {
+        /// Rc1.
+        r_c1: Ohm,
+        /// Rc2.
+        r_c2: Ohm,
+    },
+    /// C_B holds node B above its threshold for ever: V_Th (C_A + C_B) <= V_DD C_B.
+    #[error("node B never falls below {floor:.4}, and its threshold is {v_th:.4}")]
+    NoBCrossing {
+        /// Where node B ends: V_DD C_B / (C_A + C_B).
+        floor: Volt,
+        /// V_Th.
+        v_th: Volt,
+        /// C_B has to be below this: C_A V_Th / (V_DD - V_Th).
+        c_b_below: Farad,
+    },
+}
+
+impl Circuit {
+    /// Every reason why this circuit cannot measure; empty for a valid one. The predictions below mean nothing
+    /// for a circuit with defects.
+    pub fn defects(&self) -> Vec<Defect> {
+        let not_positive: Vec<Defect> = self
+            .values()
+            .filter(|(_, value)| value.is_nan() || *value <= 0.0)
+            .map(|(name, _)| Defect::NotPositive(name))
+            .collect();
+        if !not_positive.is_empty() {
+            return not_positive;
+        }
+        let mut defects = Vec::new();
+        // In series with Rc1, any Rc2 makes the second discharge the slower one.
+        if self.r_c1 >= self.r_c2 && !matches!(self.network, Network::SeriesCalibration { .. }) {
+            defects.push(Defect::Order { r_c1: self.r_c1, r_c2: self.r_c2 });
+        }
+        if self.v_th >= self.v_dd {
+            defects.push(Defect::Threshold { v_th: self.v_th, v_dd: self.v_dd });
+        } else if let Network::TwoCapacitor { c_a, c_b } = self.network {
+            if self.v_th.0 * (c_a.0 + c_b.0) <= self.v_dd.0 * c_b.0 {
+                defects.push(Defect::NoBCrossing {
+                    floor: Volt(self.v_dd.0 * c_b.0 / (c_a.0 + c_b.0)),
+                    v_th: self.v_th,
+                    c_b_below: Farad(c_a.0 * self.v_th.0 / (self.v_dd.0 - self.v_th.0)),
+                });
+            }
+        }
+        defects
+    }
+
+    /// Every value that must be positive, by its name. Ro may be zero.
+    fn values(&self) -> impl Iterator<Item = (&'static str, f64)> {
+        let (first, second) = match self.network {
+            Network::TwoCapacitor { c_a, c_b } => (("c-a", c_a.0), Some(("c-b", c_b.0))),
+            Network::OneCapacitor { c } | Network::SeriesCalibration { c } => (("c", c.0), None),
+        };
+        [first].into_iter().chain(second).chain([
+            ("r-c1", self.r_c1.0),
+            ("r-c2", self.r_c2.0),
+            ("v-dd", self.v_dd.0),
+            ("v-th", self.v_th.0),
+            ("r-charge", self.r_charge.0),
+        ])
+    }
+
+    /// The capacitance that a discharge sees: C, or C_T = C_A C_B / (C_A + C_B).
+    pub fn c_total(&self) -> Farad {
+        match self.network {
+            Network::TwoCapacitor { c_a, c_b } => Farad(c_a.0 * c_b.0 / (c_a.0 + c_b.0)),
+            Network::OneCapacitor { c } | Network::SeriesCalibration { c } => c,
+        }
+    }
+
+    /// The voltage of a node at a progress: eq. (6), (9). `None` for a node that the circuit does not have.
+    pub fn voltage(&self, node: Node, theta: Farad) -> Option<Volt> {
+        let v_a = self.v_dd.0 * (-theta.0 / self.c_total().0).exp();
+        match (node, self.network) {
+            (Node::A, _) => Some(Volt(v_a)),
+            (Node::B, Network::TwoCapacitor { c_a, c_b }) => {
+                Some(Volt((v_a * c_a.0 + self.v_dd.0 * c_b.0) / (c_a.0 + c_b.0)))
+            }
+            (Node::B, _) => None,
+        }
+    }
+
+    /// The progress g at which a node crosses its threshold: eq. (2), (10) divided by R + Ro. `None` for a node
+    /// that the circuit does not have or that never crosses.
+    pub fn g(&self, node: Node) -> Option<Farad> {
+        let (v_dd, v_th) = (self.v_dd.0, self.v_th.0);
+        let ratio = match (node, self.network) {
+            (Node::A, _) => v_dd / v_th,
+            (Node::B, Network::TwoCapacitor { c_a, c_b }) => {
+                v_dd * c_a.0 / (v_th * (c_a.0 + c_b.0) - v_dd * c_b.0)
+            }
+            (Node::B, _) => return None,
+        };
+        // A ratio of 1 or less: the threshold is not below the start. Negative, infinite: not above the end.
+        (ratio > 1.0 && ratio.is_finite()).then(|| Farad(self.c_total().0 * ratio.ln()))
+    }
+
+    /// When a node crosses its threshold in a full discharge through `r`: eq. (2), (10).
+    pub fn crossing(&self, node: Node, r: Ohm) -> Option<Seconds> {
+        self.g(node).map(|g| Seconds(g.0 * (r.0 + self.r_o.0)))
+    }
+
+    /// The resistance whose full discharge brings a node to its threshold after `time`: what a deadline resolves.
+    pub fn resistance(&self, node: Node, time: Seconds) -> Option<Ohm> {
+        self.g(node).map(|g| Ohm(time.0 / g.0 - self.r_o.0))
+    }
+
+    /// The resistor of the second calibration discharge: Rc2, or Rc1 + Rc2 where they are in series.
+    pub fn r_second(&self) -> Ohm {
+        match self.network {
+            Network::SeriesCalibration { .. } => Ohm(self.r_c1.0 + self.r_c2.0),
+            _ => self.r_c2,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests;

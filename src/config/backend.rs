@@ -1,0 +1,162 @@
+//! From `[gpio]` and `[mock]` to pins.
+//!
+//! For: the one place that knows which backends there are. Must not know: what is done with the pins.
+
+use crate::circuit::Network;
+use crate::config::{Backend, Config, Line};
+use crate::pins::Pins;
+use crate::pins::chardev::{self, Chardev, Wiring};
+use crate::pins::chardev_v1::{self, ChardevV1};
+use crate::pins::sim::{Kind, Scene, SceneError, SimPins};
+use crate::units::Nanos;
+use std::path::Path;
+
+/// What other programs see as the holder of the lines (gpioinfo).
+pub const CONSUMER: &str = "cermd";
+
+/// Pins of any backend.
+pub type AnyPins = Box<dyn Pins + Send>;
+
+/// Why there are no pins.
+#[derive(Debug, thiserror::Error)]
+pub enum OpenError {
+    /// The scene of the simulated circuit is not usable.
+    #[error("mock.scene: {0}")]
+    Scene(#[from] SceneError),
+    /// The configuration names no scene.
+    #[error("gpio.backend is \"mock\", and [mock] names no scene; write [mock] scene = \"pi4\"")]
+    NoScene,
+    /// A name that hardware needs is not in the configuration.
+    #[error("{0} is missing; `cermctl lines` shows what there is")]
+    Missing(String),
+    /// The hardware is not usable.
+    #[error(transparent)]
+    Hardware(#[from] chardev::OpenError),
+}
+
+/// Opens the pins that a checked configuration names. Simulated ones keep step with the wall clock, from `now` on.
+///
+/// # Errors
+/// What is wrong with the scene or the hardware.
+pub fn open(config: &Config, now: Nanos) -> Result<AnyPins, OpenError> {
+    match config.gpio.backend {
+        Backend::Mock => {
+            let mock = config.mock.as_ref().ok_or(OpenError::NoScene)?;
+            Ok(Box::new(SimPins::new(&scene(config)?, mock.seed).paced(now)))
+        }
+        Backend::Chardev => Ok(Box::new(Chardev::open(&wiring(config)?)?)),
+        Backend::ChardevV1 => Ok(Box::new(ChardevV1::open(&wiring(config)?)?)),
+    }
+}
+
+/// Makes every line that the configuration names an input: for after a kill. `false`: the circuit is simulated, there
+/// is nothing to do.
+///
+/// # Errors
+/// The first line that could not be had; the others are inputs all the same.
+pub fn release_lines(config: &Config) -> Result<bool, OpenError> {
+    match config.gpio.backend {
+        Backend::Mock => return Ok(false),
+        Backend::Chardev => chardev::release_lines(&wiring(config)?)?,
+        Backend::ChardevV1 => chardev_v1::release_lines(&wiring(config)?)?,
+    }
+    Ok(true)
+}
+
+/// The lines of the configured circuit.
+///
+/// # Errors
+/// The key of the first line that is needed and not named.
+pub fn wiring(config: &Config) -> Result<Wiring, OpenError> {
+    let gpio = &config.gpio;
+    let two_nodes = matches!(config.circuit.network, Network::TwoCapacitor { .. });
+    let missing = |key: &str| OpenError::Missing(key.to_owned());
+    let needed = |key: &str, line: &Option<Line>| {
+        line.as_ref().map(Line::to_string).ok_or_else(|| missing(&format!("gpio.{key}")))
+    };
+    let sinks_x = config.channels.iter().map(|channel| {
+        let sink = channel.sink.as_ref().map(Line::to_string);
+        sink.ok_or_else(|| missing(&format!("channel.{}.sink", channel.id)))
+    });
+    Ok(Wiring {
+        chip: gpio.chip.clone().ok_or_else(|| missing("gpio.chip"))?,
+        sense_a: needed("sense-a", &gpio.sense_a)?,
+        sense_b: if two_nodes { Some(needed("sense-b", &gpio.sense_b)?) } else { None },
+        charge_a: gpio.charge_a.as_ref().map(Line::to_string),
+        charge_b: gpio.charge_b.as_ref().filter(|_| two_nodes).map(Line::to_string),
+        sink_c1: needed("sink-c1", &gpio.sink_c1)?,
+        sink_c2: needed("sink-c2", &gpio.sink_c2)?,
+        sinks_x: sinks_x.collect::<Result<_, _>>()?,
+        consumer: CONSUMER.to_owned(),
+        event_buffer: None,
+    })
+}
+
+/// The scene that a configuration names: a file (`*.toml`, beside the configuration), or one that is built in.
+///
+/// # Errors
+/// The scene does not exist, or is wrong.
+pub fn scene(config: &Config) -> Result<Scene, OpenError> {
+    let mock = config.mock.as_ref().ok_or(OpenError::NoScene)?;
+    let scene = if mock.scene.ends_with(".toml") {
+        Scene::load(&config.path(Path::new(&mock.scene)))?
+    } else {
+        Scene::builtin(&mock.scene)?
+    };
+    let kind = match config.circuit.network {
+        Network::TwoCapacitor { .. } => Kind::TwoCapacitor,
+        Network::OneCapacitor { .. } => Kind::OneCapacitor,
+        Network::SeriesCalibration { .. } => Kind::SeriesCalibration,
+    };
+    Ok(scene.with_kind(kind)?)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn shipped() -> Config {
+        Config::parse(include_str!("../../hw/cermd.toml"), "hw/cermd.toml").unwrap()
+    }
+
+    #[test]
+    fn the_wiring_is_that_of_the_configuration() {
+        let wiring = wiring(&shipped()).unwrap();
+        assert_eq!((wiring.chip.as_str(), wiring.consumer.as_str()), ("pinctrl-rp1", "cermd"));
+        assert_eq!((wiring.sense_a.as_str(), wiring.sense_b.as_deref()), ("GPIO5", Some("GPIO6")));
+        assert_eq!(
+            (wiring.charge_a.as_deref(), wiring.charge_b.as_deref()),
+            (Some("GPIO13"), Some("GPIO19"))
+        );
+        assert_eq!((wiring.sink_c1.as_str(), wiring.sink_c2.as_str()), ("GPIO20", "GPIO21"));
+        assert_eq!(wiring.sinks_x, ["GPIO16"]);
+    }
+
+    #[test]
+    fn one_capacitor_needs_no_second_node_and_uses_none() {
+        let mut config = shipped();
+        config.circuit.network = Network::OneCapacitor { c: crate::units::Farad(470e-9) };
+        let wiring = wiring(&config).unwrap();
+        assert_eq!((wiring.sense_b, wiring.charge_b), (None, None));
+    }
+
+    #[test]
+    fn a_line_that_is_missing_is_named_by_its_key() {
+        let mut config = shipped();
+        config.gpio.sense_b = None;
+        assert!(wiring(&config).unwrap_err().to_string().starts_with("gpio.sense-b is missing"));
+        config = shipped();
+        config.channels[0].sink = None;
+        assert!(wiring(&config).unwrap_err().to_string().starts_with("channel.thumb.sink is missing"));
+    }
+
+    #[test]
+    fn a_simulated_circuit_has_no_lines_to_release() {
+        let mut config = shipped();
+        config.gpio.backend = Backend::Mock;
+        assert!(!release_lines(&config).unwrap());
+        config.gpio.backend = Backend::Chardev;
+        config.gpio.chip = Some("no-such-chip".to_owned());
+        assert!(release_lines(&config).unwrap_err().to_string().contains("no-such-chip"));
+    }
+}

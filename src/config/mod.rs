@@ -1,0 +1,243 @@
+//! The configuration: one TOML file, kebab-case, every quantity with its unit.
+//!
+//! For: what a user may decide, with defaults derived from the circuit, and [`Config::check`], which says what is
+//! wrong and what to do. Must not know: what opens lines, sockets, scenes or force tables.
+//!
+//! Unknown keys, wrong units and wrong types are refused while parsing, with line and caret; values that parse but
+//! cannot work are [findings](Finding).
+
+pub mod backend;
+mod charge;
+mod check;
+mod circuit;
+mod derived;
+mod force;
+mod gpio;
+mod number;
+mod report;
+mod settings;
+
+pub use check::{Finding, LARGEST_ZERO_OHM, Severity};
+pub use force::Force;
+pub use gpio::{Backend, Gpio, Line};
+pub use report::{Report, report};
+pub use settings::SettingsError;
+
+use crate::circuit::Circuit;
+use crate::pins::realtime::Wishes;
+use crate::reading::Method;
+use crate::units::Nanos;
+use serde::Deserialize;
+use serde::de::{self, Deserializer};
+use std::path::{Path, PathBuf};
+
+/// Everything the file says.
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[serde(rename_all = "kebab-case", deny_unknown_fields)]
+pub struct Config {
+    /// The parts on the board. Required.
+    #[serde(deserialize_with = "circuit::deserialize")]
+    pub circuit: Circuit,
+    /// The GPIO lines. Default: the simulated circuit of `[mock]`.
+    #[serde(default)]
+    pub gpio: Gpio,
+    /// How to measure. Default: derived from the circuit.
+    #[serde(default)]
+    pub measure: Measure,
+    /// What makes waiting more precise. Default: nothing is asked for.
+    #[serde(default)]
+    pub realtime: Wishes,
+    /// The sensors, 1 to [`MAX_CHANNELS`](crate::pins::MAX_CHANNELS) of them.
+    #[serde(default, rename = "channel")]
+    pub channels: Vec<Channel>,
+    /// Where readings are served.
+    #[serde(default)]
+    pub server: Server,
+    /// The simulated circuit. Default: none.
+    pub mock: Option<Mock>,
+    /// The folder that relative file names count from: that of the configuration file.
+    #[serde(skip)]
+    pub base: PathBuf,
+}
+
+/// `[measure]`: how to measure. Everything has a default.
+#[derive(Debug, Clone, PartialEq, Default, Deserialize)]
+#[serde(rename_all = "kebab-case", deny_unknown_fields, default)]
+pub struct Measure {
+    /// The method. Default: the best that the circuit allows, `cerm`, `qerm` or `tpcm`.
+    pub method: Option<Method>,
+    /// Readings of each channel per second, hertz, above 0. Default: as fast as the circuit allows.
+    #[serde(deserialize_with = "number::optional")]
+    pub rate_hz: Option<f64>,
+    /// How long the capacitors are charged before each discharge, above 0 up to 1 min. Default: the shortest
+    /// charge whose being incomplete (most of which cancels) changes a reading by no more than a tenth of its uncertainty: 4 to
+    /// 8 time constants of the slowest charge with two capacitors, 10 with one.
+    pub charge_time: Option<Nanos>,
+    /// The pause between the end of the charge and the start of the discharge, 0 to 1 min. Default: what the calls between
+    /// them take.
+    pub settle_time: Option<Nanos>,
+    /// The longest discharge through a sensor, up to 1 min, and not below the predicted discharge through Rc2 (Rc1 +
+    /// Rc2 where they are in series); a higher resistance reads `open`. Default: 5 times that discharge.
+    pub deadline: Option<Nanos>,
+    /// The latency offset d of the crossings, 0 to 1 ms. Default: `auto` for `cerm` and `qerm`; in the other
+    /// methods it cancels, and is 0.
+    pub offset: Option<Offset>,
+    /// Period of the clock that stamps crossings, 1 ns to 1 ms. Default: 1 ns, as Linux counts.
+    pub resolution: Option<Nanos>,
+    /// Where the calibration of `tpcm`, `tcdic` and `cerm` comes from; that of `tracked` is tracked. Default:
+    /// `each-reading`.
+    pub calibration: Option<Calibration>,
+    /// Time limit T_L of eq. (19): a discharge whose T_xA is below it is finished through Rc2; 0 or above. Default: where the
+    /// predicted uncertainties of both branches cross.
+    pub t_l: Option<Nanos>,
+    /// The planned switch comes at this fraction of the predicted T_xA, above 0 and below 1.3. Default: 0.9.
+    #[serde(deserialize_with = "number::optional")]
+    pub switch_fraction: Option<f64>,
+}
+
+/// How often the calibration discharges are taken.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Calibration {
+    /// Anew for each reading.
+    EachReading,
+    /// As often as they pay; in between, the calibration is followed.
+    Tracked,
+}
+
+/// Where the latency offset d comes from.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Offset {
+    /// Found by split calibration.
+    Auto,
+    /// Given.
+    Fixed(Nanos),
+}
+
+impl<'de> Deserialize<'de> for Offset {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Offset, D::Error> {
+        let text = String::deserialize(deserializer)?;
+        if text == "auto" {
+            return Ok(Offset::Auto);
+        }
+        text.parse().map(Offset::Fixed).map_err(|error| de::Error::custom(format!("{error}; or \"auto\"")))
+    }
+}
+
+/// `[[channel]]`: one sensor.
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[serde(rename_all = "kebab-case", deny_unknown_fields)]
+pub struct Channel {
+    /// Its name in the stream, unique. Required.
+    pub id: String,
+    /// The line that sinks the sensor's far end. Required, except with the simulated circuit.
+    pub sink: Option<Line>,
+    /// What the instrument reads with a short circuit in the sensor's place, ohm; subtracted. Default: 0.
+    #[serde(default, deserialize_with = "number::number")]
+    pub zero_ohm: f64,
+    /// How resistance becomes force. Default: not at all, the channel gives ohm only.
+    pub force: Option<Force>,
+}
+
+/// `[server]`: the socket that clients connect to.
+#[derive(Debug, Clone, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "kebab-case", deny_unknown_fields, default)]
+pub struct Server {
+    /// Path, at most 107 bytes. Default: `/run/cermd/cermd.sock`.
+    pub socket: PathBuf,
+    /// Permissions of the socket. Default: `"0660"`, owner and group.
+    pub mode: Mode,
+}
+
+impl Default for Server {
+    fn default() -> Server {
+        Server { socket: PathBuf::from("/run/cermd/cermd.sock"), mode: Mode(0o660) }
+    }
+}
+
+/// Permissions, written as octal digits in a string: `"0660"`.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Mode(pub u32);
+
+impl<'de> Deserialize<'de> for Mode {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Mode, D::Error> {
+        let text = String::deserialize(deserializer)?;
+        u32::from_str_radix(&text, 8)
+            .ok()
+            .filter(|mode| *mode <= 0o777 && !text.starts_with('+'))
+            .map(Mode)
+            .ok_or_else(|| {
+                de::Error::custom(format!("expected octal permissions such as \"0660\", got \"{text}\""))
+            })
+    }
+}
+
+/// `[mock]`: the simulated circuit.
+#[derive(Debug, Clone, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "kebab-case", deny_unknown_fields)]
+pub struct Mock {
+    /// A scene file (its name ends in `.toml`), or the name of a built-in scene. Required.
+    pub scene: String,
+    /// Seed of its noise. Default: the scene's own.
+    pub seed: Option<u64>,
+}
+
+/// A configuration that cannot be read. Values that cannot work are [findings](Finding) instead.
+#[derive(Debug, thiserror::Error)]
+pub enum ConfigError {
+    /// The file could not be read.
+    #[error("{}: {source}; {hint}", path.display())]
+    Read {
+        /// The file.
+        path: PathBuf,
+        /// What the system answered.
+        source: std::io::Error,
+        /// What to do.
+        hint: &'static str,
+    },
+    /// The text is not TOML, or has keys, types or units that do not belong there.
+    #[error("{origin}: {source}")]
+    Toml {
+        /// Where the text comes from.
+        origin: String,
+        /// With line and caret.
+        source: toml::de::Error,
+    },
+}
+
+impl Config {
+    /// Reads a file.
+    ///
+    /// # Errors
+    /// When it cannot be read or parsed.
+    pub fn load(path: &Path) -> Result<Config, ConfigError> {
+        let text = std::fs::read_to_string(path).map_err(|source| {
+            let hint = match source.kind() {
+                std::io::ErrorKind::NotFound => "name a file with --config, or try `cermctl demo`",
+                std::io::ErrorKind::PermissionDenied => "run as the daemon's user, or make the file readable",
+                std::io::ErrorKind::InvalidData => "the file must be UTF-8 text",
+                _ => "is it a regular file?",
+            };
+            ConfigError::Read { path: path.to_owned(), source, hint }
+        })?;
+        let mut config = Config::parse(&text, &path.display().to_string())?;
+        config.base = path.parent().map(Path::to_owned).unwrap_or_default();
+        Ok(config)
+    }
+
+    /// Reads a text; `origin` names it in errors. Relative file names count from the working directory.
+    ///
+    /// # Errors
+    /// When it cannot be parsed.
+    pub fn parse(text: &str, origin: &str) -> Result<Config, ConfigError> {
+        toml::from_str(text).map_err(|source| ConfigError::Toml { origin: origin.to_owned(), source })
+    }
+
+    /// A file that the configuration names, relative to the configuration file.
+    pub fn path(&self, file: &Path) -> PathBuf {
+        self.base.join(file)
+    }
+}
+
+#[cfg(test)]
+mod tests;

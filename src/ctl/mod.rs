@@ -1,0 +1,66 @@
+//! The verbs of `cermctl`, one file each.
+//!
+//! For: what a person sees: live lines, tables, files, errors as sentences. Must not know: how anything is measured; the
+//! [`demo`] alone starts an instrument.
+
+mod calibrate;
+pub mod check;
+pub mod cli;
+pub mod demo;
+mod error;
+mod estimate;
+mod get;
+mod hardware;
+mod interrupt;
+mod lines;
+mod panel;
+mod record;
+pub mod replay;
+mod stats;
+mod stream;
+mod terminal;
+mod text;
+mod watch;
+
+pub use calibrate::CalibrateError;
+pub use error::CtlError;
+
+use crate::config::Config;
+use crate::ctl::cli::Verb;
+use std::io::Write;
+
+/// Does what was asked for.
+///
+/// # Errors
+/// A sentence for the person who asked.
+pub fn run(verb: Verb) -> Result<(), CtlError> {
+    match verb {
+        Verb::Demo(arguments) => demo::run(&arguments),
+        Verb::Watch(arguments) => watch::run(&arguments),
+        Verb::Get(arguments) => get::run(&arguments),
+        Verb::Stats(arguments) => stats::run(&arguments),
+        Verb::Check(arguments) => check(&arguments),
+        Verb::Lines(arguments) => lines::run(&arguments),
+        Verb::Record(arguments) => record::run(&arguments),
+        Verb::Estimate(arguments) => estimate::run(&arguments),
+        Verb::Calibrate(arguments) => calibrate::run(&arguments.by),
+    }
+}
+
+fn check(arguments: &cli::Check) -> Result<(), CtlError> {
+    let mut report = check::check(&arguments.config);
+    let mut latencies = String::new();
+    if report.is_usable() {
+        if let (Ok(findings), Ok(config)) = (&mut report.outcome, Config::load(&arguments.config)) {
+            latencies = hardware::check(&config, findings);
+        }
+    }
+    print(&(report.to_string() + &latencies))?;
+    if report.is_usable() { Ok(()) } else { Err(CtlError::Unusable) }
+}
+
+/// To standard output.
+fn print(text: &str) -> Result<(), CtlError> {
+    let mut out = std::io::stdout().lock();
+    out.write_all(text.as_bytes()).and_then(|()| out.flush()).map_err(CtlError::Output)
+}

@@ -1,0 +1,222 @@
+//! Estimating from a tape.
+//!
+//! For: `cermctl estimate`: for every x discharge one line, from the most recent calibration discharges before it.
+//! Must not know: where the lines come from or go to.
+
+use crate::estimate::Estimator;
+use crate::estimate::force::Force;
+use crate::estimate::offset::{Offset, SplitCalibration};
+use crate::reading::{Branch, Fault, Method, Status};
+use crate::record::Through;
+use crate::stream::tape::{Entry, Header, Kind, TapeError, TapeForce};
+use serde::Serialize;
+
+/// What is said about one x discharge.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Estimate {
+    class: &'static str,
+    seq: u64,
+    channel: String,
+    method: &'static str,
+    status: &'static str,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    fault: Option<&'static str>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    branch: Option<&'static str>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    r_ohm: Option<f64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    r_u_ohm: Option<f64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    f_n: Option<f64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    f_u_n: Option<f64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    r_max_ohm: Option<f64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    f_min_n: Option<f64>,
+}
+
+/// Where d comes from when a tape is estimated.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum TapeOffset {
+    /// The header's, or else as [`TapeOffset::Auto`].
+    OfTape,
+    /// From the split discharges on the tape.
+    Auto,
+    /// Given, ns.
+    Given(f64),
+}
+
+/// Why a tape cannot be estimated from.
+#[derive(Debug, thiserror::Error)]
+pub enum ReplayError {
+    /// A line is wrong.
+    #[error(transparent)]
+    Tape(#[from] TapeError),
+    /// The tape is empty.
+    #[error("line 1: the tape is empty")]
+    Empty,
+    /// The method does not belong to the circuit.
+    #[error("{method} does not work on a {kind} tape; {hint}")]
+    Method {
+        /// The method asked for.
+        method: &'static str,
+        /// The circuit of the tape.
+        kind: &'static str,
+        /// Which methods do.
+        hint: &'static str,
+    },
+    /// d is needed and nowhere to be found.
+    #[error(
+        "{0} needs the latency offset, and the tape has neither offset_ns nor enough split calibration discharges; \
+         give it with --offset, e.g. --offset \"8 us\""
+    )]
+    Offset(&'static str),
+}
+
+/// The estimates of a whole tape, or the first thing that is wrong with it.
+///
+/// # Errors
+/// [`ReplayError`] with the line number, or what to do.
+pub fn estimate(text: &str, method: Method, offset: TapeOffset) -> Result<Vec<Estimate>, ReplayError> {
+    replay(text, method, offset, line)
+}
+
+/// The estimates of one channel as they are, ohm: no zero taken off, and below 0 too, where a reading says `short`; a
+/// fault for each discharge that gives none.
+///
+/// # Errors
+/// As [`estimate`].
+pub fn signed_ohm(text: &str, method: Method, id: &str) -> Result<Vec<Result<f64, Fault>>, ReplayError> {
+    let signed = replay(text, method, TapeOffset::OfTape, |estimator, header, channel, entry| {
+        let is_wanted = header.channels[channel].id == id;
+        is_wanted.then(|| estimator.estimate(&entry.record).map(|estimate| estimate.r_ohm.value))
+    })?;
+    Ok(signed.into_iter().flatten().collect())
+}
+
+/// Calibrates with the calibration discharges of a tape, and asks `each` about those of sensors.
+fn replay<T>(
+    text: &str,
+    method: Method,
+    offset: TapeOffset,
+    mut each: impl FnMut(&Estimator, &Header, usize, &Entry) -> T,
+) -> Result<Vec<T>, ReplayError> {
+    let (header, entries) = parse(text)?;
+    let nodes = nodes_of(method, header.circuit.kind)?;
+    let [r1, r2] = header.r_ohm();
+    let new = |offset| Estimator::new(method, r1, r2, nodes, offset);
+    let offset = match (offset, header.offset_ns) {
+        (TapeOffset::Given(d_ns), _) | (TapeOffset::OfTape, Some(d_ns)) => Offset::given(d_ns),
+        // It cancels in the equations of these, or is part of what is tracked.
+        _ if matches!(method, Method::Tpcm | Method::Tcdic | Method::Tracked) => Offset::default(),
+        _ => split_offset(new(Offset::default()), [r1, r2], nodes, &entries)
+            .ok_or(ReplayError::Offset(method.as_str()))?,
+    };
+    let mut estimator = match method {
+        Method::Tracked => Estimator::tracked(method, r1, r2, nodes),
+        _ => new(offset),
+    };
+    let mut estimates = Vec::new();
+    for entry in &entries {
+        match (entry.record.through.channel(), entry.record.switch) {
+            (Some(channel), _) => estimates.push(each(&estimator, &header, channel, entry)),
+            // The calibration in force stays when a discharge is of no use.
+            (None, None) => drop(estimator.calibrate(&entry.record)),
+            (None, Some(_)) if method == Method::Tracked => drop(estimator.calibrate(&entry.record)),
+            (None, Some(_)) => {}
+        }
+    }
+    Ok(estimates)
+}
+
+fn parse(text: &str) -> Result<(Header, Vec<Entry>), ReplayError> {
+    let mut lines = text.lines().enumerate();
+    let (_, first) = lines.next().ok_or(ReplayError::Empty)?;
+    let header = Header::parse(first)?;
+    let mut entries: Vec<Entry> = Vec::new();
+    for (index, line) in lines.filter(|(_, line)| !line.trim().is_empty()) {
+        let entry = header.parse_discharge(index + 1, line)?;
+        if let Some(before) = entries.last().filter(|before| before.seq >= entry.seq) {
+            let reason = format!(
+                "seq {} comes after {}; the lines are out of order, or two tapes were joined",
+                entry.seq, before.seq
+            );
+            return Err(TapeError { line: index + 1, reason }.into());
+        }
+        entries.push(entry);
+    }
+    Ok((header, entries))
+}
+
+fn nodes_of(method: Method, kind: Kind) -> Result<usize, ReplayError> {
+    let refuse = |kind, hint| Err(ReplayError::Method { method: method.as_str(), kind, hint });
+    match (method, kind) {
+        (Method::Tpcm, _) | (Method::Qerm, Kind::SeriesCalibration) => Ok(1),
+        (Method::Tracked, Kind::OneCapacitor) => Ok(1),
+        (Method::Tcdic | Method::Cerm | Method::Tracked, Kind::TwoCapacitor) => Ok(2),
+        (_, Kind::TwoCapacitor) => refuse("two-capacitor", "take tpcm, tcdic, cerm or tracked"),
+        (_, Kind::OneCapacitor) => refuse("one-capacitor", "take tpcm or tracked"),
+        (_, Kind::SeriesCalibration) => refuse("series-calibration", "take tpcm or qerm"),
+    }
+}
+
+fn split_offset(
+    mut estimator: Estimator,
+    [r1, r2]: [f64; 2],
+    nodes: usize,
+    entries: &[Entry],
+) -> Option<Offset> {
+    let mut split = SplitCalibration::new(r1, r2, nodes, entries.len());
+    for Entry { record, .. } in entries.iter().filter(|entry| entry.record.through.channel().is_none()) {
+        match record.switch {
+            None => drop(estimator.calibrate(record)),
+            Some(switch)
+                if record.through == Through::C1 && matches!(switch.to, Through::C2 | Through::C12) =>
+            {
+                if let Some((c1, c2)) = estimator.calibration() {
+                    split.add(c1, c2, record, estimator.noise());
+                }
+            }
+            Some(_) => {}
+        }
+    }
+    split.result()
+}
+
+fn line(estimator: &Estimator, header: &Header, channel: usize, entry: &Entry) -> Estimate {
+    let channel = &header.channels[channel];
+    let force = channel.force.as_ref().map(|force| match force {
+        TapeForce::Pair { fc1_n, fc2_n } => Force::Pair { r_ohm: header.r_ohm(), f_n: [*fc1_n, *fc2_n] },
+        TapeForce::Alpha { alpha_n_ohm } => Force::Alpha(*alpha_n_ohm),
+    });
+    let status = estimator.status(&entry.record, channel.zero_ohm, force.as_ref());
+    let mut line = Estimate {
+        class: "ESTIMATE",
+        seq: entry.seq,
+        channel: channel.id.clone(),
+        method: estimator.method().as_str(),
+        status: status.as_str(),
+        fault: None,
+        branch: None,
+        r_ohm: None,
+        r_u_ohm: None,
+        f_n: None,
+        f_u_n: None,
+        r_max_ohm: None,
+        f_min_n: None,
+    };
+    match status {
+        Status::Ok { branch, r_ohm, f_n } => {
+            line.branch = Some(Branch::as_str(branch));
+            (line.r_ohm, line.r_u_ohm) = (Some(r_ohm.value), r_ohm.u);
+            (line.f_n, line.f_u_n) = (f_n.map(|f| f.value), f_n.and_then(|f| f.u));
+        }
+        Status::Short { r_max_ohm, f_min_n } => (line.r_max_ohm, line.f_min_n) = (Some(r_max_ohm), f_min_n),
+        // A tape does not say how long was waited for a crossing that is not on it, so `open` never comes of it.
+        Status::Open { .. } => line.fault = Some(Fault::MissedEdge.as_str()),
+        Status::Fault(fault) => line.fault = Some(fault.as_str()),
+    }
+    line
+}

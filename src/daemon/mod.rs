@@ -1,0 +1,363 @@
+//! The daemon: the measuring thread, the server, signals, and the service manager, tied together.
+//!
+//! For: the only place with threads and the only one that knows that time passes by itself. Must not know: equations,
+//! the format of lines, or what a line of GPIO is.
+//!
+//! The main thread waits in one `poll` for the server, for results and for signals. The measuring thread never waits
+//! for it.
+
+mod heartbeat;
+mod measuring;
+mod publish;
+mod signals;
+
+use crate::config::SettingsError;
+use crate::config::backend::{self, AnyPins, OpenError};
+use crate::config::{Backend, Config, ConfigError, Finding, Severity};
+use crate::instrument::settings::Settings;
+use crate::pins::Pins;
+use crate::stream::server::{Limits, ListenError, Listener, Server};
+use crate::units::Nanos;
+use heartbeat::Heartbeat;
+use measuring::Measuring;
+use nix::poll::{PollFd, PollFlags, PollTimeout, poll};
+use nix::time::{ClockId, clock_gettime};
+use publish::Told;
+use sd_notify::NotifyState;
+pub use signals::{Signals, StopHandle};
+use std::io;
+use std::os::fd::AsFd;
+use std::path::{Path, PathBuf};
+use std::time::Duration;
+
+/// How often the main thread looks after the measuring thread when nothing else wakes it.
+const LOOK_AFTER: Duration = Duration::from_millis(500);
+
+/// What is said when a reload fails.
+const KEPT: &str = "the old configuration stays in force";
+
+/// Why the daemon does not run.
+#[derive(Debug, thiserror::Error)]
+pub enum DaemonError {
+    /// The configuration cannot be read.
+    #[error("{0}")]
+    Config(#[from] ConfigError),
+    /// The configuration cannot work.
+    #[error("{}: not usable\n{}", path.display(), errors_of(findings))]
+    Findings {
+        /// The file.
+        path: PathBuf,
+        /// What is wrong with it, and more.
+        findings: Vec<Finding>,
+    },
+    /// A file that it names is wrong.
+    #[error(transparent)]
+    Settings(#[from] SettingsError),
+    /// There are no pins.
+    #[error(transparent)]
+    Open(#[from] OpenError),
+    /// There is no socket.
+    #[error(transparent)]
+    Listen(#[from] ListenError),
+    /// The system refuses something basic.
+    #[error("{call}: {source}")]
+    System {
+        /// What.
+        call: &'static str,
+        /// Why.
+        source: io::Error,
+    },
+    /// The measuring thread has panicked, which is a mistake of the program.
+    #[error("the measuring thread has died; every line is released. Please report this with the lines above")]
+    Died,
+}
+
+fn errors_of(findings: &[Finding]) -> String {
+    let errors = findings.iter().filter(|finding| finding.severity == Severity::Error);
+    errors.map(ToString::to_string).collect::<Vec<_>>().join("\n")
+}
+
+fn system(call: &'static str) -> impl Fn(io::Error) -> DaemonError {
+    move |source| DaemonError::System { call, source }
+}
+
+/// `CLOCK_MONOTONIC` now.
+pub fn monotonic() -> Nanos {
+    clock(ClockId::CLOCK_MONOTONIC)
+}
+
+fn clock(id: ClockId) -> Nanos {
+    // These two clocks exist on every Linux; the call cannot fail with a valid buffer.
+    clock_gettime(id).map_or(Nanos::ZERO, |time| Nanos(time.tv_sec() * 1_000_000_000 + time.tv_nsec()))
+}
+
+/// A configuration that has passed its check, with every file that it names.
+#[derive(Debug, Clone)]
+pub struct Loaded {
+    config: Config,
+    settings: Settings,
+}
+
+impl Loaded {
+    /// Reads and checks a file.
+    ///
+    /// # Errors
+    /// Everything that is wrong with it, each with its remedy.
+    pub fn load(path: &Path) -> Result<Loaded, DaemonError> {
+        Loaded::new(Config::load(path)?, path)
+    }
+
+    /// Checks a configuration; `path` names it in messages.
+    ///
+    /// # Errors
+    /// Everything that is wrong with it, each with its remedy.
+    pub fn new(config: Config, path: &Path) -> Result<Loaded, DaemonError> {
+        let findings = config.check();
+        if findings.iter().any(|finding| finding.severity == Severity::Error) {
+            return Err(DaemonError::Findings { path: path.to_owned(), findings });
+        }
+        for finding in findings.iter().filter(|finding| finding.severity == Severity::Warning) {
+            log::warn!("{finding}");
+        }
+        if config.gpio.backend == Backend::Mock {
+            backend::scene(&config)?;
+        }
+        Ok(Loaded { settings: config.settings()?, config })
+    }
+
+    /// The configuration.
+    pub fn config(&self) -> &Config {
+        &self.config
+    }
+}
+
+/// Runs until SIGTERM or SIGINT; SIGHUP reads the file again.
+///
+/// # Errors
+/// What keeps it from starting, or from going on. Every line is released.
+pub fn run(path: &Path) -> Result<(), DaemonError> {
+    let signals = Signals::new().map_err(system("signals"))?;
+    let loaded = Loaded::load(path)?;
+    let mut daemon = Daemon::start(loaded, signals)?;
+    daemon.serve(Some(path))
+}
+
+/// The parts of a running daemon.
+#[derive(Debug)]
+pub struct Daemon {
+    // Before the server: no reading is published any more when the socket goes.
+    measuring: Measuring,
+    server: Server,
+    signals: Signals,
+    loaded: Loaded,
+    told: Told,
+    started: Nanos,
+    heartbeat: Heartbeat,
+    /// Whether the service manager waits for signs of life.
+    has_watchdog: bool,
+}
+
+impl Daemon {
+    /// Opens pins and socket, starts to measure, and tells the service manager that it is ready.
+    ///
+    /// # Errors
+    /// What is missing.
+    pub fn start(loaded: Loaded, signals: Signals) -> Result<Daemon, DaemonError> {
+        Daemon::start_with(loaded, signals, |config| backend::open(config, monotonic()))
+    }
+
+    /// The same with pins that `open` opens, after the socket, in the place of those that the configuration names.
+    ///
+    /// # Errors
+    /// What is missing.
+    pub fn start_with(
+        loaded: Loaded,
+        signals: Signals,
+        open: impl FnOnce(&Config) -> Result<AnyPins, OpenError>,
+    ) -> Result<Daemon, DaemonError> {
+        let config = &loaded.config;
+        let (listener, place) = match Listener::from_systemd()? {
+            Some(listener) => (listener, "the socket passed by systemd".to_owned()),
+            None => {
+                let path = &config.server.socket;
+                (Listener::bind(path, config.server.mode.0)?, path.display().to_string())
+            }
+        };
+        let mut server = Server::new(listener, &publish::channels(&loaded.settings), Limits::default())
+            .map_err(system("epoll"))?;
+        server.set_tape_header(&publish::header(config, &loaded.settings, None));
+        let measuring = start_measuring(Some(open(config)?), &loaded)?;
+        log::info!("serving {} channel(s) on {place}", config.channels.len());
+        let watchdog = sd_notify::watchdog_enabled();
+        notify(&[NotifyState::Ready, NotifyState::Status("measuring")]);
+        Ok(Daemon {
+            measuring,
+            server,
+            signals,
+            loaded,
+            told: Told::default(),
+            started: monotonic(),
+            heartbeat: Heartbeat::new(watchdog),
+            has_watchdog: watchdog.is_some(),
+        })
+    }
+
+    /// Serves until a signal asks for the end. `path`: what SIGHUP reads again.
+    ///
+    /// # Errors
+    /// The measuring thread or the system has failed.
+    pub fn serve(&mut self, path: Option<&Path>) -> Result<(), DaemonError> {
+        loop {
+            self.wait().map_err(system("poll"))?;
+            self.publish();
+            let now = monotonic();
+            let uptime = now - self.started;
+            self.server
+                .turn(now, &mut publish::stats(&self.told, &self.loaded.config, uptime))
+                .map_err(system("epoll_wait"))?;
+            self.measuring.set_watched(self.server.is_watched());
+            let asked = self.signals.take();
+            if asked.end {
+                notify(&[NotifyState::Stopping, NotifyState::Status("stopping")]);
+                log::info!(
+                    "stopping: {} readings in {:.0} s",
+                    self.told.stats.readings,
+                    (now - self.started).as_seconds()
+                );
+                return Ok(());
+            }
+            if let (true, Some(path)) = (asked.reload, path) {
+                self.reload(path)?;
+            }
+            if self.measuring.has_ended() {
+                return Err(DaemonError::Died);
+            }
+            self.give_sign_of_life(now);
+        }
+    }
+
+    fn wait(&self) -> io::Result<()> {
+        let watch = |fd| PollFd::new(fd, PollFlags::POLLIN);
+        let mut descriptors =
+            [watch(self.server.as_fd()), watch(self.measuring.wake().as_fd()), watch(self.signals.as_fd())];
+        let now = monotonic();
+        let until = self.server.wake_at().map(|at| Duration::from_nanos((at - now).0.max(0) as u64));
+        let timeout = until.unwrap_or(LOOK_AFTER).min(LOOK_AFTER).min(self.heartbeat.patience(now));
+        match poll(&mut descriptors, PollTimeout::try_from(timeout).unwrap_or(PollTimeout::MAX)) {
+            Ok(_) | Err(nix::errno::Errno::EINTR) => Ok(()),
+            Err(errno) => Err(errno.into()),
+        }
+    }
+
+    fn publish(&mut self) {
+        // Empty when nothing was written since: that is no error.
+        let _ = self.measuring.wake().read();
+        let before = self.told.stats;
+        let to_wall = clock(ClockId::CLOCK_REALTIME) - monotonic();
+        while let Some(report) = self.measuring.next() {
+            publish::report(&mut self.server, &mut self.told, &self.loaded, report, to_wall);
+        }
+        let (readings, discharges) = self.measuring.take_lost();
+        if readings + discharges > 0 {
+            log::warn!(
+                "{readings} readings and {discharges} discharges were lost: this process gets too little time"
+            );
+            self.server.miss_readings(readings);
+            self.server.miss_raw(discharges);
+        }
+        let found = self.told.stats;
+        let is_found = found.offset_is_known && !before.offset_is_known;
+        if is_found {
+            publish::log_offset(&found);
+        }
+        // The offset is followed; a tape that is being recorded keeps the one that it began with.
+        if is_found || (found.offset != before.offset && !self.server.wants_raw()) {
+            self.announce_tape_header();
+        }
+    }
+
+    /// With the offset as soon as it is known: a tape that begins later holds no split discharges to find it from.
+    fn announce_tape_header(&mut self) {
+        let stats = &self.told.stats;
+        let found = stats.offset_is_known.then_some(stats.offset.d_ns);
+        self.server.set_tape_header(&publish::header(&self.loaded.config, &self.loaded.settings, found));
+    }
+
+    /// Reads the configuration again. The service manager waits for the second of two messages: sd_notify(3) on
+    /// RELOADING=1.
+    fn reload(&mut self, path: &Path) -> Result<(), DaemonError> {
+        log::info!("reading {} again", path.display());
+        if let Ok(now) = NotifyState::monotonic_usec_now() {
+            notify(&[NotifyState::Reloading, now]);
+        }
+        let result = match Loaded::load(path) {
+            Ok(loaded) => self.change_to(loaded),
+            // A file that is wrong leaves everything as it is.
+            Err(error) => {
+                log::error!("{KEPT}: {error}");
+                Ok(())
+            }
+        };
+        notify(&[NotifyState::Ready]);
+        result
+    }
+
+    fn change_to(&mut self, loaded: Loaded) -> Result<(), DaemonError> {
+        if loaded.config.server != self.loaded.config.server {
+            log::warn!("[server] takes effect at the next start: the socket stays where it is");
+        }
+        // The lines of the old configuration are released before those of the new one are asked for, and its last
+        // readings are published under its own channels.
+        self.measuring.stop();
+        self.publish();
+        match open(&loaded) {
+            Ok(pins) => {
+                self.measuring = start_measuring(Some(pins), &loaded)?;
+                self.loaded = loaded;
+                log::info!(
+                    "the new configuration is in force: {} channel(s)",
+                    self.loaded.config.channels.len()
+                );
+            }
+            Err(error) => {
+                log::error!("{KEPT}: {error}");
+                let pins =
+                    open(&self.loaded).inspect_err(|error| log::error!("{error}; trying again every second"));
+                self.measuring = start_measuring(pins.ok(), &self.loaded)?;
+            }
+        }
+        self.told = Told::default();
+        self.server.set_channels(&publish::channels(&self.loaded.settings));
+        self.announce_tape_header();
+        Ok(())
+    }
+
+    /// Only while the measuring thread goes on: one that is stuck must be found by the service manager.
+    fn give_sign_of_life(&mut self, now: Nanos) {
+        if !self.heartbeat.is_due(now, self.measuring.beat()) {
+            return;
+        }
+        let status = publish::status_line(&self.told.stats, self.server.clients());
+        let states = [NotifyState::Status(&status), NotifyState::Watchdog];
+        notify(if self.has_watchdog { &states } else { &states[..1] });
+    }
+}
+
+fn open(loaded: &Loaded) -> Result<AnyPins, OpenError> {
+    backend::open(&loaded.config, monotonic())
+}
+
+/// `None`: the pins cannot be opened now, and the measuring thread tries again.
+fn start_measuring(pins: Option<AnyPins>, loaded: &Loaded) -> Result<Measuring, DaemonError> {
+    for blind_spot in pins.iter().flat_map(|pins| pins.particulars().blind_spots) {
+        log::info!("{blind_spot}");
+    }
+    Measuring::start(pins, loaded.config.clone(), loaded.settings.clone()).map_err(system("thread"))
+}
+
+/// Without a service manager nobody listens, and that is no error.
+fn notify(states: &[NotifyState<'_>]) {
+    if let Err(error) = sd_notify::notify(states) {
+        log::debug!("sd_notify: {error}");
+    }
+}

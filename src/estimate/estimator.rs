@@ -1,0 +1,363 @@
+//! From the timings of discharges to what is known about the sensor.
+//!
+//! For: the calibration that is in force, the choice of the equation, uncertainty by propagation, and the states of a
+//! reading. Must not know: in which order discharges are taken, by whom, or when.
+
+use crate::estimate::method::tracked::{self, Observed, Solution};
+use crate::estimate::method::{Number, Times, cerm, dual, qerm, tcdic, tpcm};
+use crate::estimate::motion::Seen;
+use crate::estimate::noise::{Covariance, Judgement, Noise};
+use crate::estimate::offset::Offset;
+use crate::estimate::tracker::Tracker;
+use crate::reading::{Branch, Fault, Measured, Method};
+use crate::record::{Record, Switch, Through, UNLIKE_CALLS};
+use crate::units::Nanos;
+use covariances::Covariances;
+
+mod covariances;
+mod leakage;
+mod seen;
+mod status;
+
+/// Two crossings that disagree by more sigma than this cannot both be right.
+const GATE: f64 = 5.0;
+/// A resistance below so many sigma cannot be told from a short circuit; bounds are stated with the same factor.
+const COVERAGE: f64 = 2.0;
+
+/// An estimate of R_x, before the sensor's own zero is taken off.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Estimate {
+    /// Which equation.
+    pub branch: Branch,
+    /// Ohm, with 1 sigma.
+    pub r_ohm: Measured,
+}
+
+/// Variances of the [ratio](crate::estimate::method) to be expected.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Predicted {
+    /// Of a direct estimate.
+    pub direct: f64,
+    /// Of an inferred one.
+    pub inferred: f64,
+    /// The part of the offset in that.
+    pub by_offset: f64,
+}
+
+/// Turns records into estimates, by one method, with the most recent calibration discharges.
+#[derive(Debug, Clone)]
+pub struct Estimator {
+    method: Method,
+    r1_ohm: f64,
+    r2_ohm: f64,
+    nodes: usize,
+    offset: Offset,
+    noise: Noise,
+    c1: Option<[f64; 2]>,
+    c2: Option<[f64; 2]>,
+    /// What leaks, as far as that is known.
+    leak_siemens: f64,
+    /// With it, c1 and c2 are only used until it is ready.
+    tracker: Option<Tracker>,
+}
+
+impl Estimator {
+    /// For calibration resistors `r1_ohm` < `r2_ohm` (Rc1 and Rc2, or Rc1 and Rc1 + Rc2), in a circuit with one or two
+    /// `nodes`.
+    pub fn new(method: Method, r1_ohm: f64, r2_ohm: f64, nodes: usize, offset: Offset) -> Estimator {
+        let noise = Noise::new(1.0);
+        Estimator {
+            method,
+            r1_ohm,
+            r2_ohm,
+            nodes,
+            offset,
+            noise,
+            c1: None,
+            c2: None,
+            leak_siemens: 0.0,
+            tracker: None,
+        }
+    }
+
+    /// The same, with a calibration that is followed instead of taken anew for each reading.
+    pub fn tracked(method: Method, r1_ohm: f64, r2_ohm: f64, nodes: usize) -> Estimator {
+        let tracker = Some(Tracker::new([r1_ohm, r2_ohm], nodes, 1.0));
+        Estimator { tracker, ..Estimator::new(method, r1_ohm, r2_ohm, nodes, Offset::default()) }
+    }
+
+    /// For a clock that stamps crossings with this period instead of 1 ns. Forgets what was learned.
+    pub fn with_resolution(self, resolution_ns: f64) -> Estimator {
+        let r_ohm = [self.r1_ohm, self.r2_ohm];
+        let tracker = self.tracker.map(|_| Tracker::new(r_ohm, self.nodes, resolution_ns));
+        Estimator { noise: Noise::new(resolution_ns), tracker, ..self }
+    }
+
+    /// The tracked calibration, once there is one.
+    pub fn tracker(&self) -> Option<&Tracker> {
+        self.tracker.as_ref().filter(|tracker| tracker.is_ready())
+    }
+
+    /// Finds a tracked calibration again, from the beginning.
+    pub fn begin_anew(&mut self) {
+        if let Some(tracker) = &mut self.tracker {
+            tracker.begin_anew();
+        }
+    }
+
+    /// Lets the tracked calibration grow older.
+    pub fn advance(&mut self, now: Nanos) {
+        if let Some(tracker) = self.tracker.as_mut().filter(|tracker| tracker.is_ready()) {
+            tracker.advance(now);
+        }
+    }
+
+    /// The method.
+    pub fn method(&self) -> Method {
+        self.method
+    }
+
+    /// R_2, ohm.
+    pub fn r2(&self) -> f64 {
+        self.r2_ohm
+    }
+
+    /// The offset in force.
+    pub fn offset(&self) -> Offset {
+        let Some(tracker) = self.tracker() else { return self.offset };
+        let (d_ns, u_d_ns) = tracker.d_ns();
+        let r_o_ohm = Some(tracker.r_o_ohm());
+        Offset { d_ns, u_d_ns, r_o_ohm, switch_ns: tracker.switch_ns(), ..Offset::default() }
+    }
+
+    /// Puts another offset in force.
+    pub fn set_offset(&mut self, offset: Offset) {
+        self.offset = offset;
+    }
+
+    /// What is known about noise.
+    pub fn noise(&self) -> &Noise {
+        self.tracker().map_or(&self.noise, Tracker::noise)
+    }
+
+    /// The crossings of the calibration discharges in force.
+    pub fn calibration(&self) -> Option<([f64; 2], [f64; 2])> {
+        match self.tracker() {
+            Some(tracker) => {
+                let [c1, c2] = tracker.calibration().map(|crossings| crossings.map(|crossing| crossing.ns));
+                Some((c1, c2))
+            }
+            None => self.c1.zip(self.c2),
+        }
+    }
+
+    /// Takes a calibration discharge.
+    ///
+    /// # Errors
+    /// [`Fault::NoCalibration`] if a crossing is missing, [`Fault::LatencyOutlier`] if it is late beyond the others.
+    /// The calibration in force stays.
+    pub fn calibrate(&mut self, record: &Record) -> Result<(), Fault> {
+        if let Some(tracker) = &mut self.tracker {
+            tracker.add(record)?;
+            if tracker.is_ready() || record.switch.is_some() {
+                return Ok(());
+            }
+        }
+        let times = self.crossings(record).ok_or(Fault::NoCalibration)?;
+        let (slot, judgement) = match record.through {
+            Through::C1 => (&mut self.c1, self.noise.add_c1(times, [0.0; 2])),
+            Through::C2 | Through::C12 => (&mut self.c2, self.noise.add_c2(times, [0.0; 2])),
+            Through::X(_) | Through::XWithC12(_) => return Err(Fault::NoCalibration),
+        };
+        if judgement == Judgement::Outlier && self.tracker.is_none() {
+            return Err(Fault::LatencyOutlier);
+        }
+        *slot = Some(times);
+        Ok(())
+    }
+
+    /// Both crossings of a discharge that must have all of them; B is 0 where there is no B.
+    fn crossings(&self, record: &Record) -> Option<[f64; 2]> {
+        Some([record.a_ns?, if self.nodes == 2 { record.b_ns? } else { 0.0 }])
+    }
+
+    /// Estimates R_x from an x discharge alone.
+    ///
+    /// # Errors
+    /// The fault that keeps it from being a number; [`Fault::LatencyOutlier`] if its crossings contradict each other.
+    pub fn estimate(&self, record: &Record) -> Result<Estimate, Fault> {
+        match self.look(record)? {
+            (_, seen) if seen.contradicts => Err(Fault::LatencyOutlier),
+            (estimate, _) => Ok(estimate),
+        }
+    }
+
+    /// The same, contradictions left to who knows the sensor's motion.
+    fn look(&self, record: &Record) -> Result<(Estimate, Seen), Fault> {
+        if let Some(tracker) = self.tracker().filter(|_| self.method == Method::Tracked) {
+            let solution = tracked::solve(tracker, &self.observed(record)?)?;
+            let r_ohm = Measured { value: solution.r_ohm, u: Some(solution.variance.sqrt()) };
+            return Ok((Estimate { branch: solution.branch, r_ohm }, solution.seen));
+        }
+        let (times, branch) = self.times(record)?;
+        let (ratio, seen) = self.ratio_seen(&times, branch, record.u_switch_ns);
+        let span = self.r2_ohm - self.r1_ohm;
+        let r_ohm = self.r1_ohm + ratio.value * span;
+        let u = ratio.u.map(|u| u * span);
+        let sound = r_ohm.is_finite() && u.is_none_or(f64::is_finite);
+        if sound {
+            Ok((Estimate { branch, r_ohm: Measured { value: r_ohm, u } }, seen))
+        } else {
+            Err(Fault::Implausible)
+        }
+    }
+
+    fn observed(&self, record: &Record) -> Result<Observed, Fault> {
+        self.last_crossing(record).ok_or(Fault::MissedEdge)?;
+        let switch = record.switch.map(|switch| (switch, self.ohm_after(switch)));
+        Ok(Observed { crossings: [record.a_ns, record.b_ns], switch, u_switch_ns: record.u_switch_ns })
+    }
+
+    fn ohm_after(&self, switch: Switch) -> f64 {
+        if switch.to == Through::C1 { self.r1_ohm } else { self.r2_ohm }
+    }
+
+    /// What an x discharge through `r_ohm` would tell, switched as given or not at all.
+    pub fn foresee(&self, r_ohm: f64, switch: Option<Switch>, u_switch_ns: f64) -> Option<Solution> {
+        let switch = switch.map(|switch| (switch, self.ohm_after(switch)));
+        tracked::predict(self.tracker()?, r_ohm, switch, u_switch_ns)
+    }
+
+    /// The times of an estimate, and which equation is to be used.
+    fn times(&self, record: &Record) -> Result<(Times<f64>, Branch), Fault> {
+        let (c1, c2) = self.calibration().ok_or(Fault::NoCalibration)?;
+        let ordered = (0..self.nodes).all(|node| c2[node] > c1[node] && c1[node] > self.offset().d_ns);
+        let nodes_ordered = self.nodes == 1 || (c1[1] > c1[0] && c2[1] > c2[0]);
+        if !ordered || !nodes_ordered {
+            return Err(Fault::Implausible);
+        }
+        let last = self.last_crossing(record).ok_or(Fault::MissedEdge)?;
+        let switch =
+            record.switch.map_or((f64::INFINITY, f64::INFINITY), |switch| (switch.at_ns, switch.on_ns));
+        let branch = if last - self.offset().d_ns > switch.1 { Branch::Inferred } else { Branch::Direct };
+        if self.method == Method::Tracked && branch == Branch::Inferred {
+            // Of a switched discharge nothing is known before there is a tracked calibration.
+            return Err(Fault::NoCalibration);
+        }
+        let (at, on) = if branch == Branch::Inferred { switch } else { (0.0, 0.0) };
+        let on = if self.method == Method::Qerm { record.second_ns } else { on };
+        // An inferred estimate can do without the crossing of A; 0 is never looked at then.
+        let a = match (branch, record.a_ns) {
+            (Branch::Inferred, None) => 0.0,
+            (_, a) => a.ok_or(Fault::MissedEdge)?,
+        };
+        let x = [a, if self.nodes == 2 { record.b_ns.unwrap_or(0.0) } else { 0.0 }];
+        let known = match self.method {
+            Method::Tpcm | Method::Tcdic | Method::Tracked => branch == Branch::Direct,
+            Method::Qerm | Method::Cerm => at > 0.0 || branch == Branch::Direct,
+        };
+        if !known || x[0] < 0.0 || x[1] < 0.0 || last <= self.offset().d_ns {
+            return Err(Fault::Implausible);
+        }
+        Ok((Times { c1, c2, x, at, on, d: self.offset().d_ns }, branch))
+    }
+
+    /// The crossing that ends the discharge as far as the method looks at it.
+    fn last_crossing(&self, record: &Record) -> Option<f64> {
+        match self.method {
+            Method::Tpcm | Method::Qerm => record.a_ns,
+            Method::Tracked if self.nodes == 1 => record.a_ns,
+            Method::Tcdic | Method::Cerm | Method::Tracked => record.b_ns,
+        }
+    }
+
+    fn ratio_seen(&self, times: &Times<f64>, branch: Branch, u_switch_ns: f64) -> (Measured, Seen) {
+        let late = match branch {
+            Branch::Direct => times.x,
+            Branch::Inferred => times.c2,
+        };
+        let covariance = self.covariances(late, u_switch_ns);
+        let variables = dual::variables(times);
+        let ratio = self.ratio(&variables, branch);
+        let u = covariance.as_ref().map(|covariance| covariance.of(&ratio.by).sqrt());
+        (Measured { value: ratio.value, u }, self.seen(&variables, branch, covariance.as_ref()))
+    }
+
+    fn ratio<T: Number>(&self, times: &Times<T>, branch: Branch) -> T {
+        match (self.method, branch) {
+            (Method::Tpcm, _) => tpcm::ratio(times, 0),
+            // Until the tracked calibration is there.
+            (Method::Tracked, _) if self.nodes == 1 => tpcm::ratio(times, 0),
+            (Method::Tracked, _) => tcdic::ratio(times),
+            (Method::Qerm, Branch::Direct) => qerm::ratio_direct(times),
+            (Method::Qerm, Branch::Inferred) => qerm::ratio(times),
+            (Method::Tcdic, _) | (Method::Cerm, Branch::Direct) => tcdic::ratio(times),
+            (Method::Cerm, Branch::Inferred) => cerm::ratio(times),
+        }
+    }
+
+    /// The covariances of all times; `late` are the crossings that a discharge only through the resistor that ran last
+    /// would have.
+    fn covariances(&self, late: [f64; 2], u_switch_ns: f64) -> Option<Covariances<'_>> {
+        let (c1, c2) = self.calibration()?;
+        let offset = self.offset();
+        let at = offset.switch_ns.map_or(u_switch_ns, |bound| bound.min(u_switch_ns));
+        let (noise, u_common_ns) = (self.noise(), UNLIKE_CALLS * u_switch_ns);
+        let common = (u_common_ns * u_common_ns, offset.by_switch);
+        Some(match self.tracker() {
+            Some(tracker) => Covariances {
+                crossings: [Covariance::default(), Covariance::default(), noise.covariance(late)?],
+                single: [at * at, 0.0],
+                common,
+                tracker: Some(tracker),
+            },
+            None => Covariances {
+                crossings: noise.covariances([c1, c2, late])?,
+                single: [at * at, offset.own_variance(u_common_ns)],
+                common,
+                tracker: None,
+            },
+        })
+    }
+
+    /// The variances of the ratio to be expected from a direct and from an inferred estimate of a sensor at `ratio`,
+    /// switched at `fraction` of the time in which A crosses (for QERM: in which x and c12 together cross).
+    pub fn predict(&self, ratio: f64, fraction: f64, u_switch_ns: f64) -> Option<Predicted> {
+        let (c1, c2) = self.calibration()?;
+        let d = self.offset().d_ns;
+        let full = [0, 1].map(|node| c1[node] + ratio * (c2[node] - c1[node]));
+        let last = self.nodes - 1;
+        let node_a = if self.method == Method::Qerm { self.parallel_ns(full[0])? } else { full[0] };
+        let at = fraction * (node_a - d);
+        let rest = match self.method {
+            Method::Qerm => (c2[0] - d) * (1.0 - at / (full[0] - d)) - at,
+            _ => (c2[last] - d) * (1.0 - at / (full[last] - d)),
+        };
+        if !(at > 0.0 && rest > 0.0) {
+            return None;
+        }
+        let direct_x = if self.method == Method::Qerm { [node_a, 0.0] } else { full };
+        let mut switched = full;
+        switched[last] = at + rest + d;
+        let variance = |x: [f64; 2], at: f64, late: [f64; 2], branch| {
+            let on = if self.method == Method::Qerm { 0.0 } else { at };
+            let times = dual::variables(&Times { c1, c2, x, at, on, d });
+            let (covariances, by) = (self.covariances(late, u_switch_ns)?, self.ratio(&times, branch).by);
+            Some((covariances.of(&by), covariances.of_offset(&by)))
+        };
+        let (direct, _) = variance(direct_x, 0.0, direct_x, Branch::Direct)?;
+        let (inferred, by_offset) = variance(switched, at, c2, Branch::Inferred)?;
+        Some(Predicted { direct, inferred, by_offset })
+    }
+
+    /// When a discharge through the sensor and R_2 at once crosses, given the crossing `x_ns` through the sensor alone;
+    /// d included in both.
+    pub fn parallel_ns(&self, x_ns: f64) -> Option<f64> {
+        let (_, c2) = self.calibration()?;
+        let d = self.offset().d_ns;
+        Some(d + 1.0 / (1.0 / (x_ns - d) + 1.0 / (c2[0] - d)))
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,65 @@
+//! Paths that current takes beside the resistors.
+//!
+//! For: refusing numbers where the law of the circuit does not hold, and saying how far off they may be where it nearly
+//! does. Must not know: how a leak was found.
+
+use super::{COVERAGE, Estimator, GATE};
+use crate::estimate::law::R_O;
+use crate::estimate::leak;
+use crate::reading::{Fault, Measured};
+
+/// No pin that sinks has a higher output resistance: 3.3 V would drive 16 mA.
+const HIGHEST_R_O: f64 = 200.0;
+/// No kernel stamps crossings later on average, ns.
+const LATEST_NS: f64 = 100_000.0;
+/// The noise of crossings as long as it is not known, ns.
+const UNKNOWN_NS: f64 = 10_000.0;
+/// The calibration resistors may differ so much from what the configuration says.
+const TOLERANCE: f64 = 0.08;
+
+impl Estimator {
+    /// Takes over how strong a leak there likely is, siemens.
+    pub fn set_leak(&mut self, siemens: f64) {
+        self.leak_siemens = siemens;
+    }
+
+    /// Whether a discharge through 0 ohm would take the time that a pin explains: Ro if d is known, Ro + d/g if not. A path
+    /// of its own bends the straight line of times against resistors, and where that line begins tells it.
+    pub(super) fn check_paths(&self) -> Result<(), Fault> {
+        if self.leak_siemens > leak::GROSS_SIEMENS {
+            return Err(Fault::Leakage);
+        }
+        let Some((at_zero_ohm, u_ohm, unknown_ohm)) = self.at_zero() else { return Ok(()) };
+        let tolerance_ohm = TOLERANCE * self.r1_ohm * self.r2_ohm / (self.r2_ohm - self.r1_ohm);
+        let doubt_ohm = tolerance_ohm + GATE * u_ohm;
+        if at_zero_ohm > HIGHEST_R_O + unknown_ohm + doubt_ohm {
+            return Err(Fault::Leakage);
+        }
+        if at_zero_ohm < -doubt_ohm { Err(Fault::PullUp) } else { Ok(()) }
+    }
+
+    /// What a discharge through 0 ohm seems to run through, its uncertainty, and what an unknown d may add to it, ohm.
+    fn at_zero(&self) -> Option<(f64, f64, f64)> {
+        if let Some(tracker) = self.tracker() {
+            return Some((tracker.state()[R_O], tracker.r_o_ohm().1, 0.0));
+        }
+        let (c1, c2) = self.calibration()?;
+        let span = self.r2_ohm - self.r1_ohm;
+        let per_ohm = (c2[0] - c1[0]) / span;
+        if per_ohm <= 0.0 {
+            return None;
+        }
+        let jitter_ns = self.noise.covariance(c2).map_or(UNKNOWN_NS, |noise| noise.aa.sqrt());
+        let u_ns = jitter_ns * self.r2_ohm.hypot(self.r1_ohm) / span;
+        let unknown_ns = if self.offset.r_o_ohm.is_some() { 0.0 } else { LATEST_NS };
+        Some(((c1[0] - self.offset.d_ns) / per_ohm - self.r1_ohm, u_ns / per_ohm, unknown_ns / per_ohm))
+    }
+
+    /// The same estimate with what the leak may have made of it in its uncertainty; `None` if the sensor may have any higher
+    /// resistance.
+    pub(super) fn with_leak(&self, r_ohm: Measured) -> Option<Measured> {
+        let error_ohm = leak::error_ohm(self.leak_siemens, [self.r1_ohm, self.r2_ohm], r_ohm.value)?;
+        let is_bounded = r_ohm.value < self.r2_ohm || r_ohm.value > COVERAGE * error_ohm.abs();
+        is_bounded.then(|| Measured { u: r_ohm.u.map(|u| u.hypot(error_ohm)), ..r_ohm })
+    }
+}

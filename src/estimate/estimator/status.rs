@@ -1,0 +1,142 @@
+//! What is known about a sensor, when it is a number and when it is a state.
+//!
+//! For: telling `ok`, `open`, `short` and `fault` apart. Must not know: the equations.
+
+use super::{COVERAGE, Estimator, GATE};
+use crate::estimate::force::Force;
+use crate::estimate::method::tracked;
+use crate::estimate::motion::Motion;
+use crate::reading::{Fault, Measured, Method, Status};
+use crate::record::Record;
+use crate::units::Nanos;
+
+impl Estimator {
+    /// The lowest resistance that leaves the last node above its threshold for `waited_ns`, ohm.
+    fn bound_ohm(&self, waited_ns: f64) -> Option<f64> {
+        let (c1, c2) = self.calibration()?;
+        let node = if matches!(self.method, Method::Tpcm | Method::Qerm) { 0 } else { self.nodes - 1 };
+        // While R_2 sinks too (QERM), the sensor's own part of the way is what R_2 has left over.
+        let x_ns =
+            if self.method == Method::Qerm { 1.0 / (1.0 / waited_ns - 1.0 / c2[0]) } else { waited_ns };
+        let ratio = (x_ns - c1[node]) / (c2[node] - c1[node]);
+        let r_ohm = self.r1_ohm + ratio * (self.r2_ohm - self.r1_ohm);
+        (r_ohm.is_finite() && r_ohm > 0.0).then_some(r_ohm)
+    }
+
+    /// The lower bound of a resistance that a discharge finished through R_1 or R_2 cannot tell from an open circuit.
+    fn beyond(&self, record: &Record) -> Option<f64> {
+        let tracker = self.tracker().filter(|_| self.method == Method::Tracked)?;
+        let observed = self.observed(record).ok()?;
+        let (switch, _) = observed.switch?;
+        let last_ns = self.last_crossing(record)?;
+        if last_ns - tracker.d_ns().0 <= switch.on_ns {
+            return None;
+        }
+        let (siemens, u) = tracked::conductance(tracker, &observed)?;
+        let r_min_ohm = 1.0 / (siemens.max(0.0) + COVERAGE * u) - tracker.r_o_ohm().0;
+        (siemens <= COVERAGE * u && r_min_ohm > 0.0 && r_min_ohm.is_finite()).then_some(r_min_ohm)
+    }
+
+    /// QERM: the lowest resistance of a sensor beside which R_2 crosses as late as if there were none.
+    fn above(&self, record: &Record) -> Option<f64> {
+        let (_, c2) = self.calibration()?;
+        let a_ns = record.a_ns.filter(|_| self.method == Method::Qerm)?;
+        let late = self.noise().covariance(c2)?.aa;
+        let doubt_ns = COVERAGE * (2.0 * late).sqrt();
+        ((a_ns - c2[0]).abs() <= 2.0 * doubt_ns).then(|| self.bound_ohm(a_ns.min(c2[0]) - doubt_ns))?
+    }
+
+    /// What is known about the sensor after an x discharge alone.
+    pub fn status(&self, record: &Record, zero_ohm: f64, force: Option<&Force>) -> Status {
+        let motion = &mut Motion::default();
+        self.status_in_motion(record, zero_ohm, force, motion).0
+    }
+
+    /// What is known about the sensor after an x discharge, and since the start of the discharge when, ns: the middle of its
+    /// part of it where nothing tells better.
+    pub fn status_in_motion(
+        &self,
+        record: &Record,
+        zero_ohm: f64,
+        force: Option<&Force>,
+        motion: &mut Motion,
+    ) -> (Status, f64) {
+        let mut at_ns = middle_ns(record);
+        let status = self.judged(record, zero_ohm, force, motion, &mut at_ns);
+        match status {
+            Status::Open { r_min_ohm, .. } => {
+                motion.is_open(record.start + Nanos(at_ns as i64), r_min_ohm + zero_ohm);
+            }
+            Status::Short { .. } => motion.forget(),
+            Status::Ok { .. } | Status::Fault(_) => {}
+        }
+        (status, at_ns)
+    }
+
+    fn judged(
+        &self,
+        record: &Record,
+        zero_ohm: f64,
+        force: Option<&Force>,
+        motion: &mut Motion,
+        at_ns: &mut f64,
+    ) -> Status {
+        if let Err(fault) = self.check_paths() {
+            return Status::Fault(fault);
+        }
+        let at_bound = |r_ohm: f64| force.and_then(|force| force.at_bound(r_ohm));
+        let open = |r_ohm: f64| {
+            let r_min_ohm = (r_ohm - zero_ohm).max(0.0);
+            Status::Open { r_min_ohm, f_max_n: at_bound(r_min_ohm) }
+        };
+        if self.last_crossing(record).is_none() && record.waited_ns > 0.0 {
+            // A known resistor was to finish it, and has not: nothing of this is the sensor's.
+            if record.switch.is_some() {
+                return Status::Fault(Fault::NoCalibration);
+            }
+            let bound = self.bound_ohm(record.waited_ns).filter(|r_ohm| *r_ohm > zero_ohm);
+            return bound.map_or(Status::Fault(Fault::Implausible), open);
+        }
+        if let Some(r_ohm) = self.beyond(record) {
+            return open(r_ohm);
+        }
+        let (estimate, seen) = match self.look(record) {
+            Ok(found) => found,
+            Err(fault) => return Status::Fault(fault),
+        };
+        *at_ns = seen.at_ns;
+        let Measured { value, u } = estimate.r_ohm;
+        let r_o_ohm = self.offset().r_o();
+        let moved = u.map(|u| motion.judge(record.start, [value, u], r_o_ohm, &seen)).transpose();
+        let moved = match moved {
+            Ok(moved) => moved.unwrap_or(0.0),
+            Err(fault) => return Status::Fault(fault),
+        };
+        let measured = Measured { value, u: u.map(|u| u.hypot(moved)) };
+        let Some(r_ohm) = self.with_leak(measured) else {
+            // The leak only ever makes it read lower; so far up it is the reciprocal that is known to +-u.
+            let Measured { value, u } = measured;
+            return open(value / (1.0 + COVERAGE * u.unwrap_or(0.0) / value));
+        };
+        let r_ohm = Measured { value: r_ohm.value - zero_ohm, u: r_ohm.u };
+        match r_ohm.u {
+            Some(u) if r_ohm.value < -GATE * u => Status::Fault(Fault::Implausible),
+            Some(u) if r_ohm.value <= COVERAGE * u => {
+                let r_max_ohm = r_ohm.value.max(0.0) + COVERAGE * u;
+                // What may as well be above R_1 is no short circuit: nothing is known.
+                if r_max_ohm > self.r1_ohm {
+                    return self.above(record).map_or(Status::Fault(Fault::Implausible), open);
+                }
+                Status::Short { r_max_ohm, f_min_n: at_bound(r_max_ohm) }
+            }
+            None if r_ohm.value <= 0.0 => Status::Fault(Fault::Implausible),
+            _ => Status::Ok { branch: estimate.branch, r_ohm, f_n: force.and_then(|force| force.at(r_ohm)) },
+        }
+    }
+}
+
+/// The middle of the part of a discharge that ran through the sensor.
+fn middle_ns(record: &Record) -> f64 {
+    let end = record.b_ns.or(record.a_ns).unwrap_or(record.waited_ns);
+    record.switch.map_or(end, |switch| switch.at_ns.min(end)) / 2.0
+}

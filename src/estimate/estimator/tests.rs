@@ -1,0 +1,161 @@
+//! Against the law of the circuit, written down here a second time: a node crosses when the progress
+//! sum t_i / (R_i + Ro) reaches its g.
+
+use super::*;
+use crate::estimate::force::Force;
+use crate::reading::Status;
+use crate::record::Switch;
+use crate::units::Nanos;
+use proptest::prelude::*;
+
+#[derive(Debug, Clone)]
+struct Bench {
+    r: [f64; 2],
+    r_o: f64,
+    /// Progress at the threshold of A and B, ns/ohm.
+    g: [f64; 2],
+    d: f64,
+}
+
+impl Bench {
+    fn record(&self, through: Through, parts: [Option<f64>; 2]) -> Record {
+        Record {
+            through,
+            start: Nanos::ZERO,
+            second_ns: 0.0,
+            switch: None,
+            a_ns: parts[0].map(|t| t + self.d),
+            b_ns: parts[1].map(|t| t + self.d),
+            u_switch_ns: 0.0,
+            waited_ns: 0.0,
+        }
+    }
+
+    fn full(&self, through: Through, r: f64) -> Record {
+        self.record(through, self.g.map(|g| Some(g * (r + self.r_o))))
+    }
+
+    /// Through `r` until `at`, nothing until `on`, then through `next`.
+    fn switched(&self, through: Through, r: f64, at: f64, on: f64, next: f64, to: Through) -> Record {
+        let crossing = |g: f64| {
+            let before = at / (r + self.r_o);
+            if before >= g { g * (r + self.r_o) } else { on + (g - before) * (next + self.r_o) }
+        };
+        let switch = Some(Switch { at_ns: at, on_ns: on, to });
+        Record { switch, ..self.record(through, self.g.map(|g| Some(crossing(g)))) }
+    }
+
+    fn estimator(&self, method: Method) -> Estimator {
+        let (r2, second) = if method == Method::Qerm {
+            (self.r[0] + self.r[1], Through::C12)
+        } else {
+            (self.r[1], Through::C2)
+        };
+        let nodes = if matches!(method, Method::Tcdic | Method::Cerm) { 2 } else { 1 };
+        let mut estimator = Estimator::new(method, self.r[0], r2, nodes, Offset::given(self.d));
+        estimator.calibrate(&self.full(Through::C1, self.r[0])).unwrap();
+        estimator.calibrate(&self.full(second, r2)).unwrap();
+        estimator
+    }
+}
+
+fn bench() -> impl Strategy<Value = Bench> {
+    let resistors = (200.0..5000.0f64, 1.5..20.0f64).prop_map(|(r1, factor)| [r1, r1 * factor]);
+    let progress = (10.0..5000.0f64, 1.01..2.0f64).prop_map(|(g, factor)| [g, g * factor]);
+    (resistors, 0.0..120.0f64, progress, 0.0..50_000.0f64).prop_map(|(r, r_o, g, d)| Bench { r, r_o, g, d })
+}
+
+fn close(estimate: Estimate, r: f64, r1: f64) -> Result<(), TestCaseError> {
+    // The calibration resistors are subtracted from each other: their size sets what rounding leaves.
+    let error = (estimate.r_ohm.value - r).abs() / r.max(r1);
+    prop_assert!(error < 1e-9, "{} for {r}", estimate.r_ohm.value);
+    Ok(())
+}
+
+proptest! {
+    #[test]
+    fn every_equation_solves_the_law(bench in bench(), r in 10f64.ln()..1e6f64.ln(), fraction in 0.05..0.99f64, gap in 0.0..500.0f64) {
+        let r = r.exp();
+        for method in [Method::Tpcm, Method::Tcdic, Method::Cerm] {
+            let estimate = bench.estimator(method).estimate(&bench.full(Through::X(0), r)).unwrap();
+            prop_assert_eq!(estimate.branch, Branch::Direct);
+            close(estimate, r, bench.r[0])?;
+        }
+        // The switch may come at any time before B crosses, before or after A.
+        let at = fraction * bench.g[1] * (r + bench.r_o);
+        let switched = bench.switched(Through::X(0), r, at, at + gap, bench.r[1], Through::C2);
+        let estimate = bench.estimator(Method::Cerm).estimate(&switched).unwrap();
+        prop_assert_eq!(estimate.branch, Branch::Inferred);
+        // What is inferred is magnified where the switch leaves much of the way to Rc2.
+        prop_assert!((estimate.r_ohm.value / r - 1.0).abs() < 1e-9 / fraction * (1.0 + bench.r[1] / r), "{estimate:?} for {r}");
+    }
+
+    #[test]
+    fn qerm_solves_the_law_of_two_resistors_at_once(bench in bench(), r in 10f64.ln()..1e6f64.ln(), fraction in 0.05..0.99f64) {
+        let r = r.exp();
+        let r2 = bench.r[0] + bench.r[1];
+        let (x, s) = (r + bench.r_o, r2 + bench.r_o);
+        let parallel = bench.g[0] / (1.0 / x + 1.0 / s);
+        let full = bench.record(Through::XWithC12(0), [Some(parallel), None]);
+        let estimate = bench.estimator(Method::Qerm).estimate(&full).unwrap();
+        prop_assert_eq!(estimate.branch, Branch::Direct);
+        prop_assert!((estimate.r_ohm.value / r - 1.0).abs() < 1e-9 * (1.0 + x / s) * (1.0 + bench.r[0] / r), "{estimate:?} for {r}");
+
+        let at = fraction * parallel;
+        let end = at + (bench.g[0] - at * (1.0 / x + 1.0 / s)) * s;
+        let mut switched = bench.record(Through::XWithC12(0), [Some(end), None]);
+        switched.switch = Some(Switch { at_ns: at, on_ns: at, to: Through::C12 });
+        let estimate = bench.estimator(Method::Qerm).estimate(&switched).unwrap();
+        prop_assert_eq!(estimate.branch, Branch::Inferred);
+        let magnified = (1.0 + x / s) * (1.0 + s / x) / fraction;
+        prop_assert!((estimate.r_ohm.value / r - 1.0).abs() < 1e-9 * magnified, "{estimate:?} for {r}");
+    }
+
+    #[test]
+    fn whatever_the_times_no_number_is_made_up(
+        c1 in prop::array::uniform2(-1e7..1e7f64),
+        c2 in prop::array::uniform2(-1e7..1e7f64),
+        x in prop::array::uniform2(-1e7..1e9f64),
+        at in prop::option::of(-1e6..1e6f64),
+        method in prop::sample::select(Method::ALL.to_vec()),
+    ) {
+        let record = |through, [a, b]: [f64; 2]| Record {
+            through, start: Nanos::ZERO, second_ns: 0.0, switch: None, a_ns: Some(a), b_ns: Some(b), u_switch_ns: 0.0, waited_ns: 0.0,
+        };
+        let nodes = if matches!(method, Method::Tcdic | Method::Cerm) { 2 } else { 1 };
+        let mut estimator = Estimator::new(method, 2320.0, 12700.0, nodes, Offset::given(8000.0));
+        estimator.calibrate(&record(Through::C1, c1)).unwrap();
+        estimator.calibrate(&record(Through::C2, c2)).unwrap();
+        let mut x = record(Through::X(0), x);
+        x.switch = at.map(|at| Switch { at_ns: at, on_ns: at, to: Through::C2 });
+        match estimator.status(&x, 0.0, Some(&Force::Alpha(13346.46))) {
+            Status::Ok { r_ohm, f_n, .. } => {
+                prop_assert!(r_ohm.value > 0.0 && r_ohm.value.is_finite());
+                prop_assert!(f_n.is_none_or(|f| f.value > 0.0 && f.value.is_finite()));
+            }
+            Status::Open { r_min_ohm, .. } => prop_assert!(r_min_ohm > 0.0 && r_min_ohm.is_finite()),
+            Status::Short { r_max_ohm, .. } => prop_assert!(r_max_ohm > 0.0 && r_max_ohm.is_finite()),
+            Status::Fault(_) => {}
+        }
+    }
+}
+
+/// What (19) gives when d is left in the crossings: -(2 d / (g_A + g_B)) (Rc2 - R_x) / (Rc2 + Ro), to first order in d,
+/// with the switch where A crosses.
+#[test]
+fn an_offset_that_is_not_subtracted_biases_cerm_as_predicted() {
+    // 10 uF and 680 nF at 1.3 V: g in ns/ohm.
+    let c_t = 10e-6 * 0.68e-6 / 10.68e-6;
+    let g = [(3.3f64 / 1.3).ln(), (33.0f64 / (1.3 * 10.68 - 3.3 * 0.68)).ln()].map(|ln| ln * c_t * 1e9);
+    let bench = Bench { r: [2320.0, 12700.0], r_o: 40.0, g, d: 8000.0 };
+    for r in [100.0, 1000.0, 5000.0] {
+        let at = g[0] * (r + 40.0);
+        let record = bench.switched(Through::X(0), r, at, at, 12700.0, Through::C2);
+        let mut estimator = bench.estimator(Method::Cerm);
+        assert!((estimator.estimate(&record).unwrap().r_ohm.value / r - 1.0).abs() < 1e-9);
+        estimator.set_offset(Offset::given(0.0));
+        let bias = estimator.estimate(&record).unwrap().r_ohm.value - r;
+        let predicted = -(2.0 * 8000.0 / (g[0] + g[1])) * (12700.0 - r) / 12740.0;
+        assert!((bias / predicted - 1.0).abs() < 0.05, "{r} ohm: bias {bias}, predicted {predicted}");
+    }
+}

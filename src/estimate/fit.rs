@@ -1,0 +1,190 @@
+//! Fitting the characteristic of a force sensor to measured pairs.
+//!
+//! For: alpha, a power law or a table from forces and the resistances that were measured under them, with 1-sigma
+//! uncertainties, residuals, and the mean of repeated readings. Must not know: where pairs come from or go to.
+//!
+//! The force is taken as exact, the scatter as that of the resistance.
+
+use crate::estimate::force::{Force, Table, TableError};
+use crate::reading::Measured;
+
+/// A force and the resistance under it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Pair {
+    /// Newton, positive and finite.
+    pub f_n: f64,
+    /// Ohm, positive and finite.
+    pub r_ohm: f64,
+}
+
+/// A fitted characteristic.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Fit {
+    /// R = alpha / F, eq. (1).
+    Alpha {
+        /// N ohm.
+        alpha: Measured,
+    },
+    /// F = F_1k (R / 1 kohm)^-exponent.
+    Power {
+        /// F_1k, newton.
+        at_1_kohm: Measured,
+        /// Positive.
+        exponent: Measured,
+    },
+    /// The pairs themselves.
+    Table(Table),
+}
+
+/// Why pairs cannot be fitted.
+#[derive(Debug, thiserror::Error)]
+pub enum FitError {
+    /// Not enough of them.
+    #[error("{found} pair(s) of force and resistance: it takes at least {needed}")]
+    Few {
+        /// How many there are.
+        found: usize,
+        /// How many it takes.
+        needed: usize,
+    },
+    /// One force only tells no exponent.
+    #[error("all pairs have the same force: a power law takes at least two forces")]
+    OneForce,
+    /// More force gives more resistance.
+    #[error("the resistance does not fall while the force rises: are the columns swapped? force comes first")]
+    Rising,
+    /// No table.
+    #[error(transparent)]
+    Table(#[from] TableError),
+}
+
+/// The least squares of R = alpha / F: minimises the sum of (R - alpha/F)^2.
+///
+/// # Errors
+/// [`FitError::Few`] without a pair.
+pub fn alpha(pairs: &[Pair]) -> Result<Fit, FitError> {
+    enough(pairs, 1)?;
+    let squares: f64 = pairs.iter().map(|pair| pair.f_n.powi(-2)).sum();
+    let alpha = pairs.iter().map(|pair| pair.r_ohm / pair.f_n).sum::<f64>() / squares;
+    let rest: f64 = pairs.iter().map(|pair| (pair.r_ohm - alpha / pair.f_n).powi(2)).sum();
+    let u = (pairs.len() > 1).then(|| (rest / (pairs.len() - 1) as f64 / squares).sqrt());
+    Ok(Fit::Alpha { alpha: Measured { value: alpha, u } })
+}
+
+/// The least squares of ln R = a - b ln F, with the exponent 1/b.
+///
+/// # Errors
+/// [`FitError::Few`], [`FitError::OneForce`], [`FitError::Rising`].
+pub fn power(pairs: &[Pair]) -> Result<Fit, FitError> {
+    enough(pairs, 2)?;
+    let n = pairs.len() as f64;
+    // ln (R / 1 kohm) against ln F, both from their means.
+    let logs = || pairs.iter().map(|pair| (pair.f_n.ln(), (pair.r_ohm / 1000.0).ln()));
+    let (mean_x, mean_y) = logs().fold((0.0, 0.0), |sum, (x, y)| (sum.0 + x / n, sum.1 + y / n));
+    let s_xx: f64 = logs().map(|(x, _)| (x - mean_x).powi(2)).sum();
+    // What rounding leaves of one and the same force.
+    if s_xx <= n * 1e-24 {
+        return Err(FitError::OneForce);
+    }
+    let b = -logs().map(|(x, y)| (x - mean_x) * (y - mean_y)).sum::<f64>() / s_xx;
+    if b.is_nan() || b <= 0.0 {
+        return Err(FitError::Rising);
+    }
+    let rest: f64 = logs().map(|(x, y)| (y - mean_y + b * (x - mean_x)).powi(2)).sum();
+    // ln F_1k is the x at which y is 0; mean_y and b are independent.
+    let ln_f = mean_x + mean_y / b;
+    let u = |by_mean: f64, by_b: f64| {
+        let variance = rest / (n - 2.0);
+        (n > 2.0).then(|| (variance * (by_mean * by_mean / n + by_b * by_b / s_xx)).sqrt())
+    };
+    let at_1_kohm = ln_f.exp();
+    Ok(Fit::Power {
+        at_1_kohm: Measured {
+            value: at_1_kohm,
+            u: u(1.0 / b, mean_y / (b * b)).map(|relative| relative * at_1_kohm),
+        },
+        exponent: Measured { value: 1.0 / b, u: u(0.0, 1.0 / (b * b)) },
+    })
+}
+
+/// The pairs as a table.
+///
+/// # Errors
+/// [`FitError::Table`] when there are fewer than two, or force and resistance do not run against each other.
+pub fn table(pairs: &[Pair]) -> Result<Fit, FitError> {
+    let pairs = pairs.iter().map(|pair| (pair.r_ohm, pair.f_n)).collect();
+    Ok(Fit::Table(Table::from_pairs(pairs)?))
+}
+
+fn enough(pairs: &[Pair], needed: usize) -> Result<(), FitError> {
+    if pairs.len() < needed { Err(FitError::Few { found: pairs.len(), needed }) } else { Ok(()) }
+}
+
+impl Fit {
+    /// The characteristic, for converting.
+    pub fn force(&self) -> Force {
+        match self {
+            Fit::Alpha { alpha } => Force::Alpha(alpha.value),
+            Fit::Power { at_1_kohm, exponent } => Force::Power {
+                scale: at_1_kohm.value * 1000f64.powf(exponent.value),
+                exponent: exponent.value,
+            },
+            Fit::Table(table) => Force::Table(table.clone()),
+        }
+    }
+
+    /// The resistance that the fit gives at the force of a pair, ohm; that of a table is the pair's own.
+    pub fn r_ohm(&self, pair: Pair) -> f64 {
+        match self {
+            Fit::Alpha { alpha } => alpha.value / pair.f_n,
+            Fit::Power { at_1_kohm, exponent } => {
+                1000.0 * (pair.f_n / at_1_kohm.value).powf(-1.0 / exponent.value)
+            }
+            Fit::Table(_) => pair.r_ohm,
+        }
+    }
+
+    /// By what share of the fitted resistance a pair is off.
+    pub fn residual(&self, pair: Pair) -> f64 {
+        pair.r_ohm / self.r_ohm(pair) - 1.0
+    }
+
+    /// The root mean square of the [residuals](Fit::residual).
+    pub fn relative_rms(&self, pairs: &[Pair]) -> f64 {
+        let squares: f64 = pairs.iter().map(|&pair| self.residual(pair).powi(2)).sum();
+        (squares / pairs.len() as f64).sqrt()
+    }
+}
+
+/// The mean of successive readings of a constant, with 1 sigma of the mean; `None` for no readings.
+///
+/// Readings that share a calibration are not independent. The means of blocks longer than that scatter by what is
+/// shared, too, so the greater of both scatters counts.
+pub fn mean(readings: &[f64]) -> Option<Measured> {
+    const BLOCKS: usize = 10;
+    let (value, u) = mean_and_u(readings)?;
+    let length = readings.len() / BLOCKS;
+    if length < 2 {
+        return Some(Measured { value, u });
+    }
+    let blocks: Vec<f64> = readings
+        .chunks_exact(length)
+        .take(BLOCKS)
+        .map(|block| block.iter().sum::<f64>() / length as f64)
+        .collect();
+    let of_blocks = mean_and_u(&blocks).and_then(|(_, u)| u);
+    Some(Measured { value, u: u.zip(of_blocks).map(|(a, b)| a.max(b)) })
+}
+
+fn mean_and_u(values: &[f64]) -> Option<(f64, Option<f64>)> {
+    if values.is_empty() {
+        return None;
+    }
+    let n = values.len() as f64;
+    let mean = values.iter().sum::<f64>() / n;
+    let squares: f64 = values.iter().map(|value| (value - mean).powi(2)).sum();
+    Some((mean, (values.len() > 1).then(|| (squares / (n - 1.0) / n).sqrt())))
+}
+
+#[cfg(test)]
+mod tests;

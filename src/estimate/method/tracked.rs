@@ -1,0 +1,206 @@
+//! One x discharge against a tracked calibration: weighted least squares on the [law](crate::estimate::law).
+//!
+//! The unknown is R_x alone. Both crossings are used, each as the law has it, whether it comes before the switch or after
+//! it, weighted by the inverse of the covariance of their residuals: noise of the crossings, the instant of the switch,
+//! and the tracked state, with all that these share. With a state known exactly the variance is the Cramer-Rao bound of
+//! the discharge.
+
+use crate::estimate::law::{Course, State};
+use crate::estimate::motion::Seen;
+use crate::estimate::noise::Covariance;
+use crate::estimate::tracker::{Tracker, bilinear, quadratic};
+use crate::reading::{Branch, Fault};
+use crate::record::Switch;
+
+/// Residuals of the two nodes that disagree by more sigma cannot both be right.
+const GATE: f64 = 5.0;
+/// Steps of Gauss and Newton; each squares the relative error, which is small from the start.
+const STEPS: usize = 4;
+
+/// An x discharge as it is used.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Observed {
+    /// Crossings of A and B, ns; the last of them is there.
+    pub crossings: [Option<f64>; 2],
+    /// The switch, and the resistor after it, ohm.
+    pub switch: Option<(Switch, f64)>,
+    /// Type-B uncertainty of the switch, ns.
+    pub u_switch_ns: f64,
+}
+
+/// R_x and what is known about it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Solution {
+    /// Ohm.
+    pub r_ohm: f64,
+    /// All of it, ohm².
+    pub variance: f64,
+    /// As it would be with a calibration known exactly: the Cramer-Rao bound, ohm².
+    pub bound: f64,
+    /// How R_x depends on the state: the variance that the calibration brings is v^T P v.
+    pub by_state: State,
+    /// Whether the switch came before the last crossing.
+    pub branch: Branch,
+    /// When it was so, and whether both crossings say so.
+    pub seen: Seen,
+}
+
+/// Solves for R_x.
+///
+/// # Errors
+/// [`Fault::Implausible`] if no resistance fits.
+pub fn solve(tracker: &Tracker, observed: &Observed) -> Result<Solution, Fault> {
+    let mut r_ohm = start(tracker, observed).filter(|r| r.is_finite()).ok_or(Fault::Implausible)?;
+    for _ in 0..STEPS {
+        let fit = Fit::new(tracker, observed, r_ohm).ok_or(Fault::Implausible)?;
+        // The law has a pole at R = -Ro.
+        r_ohm = (r_ohm + fit.step).max(-0.99 * tracker.state()[crate::estimate::law::R_O]);
+    }
+    let fit = Fit::new(tracker, observed, r_ohm).ok_or(Fault::Implausible)?;
+    let solution = fit.solution(r_ohm, observed.branch(tracker.state()));
+    if solution.r_ohm.is_finite() && solution.variance.is_finite() {
+        Ok(solution)
+    } else {
+        Err(Fault::Implausible)
+    }
+}
+
+/// The variance to be expected of a sensor of `r_ohm`, switched (or not) as given; `None` if that cannot be.
+pub fn predict(
+    tracker: &Tracker,
+    r_ohm: f64,
+    switch: Option<(Switch, f64)>,
+    u_switch_ns: f64,
+) -> Option<Solution> {
+    let course = Course { first_ohm: r_ohm, switch };
+    let crossings = [0, 1].map(|node| Some(course.crossing(tracker.state(), node).ns));
+    let observed = Observed { crossings, switch, u_switch_ns };
+    let fit = Fit::new(tracker, &observed, r_ohm)?;
+    Some(fit.solution(r_ohm, observed.branch(tracker.state())))
+}
+
+/// The conductance 1/(R_x+Ro) of a discharge that was switched, and its uncertainty, siemens: what a resistance too high to
+/// be told from an open circuit is judged by. The law is linear in it.
+pub fn conductance(tracker: &Tracker, observed: &Observed) -> Option<(f64, f64)> {
+    // Where the linear law is evaluated does not matter; far away, where no crossing comes before the switch.
+    let reference_ohm = 1e7;
+    let through = reference_ohm + tracker.state()[crate::estimate::law::R_O];
+    let fit = Fit::new(tracker, observed, reference_ohm)?;
+    let siemens = 1.0 / through - fit.step / (through * through);
+    Some((siemens, fit.variance.sqrt() / (through * through)))
+}
+
+impl Observed {
+    /// How long the sensor took part in what ended with a crossing, ns.
+    fn end_ns(&self, crossing_ns: f64, state: &State) -> f64 {
+        let end_ns = crossing_ns - state[crate::estimate::law::D];
+        self.switch.map_or(end_ns, |(switch, _)| end_ns.min(switch.at_ns))
+    }
+
+    fn branch(&self, state: &State) -> Branch {
+        let last = self.crossings[1].or(self.crossings[0]).unwrap_or(0.0) - state[crate::estimate::law::D];
+        match self.switch {
+            Some((switch, _)) if last > switch.on_ns => Branch::Inferred,
+            _ => Branch::Direct,
+        }
+    }
+}
+
+/// The last node's equation alone, in closed form.
+fn start(tracker: &Tracker, observed: &Observed) -> Option<f64> {
+    let [g_a, g_b, r_o, d] = *tracker.state();
+    let (g, crossing) = match observed.crossings {
+        [_, Some(b)] if tracker.nodes() == 2 => (g_b, b - d),
+        [Some(a), _] => (g_a, a - d),
+        _ => return None,
+    };
+    let through_x = match (observed.branch(tracker.state()), observed.switch) {
+        (Branch::Inferred, Some((switch, next_ohm))) => {
+            let rest = (crossing - switch.on_ns) / (next_ohm + r_o);
+            switch.at_ns / (g - rest)
+        }
+        _ => crossing / g,
+    };
+    (through_x > 0.0).then_some(through_x - r_o)
+}
+
+/// The normal equations of one unknown, at a resistance.
+struct Fit {
+    step: f64,
+    /// (J^T S^-1 J)^-1.
+    variance: f64,
+    bound: f64,
+    by_state: State,
+    seen: Seen,
+}
+
+impl Fit {
+    fn new(tracker: &Tracker, observed: &Observed, r_ohm: f64) -> Option<Fit> {
+        let state = tracker.state();
+        // A switch after the last crossing has changed nothing.
+        let switch = if observed.branch(state) == Branch::Inferred { observed.switch } else { None };
+        let course = Course { first_ohm: r_ohm, switch };
+        let nodes = [0, 1].map(|node| {
+            let seen = observed.crossings[node].is_some() && node < tracker.nodes();
+            (course.crossing(state, node), if seen { observed.crossings[node] } else { None })
+        });
+        let mut noise = tracker.observation(&course, observed.u_switch_ns)?;
+        // What was not seen tells nothing.
+        for (node, (_, seen)) in nodes.iter().enumerate() {
+            if seen.is_none() {
+                let (aa, bb) = if node == 0 { (1e30, noise.bb) } else { (noise.aa, 1e30) };
+                noise = Covariance { aa, bb, ab: 0.0 };
+            }
+        }
+        let rows = nodes.map(|(crossing, _)| crossing.by_state);
+        let p = tracker.covariance();
+        let all = Covariance {
+            aa: noise.aa + quadratic(p, &rows[0]),
+            bb: noise.bb + quadratic(p, &rows[1]),
+            ab: noise.ab + bilinear(p, &rows[0], &rows[1]),
+        };
+        let j = nodes.map(|(crossing, _)| crossing.by_first);
+        let residual = nodes.map(|(crossing, seen)| seen.map_or(0.0, |seen| seen - crossing.ns));
+        let information = inner(&all, j, j)?;
+        let step = inner(&all, j, residual)? / information;
+        let weights = weights(&all, j)?.map(|weight| weight / information);
+        let mut by_state = [0.0; 4];
+        for (index, by) in by_state.iter_mut().enumerate() {
+            *by = -(weights[0] * rows[0][index] + weights[1] * rows[1][index]);
+        }
+        let left = [residual[0] - j[0] * step, residual[1] - j[1] * step];
+        let seen = match nodes.map(|(_, seen)| seen.map(|ns| observed.end_ns(ns, state))) {
+            [Some(a), Some(b)] => {
+                let alone = [0, 1].map(|node| r_ohm + residual[node] / j[node]);
+                let u_ohm = all.of(1.0 / j[0], -1.0 / j[1]).sqrt();
+                Seen::over_two([a, b], [weights[0] * j[0], weights[1] * j[1]], alone, u_ohm)
+            }
+            [a, b] => Seen::over(b.or(a)?),
+        };
+        Some(Fit {
+            step,
+            variance: 1.0 / information,
+            bound: 1.0 / inner(&noise, j, j)?,
+            by_state,
+            seen: seen.contradicting(inner(&all, left, left)? > GATE * GATE),
+        })
+    }
+
+    fn solution(&self, r_ohm: f64, branch: Branch) -> Solution {
+        let Fit { variance, bound, by_state, seen, .. } = *self;
+        Solution { r_ohm, variance, bound, by_state, branch, seen }
+    }
+}
+
+/// S^-1 v.
+fn weights(s: &Covariance, v: [f64; 2]) -> Option<[f64; 2]> {
+    let determinant = s.aa * s.bb - s.ab * s.ab;
+    (determinant > 0.0 && determinant.is_finite())
+        .then(|| [(s.bb * v[0] - s.ab * v[1]) / determinant, (s.aa * v[1] - s.ab * v[0]) / determinant])
+}
+
+/// u^T S^-1 v.
+fn inner(s: &Covariance, u: [f64; 2], v: [f64; 2]) -> Option<f64> {
+    let weights = weights(s, v)?;
+    Some(u[0] * weights[0] + u[1] * weights[1])
+}

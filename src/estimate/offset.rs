@@ -1,0 +1,207 @@
+//! The latency offset d and the pins' resistance Ro, by split calibration.
+//!
+//! For: finding d from discharges of the two calibration resistors alone. Must not know: the sensor, the method.
+//!
+//! One round is three discharges: R_1 in full, R_2 in full, and a split one that runs through R_1 for the time s and
+//! then through R_2 for the time c until a node crosses. The progress g of a node is the same in all of them, and d
+//! cancels in D = T_c2 - c (both are crossings), so
+//!
+//! ```text
+//! s/(R_1+Ro) = D/(R_2+Ro)          =>  Ro = (s R_2 - D R_1)/(D - s)
+//! g = (T_c2 - T_c1)/(R_2-R_1)
+//! d = T_c1 - g (R_1+Ro)
+//! ```
+//!
+//! The switch comes before either node has crossed, so both nodes tell D and d; they are weighted by the noise of their
+//! crossings. The rounds are averaged; their scatter gives the uncertainties (GUM type A). Rounds that a latency spike has
+//! spoilt are left out. What the scatter does not show is an error of s that is the same each time: the line that starts
+//! the discharge is sunk, the one that ends s is released ([`UNLIKE_CALLS`], type B).
+
+use crate::estimate::noise::{Covariance, Noise};
+use crate::estimate::scatter::SwitchScatter;
+use crate::record::{Record, UNLIKE_CALLS};
+use crate::units::Nanos;
+
+/// What is longer is no latency: a slip of the unit.
+pub const LONGEST: Nanos = Nanos(1_000_000);
+
+/// What the split calibration found; each uncertainty is 1 sigma.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Offset {
+    /// How much later than the truth a crossing is stamped, ns.
+    pub d_ns: f64,
+    /// Its uncertainty, ns; 0 for a given offset.
+    pub u_d_ns: f64,
+    /// Output resistance of a calibration pin, ohm; `None` for a given offset.
+    pub r_o_ohm: Option<(f64, f64)>,
+    /// Scatter of the instant of a switch at the most, ns; `None` if it was not measured.
+    pub switch_ns: Option<f64>,
+    /// By how much d changes with an error that all switches have in common.
+    pub by_switch: f64,
+}
+
+impl Offset {
+    /// An offset that is known from elsewhere.
+    pub fn given(d_ns: f64) -> Offset {
+        Offset { d_ns, ..Offset::default() }
+    }
+
+    /// Ro, ohm; 0 where it is not known.
+    pub fn r_o(&self) -> f64 {
+        self.r_o_ohm.map_or(0.0, |(r_o_ohm, _)| r_o_ohm)
+    }
+
+    /// The variance of d but for the error that all switches have in common, ns²; `u_common_ns`: the uncertainty of that.
+    pub fn own_variance(&self, u_common_ns: f64) -> f64 {
+        (self.u_d_ns.powi(2) - (self.by_switch * u_common_ns).powi(2)).max(0.0)
+    }
+}
+
+#[derive(Debug, Clone, Copy)]
+struct Round {
+    d_ns: f64,
+    r_o_ohm: f64,
+    s_ns: f64,
+    big_d_ns: f64,
+    /// The progress g, weighted as D was, ns/ohm.
+    g: f64,
+    u_switch_ns: f64,
+    /// Of D, as far as it is due to its crossings, ns²; `None` while the noise is not known.
+    variance: Option<f64>,
+}
+
+/// Collects rounds of a split calibration, the last ones up to a number.
+#[derive(Debug, Clone, Default)]
+pub struct SplitCalibration {
+    r1_ohm: f64,
+    r2_ohm: f64,
+    nodes: usize,
+    rounds: Vec<Round>,
+    /// How many rounds have been taken.
+    taken: usize,
+    /// For sorting: allocated once.
+    scratch: Vec<f64>,
+}
+
+impl SplitCalibration {
+    /// The split comes after this part of node A's time through R_1: late, since D grows with it, and before any node
+    /// crosses.
+    pub const FRACTION: f64 = 0.9;
+
+    /// For calibration resistors `r1_ohm` < `r2_ohm` and a circuit with one or two nodes; remembers `window` rounds.
+    pub fn new(r1_ohm: f64, r2_ohm: f64, nodes: usize, window: usize) -> SplitCalibration {
+        let (rounds, scratch) = (Vec::with_capacity(window), Vec::with_capacity(window));
+        SplitCalibration { r1_ohm, r2_ohm, nodes, rounds, taken: 0, scratch }
+    }
+
+    /// Forgets every round; the memory stays.
+    pub fn clear(&mut self) {
+        self.rounds.clear();
+        self.scratch.clear();
+        self.taken = 0;
+    }
+
+    /// How many rounds have been taken.
+    pub fn taken(&self) -> usize {
+        self.taken
+    }
+
+    /// Takes one round: crossings of the plain discharges and the record of the split one. A round whose split
+    /// discharge was not switched in time, or that does not fit the law, tells nothing and is passed over.
+    pub fn add(&mut self, c1: [f64; 2], c2: [f64; 2], split: &Record, noise: &Noise) {
+        let Some(round) = self.round(c1, c2, split, noise) else { return };
+        if self.rounds.len() < self.rounds.capacity() {
+            self.rounds.push(round);
+        } else {
+            let oldest = self.taken % self.rounds.len();
+            self.rounds[oldest] = round;
+        }
+        self.taken += 1;
+    }
+
+    fn round(&self, c1: [f64; 2], c2: [f64; 2], split: &Record, noise: &Noise) -> Option<Round> {
+        let switch = split.switch?;
+        let crossings = [split.a_ns?, if self.nodes == 2 { split.b_ns? } else { 0.0 }];
+        let covariance = noise.covariance(c2);
+        let weights = self.weights(covariance);
+        let weighted =
+            |of: &dyn Fn(usize) -> f64| (0..self.nodes).map(|node| weights[node] * of(node)).sum::<f64>();
+        let (s, (r1, r2)) = (switch.at_ns, (self.r1_ohm, self.r2_ohm));
+        let big_d = weighted(&|node| c2[node] - (crossings[node] - switch.on_ns));
+        if s <= 0.0 || big_d <= s || (0..self.nodes).any(|node| crossings[node] <= switch.on_ns) {
+            return None;
+        }
+        let r_o_ohm = (s * r2 - big_d * r1) / (big_d - s);
+        let g = weighted(&|node| (c2[node] - c1[node]) / (r2 - r1));
+        let d_ns = weighted(&|node| c1[node]) - g * (r1 + r_o_ohm);
+        // Two crossings through R_2 are in D: the plain discharge's and the split one's.
+        let variance = covariance.map(|covariance| 2.0 * covariance.of(weights[0], weights[1]));
+        let sound = d_ns.is_finite() && r_o_ohm.is_finite();
+        let u_switch_ns = split.u_switch_ns;
+        sound.then_some(Round { d_ns, r_o_ohm, s_ns: s, big_d_ns: big_d, g, u_switch_ns, variance })
+    }
+
+    /// By inverse variance; alike while the noise is not known.
+    fn weights(&self, covariance: Option<Covariance>) -> [f64; 2] {
+        let [a, b] = covariance.map_or([1.0, 1.0], |covariance| [1.0 / covariance.aa, 1.0 / covariance.bb]);
+        if self.nodes == 1 { [1.0, 0.0] } else { [a / (a + b), b / (a + b)] }
+    }
+
+    /// The result so far; `None` for fewer than four rounds.
+    ///
+    /// The scatter of switch instants is what remains of the scatter of D, given s, when the noise of its crossings is
+    /// taken away, and as much more as that cannot tell.
+    pub fn result(&mut self) -> Option<Offset> {
+        if self.rounds.len() < 4 {
+            return None;
+        }
+        self.scratch.clear();
+        self.scratch.extend(self.rounds.iter().map(|round| round.d_ns));
+        let (middle, limit) = median_and_limit(&mut self.scratch);
+        let kept = self.rounds.iter().filter(|round| (round.d_ns - middle).abs() <= limit);
+        let mean = |of: fn(&Round) -> f64| mean_and_uncertainty(kept.clone().map(of));
+        let (d, r_o) = (mean(|round| round.d_ns)?, mean(|round| round.r_o_ohm)?);
+        let (s, big_d) = (mean(|round| round.s_ns)?.0, mean(|round| round.big_d_ns)?.0);
+        let r_o_by_switch = big_d * (self.r2_ohm - self.r1_ohm) / (big_d - s).powi(2);
+        let by_switch = -mean(|round| round.g)?.0 * r_o_by_switch;
+        let u_common_ns = UNLIKE_CALLS * mean(|round| round.u_switch_ns)?.0;
+
+        let slope = (self.r2_ohm + r_o.0) / (self.r1_ohm + r_o.0);
+        let known = kept.filter_map(|round| Some((round.big_d_ns - slope * round.s_ns, round.variance?)));
+        let mut scatter = SwitchScatter::default();
+        if let Some((mean, _)) = mean_and_uncertainty(known.clone().map(|(misfit, _)| misfit)) {
+            known.for_each(|(misfit, variance)| scatter.add(misfit - mean, variance, slope));
+        }
+        Some(Offset {
+            d_ns: d.0,
+            u_d_ns: d.1.hypot(by_switch * u_common_ns),
+            r_o_ohm: Some((r_o.0, r_o.1.hypot(r_o_by_switch * u_common_ns))),
+            switch_ns: scatter.bound_ns(),
+            by_switch,
+        })
+    }
+}
+
+/// The median, and five sigma as told by the median absolute deviation. Leaves the deviations in `values`.
+fn median_and_limit(values: &mut [f64]) -> (f64, f64) {
+    let middle = median(values);
+    values.iter_mut().for_each(|value| *value = (*value - middle).abs());
+    (middle, 5.0 * median(values) / 0.6745)
+}
+
+fn median(values: &mut [f64]) -> f64 {
+    let is_odd = values.len() % 2 == 1;
+    let (below, middle, _) = values.select_nth_unstable_by(values.len() / 2, f64::total_cmp);
+    let before = if is_odd { *middle } else { below.iter().copied().fold(f64::MIN, f64::max) };
+    (before + *middle) / 2.0
+}
+
+fn mean_and_uncertainty(values: impl Iterator<Item = f64> + Clone) -> Option<(f64, f64)> {
+    let count = values.clone().count() as f64;
+    if count < 2.0 {
+        return None;
+    }
+    let mean = values.clone().sum::<f64>() / count;
+    let square = values.map(|value| (value - mean).powi(2)).sum::<f64>() / (count - 1.0);
+    Some((mean, (square / count).sqrt()))
+}

@@ -1,0 +1,404 @@
+//! The calibration followed while measuring: g_A, g_B, Ro and d in a small Kalman filter.
+//!
+//! For: what is known of the state, how well, and which calibration discharge would teach most. Must not know: the
+//! sensor, the order of discharges, or the method.
+//!
+//! The state walks at random (process noise per root second) and is observed by plain and split calibration discharges
+//! through the [law](crate::estimate::law). Innovations beyond the gate are rejected and counted; several in a row are a step, and
+//! everything is found again from the beginning. The noise of crossings is learned from the calibration discharges themselves
+//! ([`Noise`]); how fast g drifts is learned from the innovations: their normalised square is 1 on average when the walk is
+//! as fast as the state.
+
+use crate::estimate::law::{Course, D, R_O, State};
+use crate::estimate::noise::{Covariance, Judgement, Noise};
+use crate::estimate::offset::SplitCalibration;
+use crate::reading::Fault;
+use crate::record::{CalibrationKind, Record, Through};
+use crate::units::Nanos;
+
+mod gain;
+
+use crate::estimate::scatter::SwitchScatter;
+use gain::Gain;
+
+/// Rounds (R_1, R_2, split) from which the first state is found.
+pub const FIRST_ROUNDS: usize = 32;
+/// From so many of these rounds the filter tries to begin.
+const BEGINNINGS: usize = 8;
+/// One in so many of the first discharges may be rejected.
+const MOST_REJECTED: usize = 8;
+/// An innovation beyond so many sigma is rejected.
+const GATE: f64 = 4.0;
+/// So many rejections in a row are a step.
+const STEP: u32 = 3;
+/// How fast Ro walks, ohm per root second: the temperature of a board changes in minutes.
+const WALK_R_O: f64 = 0.02;
+/// How fast d walks, per root second, in parts of its jitter: what makes the latency jitter makes its mean wander.
+const WALK_D: f64 = 0.02;
+/// How slowly and how fast g may walk, relative, per root second. Never slower than a drift by 1 % in a minute takes it
+/// in a second: a walk that was learned in quiet times lags behind a drift that begins.
+const WALK_G: [f64; 2] = [2e-4, 2e-3];
+/// How much one innovation changes the speed of the walk.
+const LEARN: f64 = 0.05;
+
+/// A symmetric 4 x 4 covariance.
+pub type Matrix = [[f64; 4]; 4];
+
+/// v^T M v.
+pub fn quadratic(matrix: &Matrix, v: &State) -> f64 {
+    bilinear(matrix, v, v)
+}
+
+/// u^T M v.
+pub fn bilinear(matrix: &Matrix, u: &State, v: &State) -> f64 {
+    (0..4).map(|i| u[i] * (0..4).map(|j| matrix[i][j] * v[j]).sum::<f64>()).sum()
+}
+
+/// What has been counted.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct Counts {
+    /// Calibration discharges used.
+    pub used: u64,
+    /// Rejected by the gate.
+    pub rejected: u64,
+    /// Steps of the calibration.
+    pub steps: u64,
+}
+
+/// The filter.
+#[derive(Debug, Clone)]
+pub struct Tracker {
+    r_ohm: [f64; 2],
+    nodes: usize,
+    resolution_ns: f64,
+    noise: Noise,
+    state: State,
+    covariance: Matrix,
+    at: Nanos,
+    walk_g: f64,
+    rejected_in_row: u32,
+    counts: Counts,
+    scatter: SwitchScatter,
+    split: SplitCalibration,
+    rounds: Vec<[Record; 3]>,
+    round: [Option<Record>; 3],
+    ready: bool,
+}
+
+impl Tracker {
+    /// Knows nothing yet. `r_ohm`: R_1 < R_2; one or two `nodes`; `resolution_ns`: period of the clock that stamps.
+    pub fn new(r_ohm: [f64; 2], nodes: usize, resolution_ns: f64) -> Tracker {
+        let split = SplitCalibration::new(r_ohm[0], r_ohm[1], nodes, FIRST_ROUNDS);
+        Tracker::empty(r_ohm, nodes, resolution_ns, split, Vec::with_capacity(FIRST_ROUNDS))
+    }
+
+    /// The same with memory that is there already.
+    fn empty(
+        r_ohm: [f64; 2],
+        nodes: usize,
+        resolution_ns: f64,
+        split: SplitCalibration,
+        rounds: Vec<[Record; 3]>,
+    ) -> Tracker {
+        Tracker {
+            r_ohm,
+            nodes,
+            resolution_ns,
+            noise: Noise::new(resolution_ns),
+            state: [0.0; 4],
+            covariance: [[0.0; 4]; 4],
+            at: Nanos::ZERO,
+            walk_g: WALK_G[0],
+            rejected_in_row: 0,
+            counts: Counts::default(),
+            scatter: SwitchScatter::default(),
+            split,
+            rounds,
+            round: [None; 3],
+            ready: false,
+        }
+    }
+
+    /// How many nodes there are.
+    pub fn nodes(&self) -> usize {
+        self.nodes
+    }
+
+    /// Whether there is a state.
+    pub fn is_ready(&self) -> bool {
+        self.ready
+    }
+
+    /// g_A, g_B, Ro, d.
+    pub fn state(&self) -> &State {
+        &self.state
+    }
+
+    /// How well it is known.
+    pub fn covariance(&self) -> &Matrix {
+        &self.covariance
+    }
+
+    /// The noise of crossings.
+    pub fn noise(&self) -> &Noise {
+        &self.noise
+    }
+
+    /// Calibration discharges used and rejected.
+    pub fn counts(&self) -> Counts {
+        self.counts
+    }
+
+    /// Whether the last calibration discharge was rejected.
+    pub fn is_doubted(&self) -> bool {
+        self.rejected_in_row > 0
+    }
+
+    /// An upper bound of the scatter of a switch's instant, ns; `None` until there is one.
+    pub fn switch_ns(&self) -> Option<f64> {
+        self.scatter.bound_ns()
+    }
+
+    /// Takes a calibration discharge.
+    ///
+    /// # Errors
+    /// [`Fault::NoCalibration`] if a crossing is missing, [`Fault::LatencyOutlier`] if it is rejected,
+    /// [`Fault::CalibrationStep`] if it is the one after which the filter opens again.
+    pub fn add(&mut self, record: &Record) -> Result<(), Fault> {
+        let kind = kind_of(record).ok_or(Fault::NoCalibration)?;
+        let times = self.times(record).ok_or(Fault::NoCalibration)?;
+        if self.ready {
+            return self.update(kind, record, times);
+        }
+        let judgement = self.learn_noise(kind, times, [0.0; 2]);
+        if judgement == Judgement::Outlier {
+            return Err(Fault::LatencyOutlier);
+        }
+        self.round[kind as usize] = Some(*record);
+        if let [Some(first), Some(second), Some(split)] = self.round {
+            self.round = [None; 3];
+            self.rounds.push([first, second, split]);
+        }
+        if self.rounds.len() >= FIRST_ROUNDS && self.noise.is_known() {
+            self.begin();
+        }
+        Ok(())
+    }
+
+    fn times(&self, record: &Record) -> Option<[f64; 2]> {
+        Some([record.a_ns?, if self.nodes == 2 { record.b_ns? } else { 0.0 }])
+    }
+
+    fn learn_noise(&mut self, kind: CalibrationKind, times: [f64; 2], expected: [f64; 2]) -> Judgement {
+        match kind {
+            CalibrationKind::First => self.noise.add_c1(times, expected),
+            CalibrationKind::Second => self.noise.add_c2(times, expected),
+            CalibrationKind::Split => Judgement::Regular,
+        }
+    }
+
+    /// The first state by closed form from the mean of the first rounds; its covariance by letting the filter see them
+    /// all, starting from almost no knowledge.
+    fn begin(&mut self) {
+        let [r1, r2] = self.r_ohm;
+        let rounds = std::mem::take(&mut self.rounds);
+        let mut slope = [0.0; 2];
+        for [first, second, split] in &rounds {
+            let (Some(c1), Some(c2)) = (self.times(first), self.times(second)) else { continue };
+            self.split.add(c1, c2, split, &self.noise);
+            for node in 0..2 {
+                slope[node] += (c2[node] - c1[node]) / (r2 - r1) / rounds.len() as f64;
+            }
+        }
+        let offset = self.split.result();
+        if let Some((offset, (r_o_ohm, _))) = offset.and_then(|offset| Some((offset, offset.r_o_ohm?))) {
+            let state = [slope[0], slope[1], r_o_ohm, offset.d_ns];
+            // While little is known no gate keeps a spike out, and what fits it is rejected afterwards: then the
+            // rounds are seen again without the first one. If that never helps, there are new rounds.
+            self.ready = (0..BEGINNINGS).any(|skipped| self.sees(state, &rounds[skipped..]));
+            if self.ready {
+                self.noise.expect_what_comes();
+            }
+        }
+        self.rounds = rounds;
+        self.rounds.clear();
+    }
+
+    /// Lets the filter see rounds, starting from almost no knowledge; whether they fit.
+    fn sees(&mut self, state: State, rounds: &[[Record; 3]]) -> bool {
+        self.state = state;
+        self.open();
+        self.at = rounds[0][0].start;
+        let mut rejected = 0;
+        for record in rounds.iter().flatten() {
+            self.advance(record.start);
+            // One that the gate rejects is one less.
+            let used = self.times(record).and_then(|times| self.correct(record, times));
+            rejected += usize::from(used.is_none());
+        }
+        rejected * MOST_REJECTED <= 3 * rounds.len()
+    }
+
+    /// As little knowledge as physics leaves: g to 5 %, Ro to 50 ohm, d to 50 us.
+    fn open(&mut self) {
+        self.covariance = [[0.0; 4]; 4];
+        let sigma = [0.05 * self.state[0], 0.05 * self.state[1], 50.0, 50_000.0];
+        for (index, sigma) in sigma.into_iter().enumerate() {
+            self.covariance[index][index] = sigma * sigma;
+        }
+    }
+
+    fn update(&mut self, kind: CalibrationKind, record: &Record, times: [f64; 2]) -> Result<(), Fault> {
+        self.advance(record.start);
+        let course = self.course(record).ok_or(Fault::NoCalibration)?;
+        let expected = [0, 1].map(|node| course.crossing(&self.state, node).ns);
+        if let Some(normalised) = self.correct(record, times) {
+            self.learn_noise(kind, times, expected);
+            let faster = (LEARN * (normalised / self.nodes as f64 - 1.0)).clamp(-LEARN, 4.0 * LEARN);
+            self.walk_g = (self.walk_g * faster.exp()).clamp(WALK_G[0], WALK_G[1]);
+            self.rejected_in_row = 0;
+            self.counts.used += 1;
+            return Ok(());
+        }
+        self.counts.rejected += 1;
+        self.rejected_in_row += 1;
+        if self.rejected_in_row < STEP {
+            return Err(Fault::LatencyOutlier);
+        }
+        self.begin_anew();
+        Err(Fault::CalibrationStep)
+    }
+
+    /// After a step. Nothing of the old state may bias the new one: how far the step went is not known.
+    pub fn begin_anew(&mut self) {
+        let counts = Counts { steps: self.counts.steps + 1, ..self.counts };
+        let (mut split, mut rounds) = (std::mem::take(&mut self.split), std::mem::take(&mut self.rounds));
+        split.clear();
+        rounds.clear();
+        *self =
+            Tracker { counts, ..Tracker::empty(self.r_ohm, self.nodes, self.resolution_ns, split, rounds) };
+    }
+
+    /// The walk since the last discharge.
+    pub fn advance(&mut self, now: Nanos) {
+        let seconds = (now - self.at).as_seconds().clamp(0.0, 3600.0);
+        self.at = now;
+        // A crossing without delay has no other noise than latency.
+        let jitter_ns = self.noise.covariance([0.0; 2]).map_or(0.0, |noise| noise.aa.sqrt());
+        let walk = [self.walk_g * self.state[0], self.walk_g * self.state[1], WALK_R_O, WALK_D * jitter_ns];
+        for (index, walk) in walk.into_iter().enumerate() {
+            self.covariance[index][index] += walk * walk * seconds;
+        }
+    }
+
+    /// The resistors of a calibration discharge.
+    fn course(&self, record: &Record) -> Option<Course> {
+        let ohm = |through| match through {
+            Through::C1 => Some(self.r_ohm[0]),
+            Through::C2 | Through::C12 => Some(self.r_ohm[1]),
+            Through::X(_) | Through::XWithC12(_) => None,
+        };
+        let switch = match record.switch {
+            Some(switch) => Some((switch, ohm(switch.to)?)),
+            None => None,
+        };
+        Some(Course { first_ohm: ohm(record.through)?, switch })
+    }
+
+    /// The covariance of what is observed of a discharge, its noise and its switch. B of a circuit without it is so
+    /// uncertain that it tells nothing.
+    pub fn observation(&self, course: &Course, u_switch_ns: f64) -> Option<Covariance> {
+        let mut noise = self.noise.covariance(course.late_ns(&self.state))?;
+        let u_switch = self.scatter.bound_ns().map_or(u_switch_ns, |bound| bound.min(u_switch_ns));
+        let by = [0, 1].map(|node| course.crossing(&self.state, node).by_switch * u_switch);
+        noise.aa += by[0] * by[0];
+        noise.bb += by[1] * by[1];
+        noise.ab += by[0] * by[1];
+        if self.nodes == 1 {
+            noise = Covariance { aa: noise.aa, bb: 1e30, ab: 0.0 };
+        }
+        Some(noise)
+    }
+
+    /// Kalman's correction by both crossings; the innovation's normalised square, or `None` if it is beyond the gate.
+    fn correct(&mut self, record: &Record, times: [f64; 2]) -> Option<f64> {
+        let course = self.course(record)?;
+        let rows = [0, 1].map(|node| course.crossing(&self.state, node));
+        let innovation = [0, 1].map(|node| if node < self.nodes { times[node] - rows[node].ns } else { 0.0 });
+        let states = rows.map(|row| row.by_state);
+        let gain = Gain::new(&self.covariance, &states, &self.observation(&course, record.u_switch_ns)?)?;
+        let normalised = gain.normalised(innovation);
+        if normalised > GATE * GATE * self.nodes as f64 {
+            return None;
+        }
+        if rows[0].by_switch != 0.0 {
+            // As it would scatter if the switch did not.
+            let steady = quadratic(&self.covariance, &states[0]) + self.observation(&course, 0.0)?.aa;
+            self.scatter.add(innovation[0], steady, rows[0].by_switch);
+        }
+        for index in 0..4 {
+            self.state[index] += gain.of[index][0] * innovation[0] + gain.of[index][1] * innovation[1];
+        }
+        self.covariance = gain.posterior(&self.covariance);
+        Some(normalised)
+    }
+
+    /// By how much a calibration discharge of this kind would lower v^T P v.
+    pub fn benefit(&self, kind: CalibrationKind, v: &State) -> Option<f64> {
+        let course = self.planned(kind);
+        let rows = [0, 1].map(|node| course.crossing(&self.state, node).by_state);
+        let gain = Gain::new(&self.covariance, &rows, &self.observation(&course, 0.0)?)?;
+        Some(quadratic(&self.covariance, v) - quadratic(&gain.posterior(&self.covariance), v))
+    }
+
+    /// What a calibration discharge of this kind runs through.
+    pub fn planned(&self, kind: CalibrationKind) -> Course {
+        let [r1, r2] = self.r_ohm;
+        let at_ns = SplitCalibration::FRACTION * self.state[0] * (r1 + self.state[R_O]);
+        match kind {
+            CalibrationKind::First => Course { first_ohm: r1, switch: None },
+            CalibrationKind::Second => Course { first_ohm: r2, switch: None },
+            CalibrationKind::Split => {
+                let switch = crate::record::Switch { at_ns, on_ns: at_ns, to: Through::C2 };
+                Course { first_ohm: r1, switch: Some((switch, r2)) }
+            }
+        }
+    }
+
+    /// The crossings of the calibration discharges as they would be now, and their derivatives by the state.
+    pub fn calibration(&self) -> [[crate::estimate::law::Crossing; 2]; 2] {
+        self.r_ohm.map(|first_ohm| {
+            let course = Course { first_ohm, switch: None };
+            [0, 1].map(|node| course.crossing(&self.state, node))
+        })
+    }
+
+    /// How fast g walks now, relative, per root second.
+    pub fn walk_g(&self) -> f64 {
+        self.walk_g
+    }
+
+    /// d and its uncertainty, ns.
+    pub fn d_ns(&self) -> (f64, f64) {
+        (self.state[D], self.covariance[D][D].sqrt())
+    }
+
+    /// Ro and its uncertainty, ohm.
+    pub fn r_o_ohm(&self) -> (f64, f64) {
+        (self.state[R_O], self.covariance[R_O][R_O].sqrt())
+    }
+}
+
+fn kind_of(record: &Record) -> Option<CalibrationKind> {
+    match (record.through, record.switch) {
+        (Through::C1, None) => Some(CalibrationKind::First),
+        (Through::C2 | Through::C12, None) => Some(CalibrationKind::Second),
+        (Through::C1, Some(switch)) if matches!(switch.to, Through::C2 | Through::C12) => {
+            Some(CalibrationKind::Split)
+        }
+        _ => None,
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,138 @@
+//! Against the law with noise: the truth lies within the stated covariance, a step is found, a spike is not believed.
+
+use super::*;
+use crate::record::Switch;
+use rand::SeedableRng;
+use rand_chacha::ChaCha8Rng;
+use rand_distr::{Distribution, StandardNormal};
+
+const R: [f64; 2] = [2320.0, 12_700.0];
+const TRUTH: State = [570.0, 1070.0, 40.0, 8000.0];
+
+struct Plant {
+    rng: ChaCha8Rng,
+    state: State,
+    now: Nanos,
+}
+
+impl Plant {
+    fn new(seed: u64) -> Plant {
+        Plant { rng: ChaCha8Rng::seed_from_u64(seed), state: TRUTH, now: Nanos::ZERO }
+    }
+
+    /// A calibration discharge, every 30 ms; jitter 1.5 us and trigger noise of both nodes.
+    fn record(&mut self, kind: CalibrationKind) -> Record {
+        self.now = self.now + Nanos(30_000_000);
+        let at_ns = 0.88 * self.state[0] * (R[0] + self.state[R_O]);
+        let (through, switch) = match kind {
+            CalibrationKind::First => (Through::C1, None),
+            CalibrationKind::Second => (Through::C2, None),
+            CalibrationKind::Split => {
+                (Through::C1, Some(Switch { at_ns, on_ns: at_ns + 500.0, to: Through::C2 }))
+            }
+        };
+        let first_ohm = if kind == CalibrationKind::Second { R[1] } else { R[0] };
+        let course = Course { first_ohm, switch: switch.map(|switch| (switch, R[1])) };
+        let late = course.late_ns(&self.state);
+        let [a_ns, b_ns] = [0, 1].map(|node| {
+            let mut normal = || -> f64 { StandardNormal.sample(&mut self.rng) };
+            Some(course.crossing(&self.state, node).ns + 1500.0 * normal() + 5e-4 * late[node] * normal())
+        });
+        Record {
+            through,
+            start: self.now,
+            second_ns: 0.0,
+            switch,
+            a_ns,
+            b_ns,
+            u_switch_ns: 100.0,
+            waited_ns: 0.0,
+        }
+    }
+
+    fn round(&mut self, tracker: &mut Tracker) {
+        for kind in CalibrationKind::ALL {
+            let record = self.record(kind);
+            let _ = tracker.add(&record);
+        }
+    }
+}
+
+fn tracked(seed: u64, rounds: usize) -> (Plant, Tracker) {
+    let (mut plant, mut tracker) = (Plant::new(seed), Tracker::new(R, 2, 1.0));
+    (0..rounds).for_each(|_| plant.round(&mut tracker));
+    (plant, tracker)
+}
+
+#[test]
+fn the_truth_lies_within_the_stated_covariance() {
+    const SEEDS: u64 = 200;
+    let mut pulls = [0.0; 4];
+    for seed in 0..SEEDS {
+        let (_, tracker) = tracked(seed, FIRST_ROUNDS + 30);
+        for (index, pull) in pulls.iter_mut().enumerate() {
+            let away = tracker.state()[index] - TRUTH[index];
+            *pull += away * away / tracker.covariance()[index][index] / SEEDS as f64;
+        }
+    }
+    // The mean square of 200 pulls is 1 +- 0.1; the walk that the truth does not make leaves some room below.
+    for (index, pull) in pulls.into_iter().enumerate() {
+        assert!((0.4..1.4).contains(&pull), "state {index}: mean square of pulls {pull}, seeds 0..{SEEDS}");
+    }
+}
+
+#[test]
+fn nothing_is_known_before_the_first_rounds() {
+    assert!(!tracked(1, FIRST_ROUNDS - 1).1.is_ready());
+    assert!(tracked(1, FIRST_ROUNDS).1.is_ready());
+}
+
+#[test]
+fn a_spike_is_rejected_and_counted() {
+    let (mut plant, mut tracker) = tracked(2, FIRST_ROUNDS + 10);
+    let before = *tracker.state();
+    let mut record = plant.record(CalibrationKind::First);
+    record.a_ns = record.a_ns.map(|a_ns| a_ns + 200_000.0);
+    let rejected = tracker.counts().rejected;
+    assert_eq!(tracker.add(&record), Err(Fault::LatencyOutlier));
+    assert_eq!(
+        (*tracker.state(), tracker.counts().rejected, tracker.counts().steps),
+        (before, rejected + 1, 0)
+    );
+}
+
+#[test]
+fn after_a_step_the_filter_begins_anew() {
+    let (mut plant, mut tracker) = tracked(3, FIRST_ROUNDS + 10);
+    plant.state[0] *= 1.02;
+    plant.state[1] *= 1.02;
+    plant.round(&mut tracker);
+    assert_eq!((tracker.counts().steps, tracker.is_ready()), (1, false));
+    (0..FIRST_ROUNDS + 10).for_each(|_| plant.round(&mut tracker));
+    assert_eq!((tracker.counts().steps, tracker.is_ready()), (1, true));
+    for (index, truth) in plant.state.into_iter().enumerate() {
+        let u = tracker.covariance()[index][index].sqrt();
+        assert!((tracker.state()[index] - truth).abs() < 4.0 * u, "{index}: {:?}, u {u}", tracker.state());
+    }
+}
+
+#[test]
+fn the_walk_becomes_as_fast_as_the_drift() {
+    let walk = |drift: f64| {
+        let (mut plant, mut tracker) = tracked(4, FIRST_ROUNDS);
+        for _ in 0..300 {
+            plant.state[0] *= 1.0 + drift;
+            plant.state[1] *= 1.0 + drift;
+            plant.round(&mut tracker);
+        }
+        assert_eq!(tracker.counts().steps, 0);
+        (
+            tracker.walk_g(),
+            (tracker.state()[0] / plant.state[0] - 1.0)
+                / (tracker.covariance()[0][0].sqrt() / plant.state[0]),
+        )
+    };
+    let (still, (moving, pull)) = (walk(0.0).0, walk(1e-4));
+    assert!(moving > 2.0 * still, "{still} {moving}");
+    assert!(pull.abs() < 3.0, "lags by {pull} sigma");
+}

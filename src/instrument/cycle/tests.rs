@@ -1,0 +1,113 @@
+//! A cycle by itself: its discharges come out as a test says.
+
+use super::*;
+use crate::config::Config;
+
+const R_OHM: f64 = 1000.0;
+const CONFIG: &str = r#"
+[circuit]
+kind = "two-capacitor"
+c-a = "2.2 uF"
+c-b = "680 nF"
+r-c1 = "2.32 kohm"
+r-c2 = "12.7 kohm"
+[measure]
+method = "tcdic"
+[[channel]]
+id = "thumb"
+[[channel]]
+id = "finger"
+"#;
+
+fn cycle() -> Cycle {
+    Cycle::new(Config::parse(CONFIG, "test").unwrap().settings().unwrap())
+}
+
+/// A discharge that takes 600 ns/ohm to node A and 700 to node B.
+fn discharged(through: Through) -> Outcome {
+    let r_ohm = match through {
+        Through::C1 => 2320.0,
+        Through::C2 | Through::C12 => 12700.0,
+        Through::X(_) | Through::XWithC12(_) => R_OHM,
+    };
+    let record = Record {
+        through,
+        start: Nanos::ZERO,
+        second_ns: 0.0,
+        switch: None,
+        a_ns: Some(600.0 * r_ohm),
+        b_ns: Some(700.0 * r_ohm),
+        u_switch_ns: 0.0,
+        waited_ns: 0.0,
+    };
+    Outcome { result: Ok(record), start_call: Some(Nanos(1000)), charged: None }
+}
+
+fn failed(fault: Fault) -> Outcome {
+    Outcome { result: Err(fault), start_call: None, charged: None }
+}
+
+/// What each next discharge runs through and, if that ends a reading, its status; `outcomes` in order, then sound ones.
+fn course(cycle: &mut Cycle, outcomes: &[Result<(), Fault>], count: usize) -> Vec<(Through, Option<Status>)> {
+    let outcomes = outcomes.iter().copied().chain(std::iter::repeat(Ok(())));
+    outcomes
+        .take(count)
+        .map(|outcome| {
+            let Next::Discharge(plan) = cycle.next(Nanos::ZERO) else {
+                panic!("a report without a discharge")
+            };
+            let outcome = outcome.map_or_else(failed, |()| discharged(plan.through));
+            (plan.through, cycle.done(&outcome, Nanos::ZERO).map(|reading| reading.status))
+        })
+        .collect()
+}
+
+fn is_right(status: Option<Status>) -> bool {
+    matches!(status, Some(Status::Ok { r_ohm, .. }) if (r_ohm.value - R_OHM).abs() < 1e-6)
+}
+
+const WIDE: Result<(), Fault> = Err(Fault::WideBracket);
+
+#[test]
+fn a_sensors_interrupted_discharge_is_taken_again() {
+    let mut cycle = cycle();
+    let seen = course(&mut cycle, &[Ok(()), Ok(()), WIDE, WIDE, Ok(()), WIDE], 7);
+    let through = [0, 0, 0, 1, 1].map(Through::X);
+    assert_eq!(seen.iter().map(|(through, _)| *through).collect::<Vec<_>>()[2..], through);
+    // Each sensor has retakes of its own; only the last discharge of each is a reading.
+    let readings: Vec<_> = seen.iter().filter_map(|(_, status)| *status).collect();
+    assert!(readings.len() == 2 && is_right(seen[4].1) && is_right(seen[6].1), "{seen:?}");
+    assert_eq!((cycle.stats().retried, cycle.stats().readings, cycle.stats().ok), (3, 2, 2));
+    assert!(cycle.is_at_start());
+}
+
+#[test]
+fn a_sensor_that_is_interrupted_each_time_is_told_so_and_costs_only_its_own_reading() {
+    let mut cycle = cycle();
+    let most = MOST_OF_SENSOR as usize;
+    let outcomes: Vec<_> = [Ok(()); 2].into_iter().chain([WIDE].into_iter().cycle().take(most)).collect();
+    let seen = course(&mut cycle, &outcomes, 2 + most + 1);
+    assert!(seen[2..1 + most].iter().all(|seen| *seen == (Through::X(0), None)), "{seen:?}");
+    assert_eq!(seen[1 + most], (Through::X(0), Some(Status::Fault(Fault::WideBracket))));
+    assert!(seen[2 + most].0 == Through::X(1) && is_right(seen[2 + most].1), "{seen:?}");
+}
+
+#[test]
+fn other_faults_of_a_sensor_are_readings_at_once() {
+    for fault in Fault::ALL.into_iter().filter(|fault| *fault != Fault::WideBracket) {
+        let mut cycle = cycle();
+        let seen = course(&mut cycle, &[Ok(()), Ok(()), Err(fault)], 4);
+        assert_eq!(seen[2], (Through::X(0), Some(Status::Fault(fault))));
+        assert_eq!((seen[3].0, cycle.stats().retried), (Through::X(1), 0));
+    }
+}
+
+#[test]
+fn an_interrupted_calibration_leaves_the_sensor_its_retakes() {
+    let mut cycle = cycle();
+    let seen = course(&mut cycle, &[WIDE, WIDE, Ok(()), WIDE, Ok(()), WIDE, WIDE, Ok(())], 8);
+    let through: Vec<_> = seen.iter().map(|(through, _)| *through).collect();
+    let (x, c1, c2) = (Through::X(0), Through::C1, Through::C2);
+    assert_eq!(through, [c1, c1, c1, c2, c2, x, x, x]);
+    assert!(is_right(seen[7].1), "{seen:?}");
+}

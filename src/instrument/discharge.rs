@@ -1,0 +1,414 @@
+//! One discharge, without input or output: \[drain\], charge, arm, settle, start, [planned switch], crossings.
+//!
+//! For: turning a [`Plan`] into a [`Record`] or a named [`Fault`], each wait bounded, lines broken before made.
+//! Must not know: clocks, kernels, or what the times mean. [`Discharge`] answers each event with the next
+//! [`Action`]; [`run()`] is the few lines that carry the actions out on real or simulated [`Pins`].
+
+mod run;
+
+use crate::circuit::Node;
+#[cfg(doc)]
+use crate::pins::Pins;
+use crate::pins::{Armed, Bracket, Drives, Edge, Levels, later};
+use crate::reading::Fault;
+use crate::record::{Record, Switch, Through};
+use crate::units::Nanos;
+pub use run::{Outcome, run, run_on};
+
+/// What one discharge is to do.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Plan {
+    /// What to discharge through first.
+    pub through: Through,
+    /// After how long to switch, and to what. Comes to nothing if the last node crosses earlier.
+    pub switch: Option<(Nanos, Through)>,
+    /// Chargers of the circuit.
+    pub chargers: Drives,
+    /// The node whose crossing ends the discharge: B, or A in circuits that have no other.
+    pub last: Node,
+    /// How long to sink through R_1 before the charge; 0: not at all. A discharge that ended before its time leaves the
+    /// capacitors as no other does, and an incomplete charge would remember it.
+    pub drain: Nanos,
+    /// How long to charge.
+    pub charge: Nanos,
+    /// How long to leave everything floating between charge and start; at least as long as arming takes.
+    pub settle: Nanos,
+    /// When each node crosses, since the start, where that is known before: the system may rest until then. `None`: it is
+    /// waited for all the time.
+    pub expected: [Option<Nanos>; 2],
+    /// The longest wait for the last crossing, from the start (or from the switch to `limit`).
+    pub timeout: Nanos,
+    /// What finishes a discharge that was not switched and has not ended by then; `None`: nothing.
+    pub limit: Option<Through>,
+    /// The longest call that still tells when a line was switched.
+    pub widest_bracket: Nanos,
+    /// How long a call for one line usually takes; `None`: not known yet.
+    pub single_call: Option<Nanos>,
+}
+
+impl Plan {
+    /// A full discharge after a charge, started at once: nothing is known of the calls or of when it ends.
+    pub const fn full(through: Through, last: Node, charge: Nanos, timeout: Nanos) -> Plan {
+        Plan {
+            through,
+            switch: None,
+            chargers: Drives::CHARGE,
+            last,
+            drain: Nanos::ZERO,
+            charge,
+            settle: Nanos::ZERO,
+            expected: [None; 2],
+            timeout,
+            limit: None,
+            widest_bracket: Nanos::MAX,
+            single_call: None,
+        }
+    }
+}
+
+impl Through {
+    /// The lines that sink for this discharge.
+    pub fn drives(self) -> Drives {
+        match self {
+            Through::C1 => Drives::C1,
+            Through::C2 | Through::C12 => Drives::C2,
+            Through::X(channel) => Drives::x(channel),
+            Through::XWithC12(channel) => Drives::x(channel).and(Drives::C2),
+        }
+    }
+}
+
+/// What is to be done next on the pins.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Action {
+    /// [`Pins::drive`].
+    Drive(Drives),
+    /// [`Pins::sleep_until`].
+    Sleep(Nanos),
+    /// [`Pins::rest_until`].
+    Rest(Nanos),
+    /// [`Pins::arm`].
+    Arm,
+    /// [`Pins::edge`], after [`Pins::rest_before_edge`] if it is known when it comes.
+    WaitEdge {
+        /// When it is due.
+        expected: Option<Nanos>,
+        /// The longest wait.
+        until: Nanos,
+    },
+    /// [`Pins::levels`].
+    ReadLevels,
+    /// Nothing: take the [`Discharge::result`].
+    Done,
+}
+
+/// What came of an action.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Event {
+    /// Lines were switched.
+    Drove(Bracket),
+    /// The instant has come.
+    Slept,
+    /// Edges are watched.
+    Armed(Armed),
+    /// An edge, or none until the instant.
+    Edge(Option<Edge>),
+    /// The levels.
+    Levels(Levels),
+}
+
+/// A charge that has been left alone for so much longer than was planned leaks away unlike the others. No call takes so
+/// long, only a preemption does.
+const LONGEST_PAUSE: Nanos = Nanos(2_000_000);
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Phase {
+    Draining,
+    Drained,
+    Charging,
+    Charged,
+    Floating,
+    Arming(Nanos),
+    Settling,
+    Starting,
+    BeforeSwitch,
+    Releasing(Through),
+    Sinking(Through),
+    Crossing,
+    TimedOut,
+}
+
+/// A switch that was made, by two calls for one line each: one that releases, one that sinks.
+#[derive(Debug, Clone, Copy)]
+struct Switched {
+    released: Nanos,
+    sunk: Nanos,
+    to: Through,
+}
+
+/// The state of one discharge.
+#[derive(Debug, Clone)]
+pub struct Discharge {
+    plan: Plan,
+    phase: Phase,
+    /// When the chargers let go.
+    floating: Nanos,
+    start: Bracket,
+    switch: Option<Switched>,
+    wait_until: Nanos,
+    crossings: [Option<Nanos>; 2],
+    /// The last number before it, the highest since, and how many edges have come.
+    armed_seqno: u32,
+    highest_seqno: u32,
+    edges: u32,
+    line_seqno: [u32; 2],
+    waited: Nanos,
+    charged: Option<Levels>,
+    fault: Option<Fault>,
+}
+
+impl Discharge {
+    /// A discharge to be done; the first action is to drain or to charge.
+    pub fn new(plan: Plan) -> (Discharge, Action) {
+        let drains = plan.drain > Nanos::ZERO;
+        let discharge = Discharge {
+            plan,
+            phase: if drains { Phase::Draining } else { Phase::Charging },
+            floating: Nanos::ZERO,
+            start: Bracket::default(),
+            switch: None,
+            wait_until: Nanos::ZERO,
+            crossings: [None; 2],
+            armed_seqno: 0,
+            highest_seqno: 0,
+            edges: 0,
+            line_seqno: [0; 2],
+            waited: Nanos::ZERO,
+            charged: None,
+            fault: None,
+        };
+        (discharge, Action::Drive(if drains { Drives::C1 } else { plan.chargers }))
+    }
+
+    /// Takes what came of the last action, and answers the next one.
+    ///
+    /// An event that does not belong to the last action is a mistake of the caller; it stops the discharge with
+    /// [`Fault::Pins`].
+    pub fn handle(&mut self, event: Event) -> Action {
+        match (self.phase, event) {
+            (Phase::Draining, Event::Drove(bracket)) => {
+                self.phase = Phase::Drained;
+                Action::Rest(bracket.after + self.plan.drain)
+            }
+            (Phase::Drained, Event::Slept) => {
+                self.phase = Phase::Charging;
+                Action::Drive(self.plan.chargers)
+            }
+            (Phase::Charging, Event::Drove(bracket)) => {
+                self.phase = Phase::Charged;
+                Action::Rest(bracket.after + self.plan.charge)
+            }
+            (Phase::Charged, Event::Slept) => {
+                self.phase = Phase::Floating;
+                Action::Drive(Drives::NONE)
+            }
+            (Phase::Floating, Event::Drove(bracket)) => self.floating(bracket),
+            (Phase::Arming(settled), Event::Armed(armed)) => self.armed(armed, settled),
+            (Phase::Settling, Event::Slept) => self.start(),
+            (Phase::Starting, Event::Drove(bracket)) => self.started(bracket),
+            (Phase::BeforeSwitch, Event::Slept) => match self.plan.switch {
+                Some((_, to)) => self.switch_to(to),
+                None => self.stop(Some(Fault::Pins)),
+            },
+            (Phase::Releasing(to), Event::Drove(bracket)) => self.released(bracket, to),
+            (Phase::Sinking(to), Event::Drove(bracket)) => self.sunk(bracket, to),
+            (Phase::Crossing, Event::Edge(Some(edge))) => self.crossed(edge),
+            (Phase::Crossing, Event::Edge(None)) => self.waited_long(),
+            (Phase::TimedOut, Event::Levels(levels)) => self.timed_out(levels),
+            _ => self.stop(Some(Fault::Pins)),
+        }
+    }
+
+    /// The record, once the action is [`Action::Done`].
+    ///
+    /// # Errors
+    /// The fault that ended the discharge.
+    pub fn result(&self) -> Result<Record, Fault> {
+        match self.fault {
+            Some(fault) => Err(fault),
+            None => Ok(self.record()),
+        }
+    }
+
+    /// How long the call took that started it; `None` if it never started.
+    pub fn start_call(&self) -> Option<Nanos> {
+        (self.start != Bracket::default()).then(|| self.start.width())
+    }
+
+    /// The levels after the charge; `None` if it never came to its end.
+    pub fn charged(&self) -> Option<Levels> {
+        self.charged
+    }
+
+    fn floating(&mut self, bracket: Bracket) -> Action {
+        self.floating = bracket.before;
+        self.phase = Phase::Arming(bracket.after + self.plan.settle);
+        Action::Arm
+    }
+
+    fn armed(&mut self, armed: Armed, settled: Nanos) -> Action {
+        self.charged = Some(armed.levels);
+        let charged = armed.levels.a && (armed.levels.b || self.plan.last == Node::A);
+        if !charged {
+            return self.stop(Some(Fault::NoCharge));
+        }
+        (self.armed_seqno, self.highest_seqno) = (armed.seqno, armed.seqno);
+        self.line_seqno = armed.line_seqno;
+        if self.plan.settle <= Nanos::ZERO {
+            return self.start();
+        }
+        self.phase = Phase::Settling;
+        Action::Sleep(settled)
+    }
+
+    fn start(&mut self) -> Action {
+        self.phase = Phase::Starting;
+        Action::Drive(self.plan.through.drives())
+    }
+
+    fn started(&mut self, bracket: Bracket) -> Action {
+        self.start = bracket;
+        self.wait_until = bracket.before + self.plan.timeout;
+        let pause = bracket.before - self.floating - self.plan.settle;
+        if bracket.width() > self.plan.widest_bracket || pause > LONGEST_PAUSE {
+            return self.stop(Some(Fault::WideBracket));
+        }
+        match self.plan.switch {
+            Some((after, _)) => {
+                self.phase = Phase::BeforeSwitch;
+                Action::Sleep(bracket.before + after)
+            }
+            None => self.wait(),
+        }
+    }
+
+    /// By one call for each line, so that each line moves as long after the entry of its call as that which started the
+    /// discharge: in a call for several lines it would be another time, and unknown.
+    fn switch_to(&mut self, to: Through) -> Action {
+        self.phase = Phase::Releasing(to);
+        Action::Drive(self.plan.through.drives().only(to.drives()))
+    }
+
+    fn released(&mut self, bracket: Bracket, to: Through) -> Action {
+        self.switch = Some(Switched { released: bracket.before, sunk: bracket.before, to });
+        if bracket.width() > self.plan.widest_bracket {
+            return self.stop(Some(Fault::WideBracket));
+        }
+        if self.plan.through.drives().contains(to.drives()) {
+            return self.sunk(bracket, to);
+        }
+        self.phase = Phase::Sinking(to);
+        Action::Drive(to.drives())
+    }
+
+    fn sunk(&mut self, bracket: Bracket, to: Through) -> Action {
+        self.switch = self.switch.map(|switch| Switched { sunk: bracket.before, to, ..switch });
+        self.wait_until = bracket.after + self.plan.timeout;
+        if bracket.width() > self.plan.widest_bracket {
+            return self.stop(Some(Fault::WideBracket));
+        }
+        self.wait()
+    }
+
+    fn wait(&mut self) -> Action {
+        self.phase = Phase::Crossing;
+        let next = usize::from(self.crossings[0].is_some());
+        let expected = self.plan.expected[next].map(|after| self.start.before + after);
+        Action::WaitEdge { expected, until: self.wait_until }
+    }
+
+    fn waited_long(&mut self) -> Action {
+        match self.plan.limit {
+            Some(to) if self.switch.is_none() => self.switch_to(to),
+            _ => {
+                self.phase = Phase::TimedOut;
+                Action::ReadLevels
+            }
+        }
+    }
+
+    /// The numbers of a line follow on or something was lost. A second edge of one node is chatter at the threshold: the
+    /// first counts.
+    fn crossed(&mut self, edge: Edge) -> Action {
+        let node = edge.node.index();
+        self.edges = self.edges.wrapping_add(1);
+        self.highest_seqno = later(self.highest_seqno, edge.seqno);
+        self.line_seqno[node] = self.line_seqno[node].wrapping_add(1);
+        if edge.line_seqno != self.line_seqno[node] {
+            return self.stop(Some(Fault::LostEvent));
+        }
+        let is_chatter = self.crossings[node].is_some();
+        if edge.at >= self.start.before && !is_chatter {
+            self.crossings[node] = Some(edge.at);
+        }
+        let complete =
+            self.crossings[0].is_some() && (self.plan.last == Node::A || self.crossings[1].is_some());
+        match complete {
+            true => self.stop(self.coalesced()),
+            // A node that chatters for ever must not make the wait last for ever.
+            false if is_chatter && edge.at > self.wait_until => self.waited_long(),
+            false => self.wait(),
+        }
+    }
+
+    /// A number of the whole request is drawn by the interrupt (`edge_irq_handler` of drivers/gpio/gpiolib-cdev.c), the edge
+    /// queued by a thread of its line (`edge_irq_thread`): that of B may come before that of A, but there are as many edges as
+    /// numbers, or a second interrupt has overwritten the stamp of a first.
+    fn coalesced(&self) -> Option<Fault> {
+        let numbers = self.highest_seqno.wrapping_sub(self.armed_seqno);
+        (numbers != self.edges).then_some(Fault::CoalescedEdge)
+    }
+
+    fn timed_out(&mut self, levels: Levels) -> Action {
+        self.waited = self.wait_until;
+        let missed = |node: Node| self.crossings[node.index()].is_none() && !levels.of(node);
+        // Of two edges that should have come, the last one alone may do.
+        let any = missed(self.plan.last) || (missed(Node::A) && self.crossings[1].is_none());
+        self.stop(any.then_some(Fault::MissedEdge).or(self.coalesced()))
+    }
+
+    fn stop(&mut self, fault: Option<Fault>) -> Action {
+        self.fault = self.fault.or(fault);
+        Action::Done
+    }
+
+    /// A line moves somewhere within the call that switches it, always in the same place: then the time between two
+    /// moves, each by a call for one line, is the difference of the entries of the calls, whatever that place is. Crossings
+    /// are counted from the middle of such a call. Two lines that one call sinks (QERM) move one after the other; the
+    /// second takes as much longer as the call does.
+    fn record(&self) -> Record {
+        let single_ns = self.plan.single_call.unwrap_or(self.start.width()).as_ns();
+        let since_entry = |at: Nanos| (at - self.start.before).as_ns();
+        let since_start = |at: Nanos| since_entry(at) - single_ns / 2.0;
+        let [a_ns, b_ns] = self.crossings.map(|crossing| crossing.map(since_start));
+        let is_pair = self.plan.through.drives().count() > 1;
+        Record {
+            through: self.plan.through,
+            start: self.start.before,
+            second_ns: if is_pair { (self.start.width().as_ns() - single_ns).max(0.0) } else { 0.0 },
+            switch: self.switch.map(|switch| Switch {
+                at_ns: since_entry(switch.released),
+                on_ns: since_entry(switch.sunk),
+                to: switch.to,
+            }),
+            a_ns,
+            b_ns,
+            // Anywhere in the middle half of its call, each of two lines.
+            u_switch_ns: single_ns / 2.0 / 6f64.sqrt(),
+            waited_ns: if self.waited == Nanos::ZERO { 0.0 } else { since_start(self.waited) },
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,141 @@
+//! Pins and cycle put together: the measuring loop, one step at a time.
+//!
+//! For: the daemon's measuring thread, and tests in virtual time. Must not know: threads, clients, signals. A step
+//! allocates nothing, but to report an error of the pins.
+
+pub mod cycle;
+pub mod diagnosis;
+pub mod discharge;
+pub mod settings;
+pub mod stats;
+
+use crate::instrument::cycle::{Cycle, Next};
+use crate::instrument::settings::Settings;
+use crate::instrument::stats::Stats;
+use crate::pins::{Drives, Pins, PinsError};
+use crate::reading::{Fault, Reading};
+use crate::record::Record;
+use crate::units::Nanos;
+
+/// The longest sleep of one step while waiting for the next cycle, so that the caller can tell its counters in between.
+const NAP: Nanos = Nanos(100_000_000);
+
+/// What comes out of the instrument.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Message {
+    /// A reading of a channel.
+    Reading(Reading),
+    /// The timings of a discharge, counted from 1.
+    Discharge {
+        /// Counts the discharges.
+        seq: u64,
+        /// Its timings.
+        record: Record,
+    },
+}
+
+/// A circuit that is being measured.
+#[derive(Debug)]
+pub struct Instrument<P> {
+    pins: P,
+    cycle: Cycle,
+    period: Option<Nanos>,
+    tick: Option<Nanos>,
+    discharges: u64,
+}
+
+impl<P: Pins> Instrument<P> {
+    /// Ready to take its first discharge.
+    pub fn new(pins: P, settings: Settings) -> Instrument<P> {
+        Instrument { pins, period: settings.period, cycle: Cycle::new(settings), tick: None, discharges: 0 }
+    }
+
+    /// What has been counted and learned.
+    pub fn stats(&self) -> Stats {
+        let particulars = self.pins.particulars();
+        Stats {
+            spin_margin: particulars.spin_margin,
+            blind_spots: particulars.blind_spots.len(),
+            ..self.cycle.stats()
+        }
+    }
+
+    /// The pins.
+    pub fn pins(&mut self) -> &mut P {
+        &mut self.pins
+    }
+
+    /// The order of discharges, for looking at.
+    pub fn cycle(&self) -> &Cycle {
+        &self.cycle
+    }
+
+    /// Gives the pins back.
+    pub fn into_pins(self) -> P {
+        self.pins
+    }
+
+    /// Does the next thing: sleeps towards the next cycle, takes one discharge, or reports a reading.
+    ///
+    /// # Errors
+    /// If the pins cannot be used. Every channel that has not been read gets a reading with [`Fault::Pins`] first; the
+    /// next step begins a new cycle. If the measurement was stopped, no reading is made up.
+    pub fn step(&mut self, out: &mut impl FnMut(Message)) -> Result<(), PinsError> {
+        let result = self.try_step(out);
+        if !matches!(result, Ok(()) | Err(PinsError::Stopped)) {
+            self.report_failure(out);
+        }
+        result
+    }
+
+    /// Every channel that has not been read in this cycle gets a reading with [`Fault::Pins`]: between two cycles, all of
+    /// them.
+    pub fn report_failure(&mut self, out: &mut impl FnMut(Message)) {
+        self.cycle.fail(Fault::Pins);
+        while !self.cycle.is_at_start() {
+            let now = self.pins.now();
+            let Next::Report(reading) = self.cycle.next(now) else { break };
+            out(Message::Reading(reading));
+        }
+    }
+
+    fn try_step(&mut self, out: &mut impl FnMut(Message)) -> Result<(), PinsError> {
+        let now = self.pins.now();
+        if self.cycle.is_at_start() && !self.is_due(now)? {
+            return Ok(());
+        }
+        match self.cycle.next(now) {
+            Next::Report(reading) => out(Message::Reading(reading)),
+            Next::Discharge(plan) => {
+                // One that was held back is no calibration for whoever reads the tape.
+                let is_told = !self.cycle.is_holding();
+                let outcome = discharge::run_on(&mut self.pins, plan)?;
+                let reading = self.cycle.done(&outcome, self.pins.now());
+                if let Some(record) = outcome.result.ok().filter(|_| is_told) {
+                    self.discharges += 1;
+                    out(Message::Discharge { seq: self.discharges, record });
+                }
+                if let Some(reading) = reading {
+                    out(Message::Reading(reading));
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// Sleeps towards the next cycle; whether it has come. A cycle that took too long begins the next one at once, and
+    /// the ticks it missed are gone.
+    fn is_due(&mut self, now: Nanos) -> Result<bool, PinsError> {
+        let Some(period) = self.period else { return Ok(true) };
+        let tick = self.tick.unwrap_or(now);
+        if now < tick {
+            self.pins.drive(Drives::NONE)?;
+            self.pins.rest_until(tick.min(now + NAP))?;
+            if tick > now + NAP {
+                return Ok(false);
+            }
+        }
+        self.tick = Some(tick.max(now - period) + period);
+        Ok(true)
+    }
+}

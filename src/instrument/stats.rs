@@ -1,0 +1,55 @@
+//! What the instrument has counted and learned.
+//!
+//! For: the numbers behind STATS, kept by the measuring thread without allocating. Must not know: how they are sent.
+
+use crate::estimate::offset::Offset;
+use crate::estimate::tracker::Counts;
+use crate::reading::Suspect;
+use crate::reading::{Fault, Status};
+use crate::units::Nanos;
+
+/// Counts since the start.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Stats {
+    /// Cycles finished.
+    pub cycles: u64,
+    /// Readings of all channels, whatever their status.
+    pub readings: u64,
+    /// Readings that are numbers.
+    pub ok: u64,
+    /// Readings above what the deadline resolves.
+    pub open: u64,
+    /// Readings that cannot be told from a short circuit.
+    pub short: u64,
+    /// Readings without a number, by fault, in the order of [`Fault::ALL`].
+    pub faults: [u64; Fault::ALL.len()],
+    /// Discharges taken again: calibrations that came to nothing, and sensors' whose calls were interrupted.
+    pub retried: u64,
+    /// The latency offset in force.
+    pub offset: Offset,
+    /// Whether it is given or found, not still being found.
+    pub offset_is_known: bool,
+    /// What leaks beside the resistors, siemens, if it shows.
+    pub leak_siemens: Option<f64>,
+    /// What the last fault looked like, until a reading is none.
+    pub suspect: Option<Suspect>,
+    /// What a tracked calibration has counted.
+    pub tracking: Option<Counts>,
+    /// How long before an instant the backend turns from sleeping to spinning, if it does.
+    pub spin_margin: Option<Nanos>,
+    /// How many kinds of trouble the backend cannot notice.
+    pub blind_spots: usize,
+}
+
+impl Stats {
+    /// Counts one reading.
+    pub fn count(&mut self, status: &Status) {
+        self.readings += 1;
+        match status {
+            Status::Ok { .. } => self.ok += 1,
+            Status::Open { .. } => self.open += 1,
+            Status::Short { .. } => self.short += 1,
+            Status::Fault(fault) => self.faults[*fault as usize] += 1,
+        }
+    }
+}

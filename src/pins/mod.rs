@@ -1,0 +1,310 @@
+//! The one trait that the hardware hides behind.
+//!
+//! For: switching drive lines and reading stamped threshold crossings. Must not know: what a discharge, a
+//! method or a resistor is.
+//!
+//! A circuit has one or two *sense* nodes (A, B), *chargers* that pull a node up to V_DD and *sinks* that pull
+//! a resistor down to ground. A drive line is either driving or released (an input); there is no third state,
+//! so the whole electrical state is one set, [`Drives`].
+
+use crate::circuit::Node;
+use crate::units::Nanos;
+use std::fmt;
+
+pub mod chardev;
+pub mod chardev_v1;
+pub mod contract;
+pub mod faulty;
+pub mod realtime;
+pub mod sim;
+pub mod trace;
+
+/// The most sensor channels that share one pair of capacitors.
+pub const MAX_CHANNELS: usize = 16;
+
+/// The set of lines that drive; every other line is an input.
+///
+/// Chargers drive high, sinks drive low. In the circuit with series calibration (Fig. 1(b)) [`Drives::C2`] is
+/// the far end of Rc1 + Rc2.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
+pub struct Drives(u32);
+
+impl Drives {
+    /// All lines are inputs: the safe state.
+    pub const NONE: Drives = Drives(0);
+    /// The charger of node A.
+    pub const CHARGE_A: Drives = Drives(1);
+    /// The charger of node B.
+    pub const CHARGE_B: Drives = Drives(1 << 1);
+    /// Both chargers.
+    pub const CHARGE: Drives = Drives(0b11);
+    /// The sink of Rc1.
+    pub const C1: Drives = Drives(1 << 2);
+    /// The sink of Rc2.
+    pub const C2: Drives = Drives(1 << 3);
+
+    /// The sink of the sensor of channel `index`, below [`MAX_CHANNELS`].
+    pub const fn x(index: usize) -> Drives {
+        assert!(index < MAX_CHANNELS);
+        Drives(1 << (4 + index))
+    }
+
+    /// Every line of both sets.
+    pub const fn and(self, other: Drives) -> Drives {
+        Drives(self.0 | other.0)
+    }
+
+    /// The lines of `self` that are not in `other`.
+    pub const fn without(self, other: Drives) -> Drives {
+        Drives(self.0 & !other.0)
+    }
+
+    /// Whether every line of `other` drives.
+    pub const fn contains(self, other: Drives) -> bool {
+        self.0 & other.0 == other.0
+    }
+
+    /// Whether no line drives.
+    pub const fn is_none(self) -> bool {
+        self.0 == 0
+    }
+
+    /// The lines that are in both sets.
+    pub const fn only(self, other: Drives) -> Drives {
+        Drives(self.0 & other.0)
+    }
+
+    /// How many lines drive.
+    pub const fn count(self) -> u32 {
+        self.0.count_ones()
+    }
+
+    /// The single lines of this set: first the sensors' sinks, then c1, c2, then the chargers. A backend switches
+    /// lines in this order, releases before drives.
+    pub fn lines(self) -> impl Iterator<Item = Drives> {
+        (4..4 + MAX_CHANNELS)
+            .chain([2, 3, 0, 1])
+            .map(|bit| Drives(1 << bit))
+            .filter(move |line| self.contains(*line))
+    }
+
+    /// Whether a charger and a sink would drive against each other: never to be requested.
+    pub const fn conflicts(self) -> bool {
+        self.0 & Drives::CHARGE.0 != 0 && self.0 & !Drives::CHARGE.0 != 0
+    }
+}
+
+impl fmt::Display for Drives {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        if self.is_none() {
+            return f.write_str("none");
+        }
+        for (position, line) in self.lines().enumerate() {
+            if position > 0 {
+                f.write_str("+")?;
+            }
+            match line {
+                Drives::CHARGE_A => f.write_str("charge-a")?,
+                Drives::CHARGE_B => f.write_str("charge-b")?,
+                Drives::C1 => f.write_str("c1")?,
+                Drives::C2 => f.write_str("c2")?,
+                Drives(bits) => write!(f, "x{}", bits.trailing_zeros() - 4)?,
+            }
+        }
+        Ok(())
+    }
+}
+
+/// Two clock readings around one call that switched lines: it happened in between.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct Bracket {
+    /// Read just before the call.
+    pub before: Nanos,
+    /// Read just after it.
+    pub after: Nanos,
+}
+
+impl Bracket {
+    /// How long the call took.
+    pub fn width(self) -> Nanos {
+        self.after - self.before
+    }
+}
+
+/// The input levels of the sense nodes; `true` is high (above the threshold). A node that the circuit does not
+/// have reads as high.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Levels {
+    /// Node A.
+    pub a: bool,
+    /// Node B.
+    pub b: bool,
+}
+
+impl Levels {
+    /// The level of one node.
+    pub fn of(self, node: Node) -> bool {
+        match node {
+            Node::A => self.a,
+            Node::B => self.b,
+        }
+    }
+}
+
+/// A falling edge as the kernel reports it (`struct gpio_v2_line_event`, include/uapi/linux/gpio.h).
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Edge {
+    /// The node that fell through its threshold.
+    pub node: Node,
+    /// The kernel's stamp, `CLOCK_MONOTONIC`.
+    pub at: Nanos,
+    /// Counts the events of all sense lines from 1; a gap shows a coalesced or lost edge. Wraps.
+    pub seqno: u32,
+    /// Counts the events of this line from 1; a gap shows an event lost to a full buffer. Wraps.
+    pub line_seqno: u32,
+}
+
+/// The later of two numbers that wrap.
+pub(crate) fn later(seqno: u32, other: u32) -> u32 {
+    if other.wrapping_sub(seqno) as i32 > 0 { other } else { seqno }
+}
+
+/// The answer to [`Pins::arm`].
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Armed {
+    /// The levels, read after arming: an edge before that gives no event.
+    pub levels: Levels,
+    /// The highest `seqno` handed out so far: the next edge has the following one.
+    pub seqno: u32,
+    /// The same for each node's `line_seqno`.
+    pub line_seqno: [u32; 2],
+}
+
+/// What a backend knows about itself. By default nothing: its waits are exact and nothing escapes it.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct Particulars<'a> {
+    /// How long before an instant sleeping turns into spinning, as learned so far.
+    pub spin_margin: Option<Nanos>,
+    /// What it cannot notice, in sentences.
+    pub blind_spots: &'a [&'static str],
+}
+
+/// What can go wrong with the hardware.
+#[derive(Debug, thiserror::Error)]
+pub enum PinsError {
+    /// A charger and a sink were asked to drive at once; nothing was switched.
+    #[error("refused to drive {0}: a charger and a sink would drive against each other")]
+    Conflict(Drives),
+    /// A part that no line plays was asked to drive; nothing was switched.
+    #[error("refused to drive {0}: no line is wired to it")]
+    Unwired(Drives),
+    /// The thread is to stop: no failure of the hardware.
+    #[error("the measurement was stopped")]
+    Stopped,
+    /// The chip has disappeared, its driver unbound or the board unplugged: let go, and open it again later.
+    #[error(
+        "the GPIO chip {chip} is gone, says {call} on {line}: its driver was unbound, or the board unplugged"
+    )]
+    Gone {
+        /// Name and label it had.
+        chip: String,
+        /// The system call or ioctl that found out.
+        call: &'static str,
+        /// The line or request it was made for.
+        line: String,
+    },
+    /// A kernel call failed.
+    #[error("{call} on {line} failed: {source}; {hint}")]
+    Call {
+        /// The system call or ioctl.
+        call: &'static str,
+        /// The line, chip or request it was made for.
+        line: String,
+        /// What the kernel answered.
+        source: std::io::Error,
+        /// The likely cause and what to do.
+        hint: &'static str,
+    },
+}
+
+/// The GPIO lines of one circuit, and the clock that stamps them.
+///
+/// Implementations are real hardware, the simulated circuit, or decorators around either. All instants are
+/// `CLOCK_MONOTONIC`. Nothing here allocates, except to report an error.
+pub trait Pins {
+    /// What time it is.
+    fn now(&mut self) -> Nanos;
+
+    /// Makes exactly the lines of `on` drive, in one call: first releases, then drives, line by line in the order
+    /// of [`Drives::lines`]. Lines that already are as asked are not touched.
+    ///
+    /// # Errors
+    /// [`PinsError::Conflict`], before anything is touched, when `on` [conflicts](Drives::conflicts).
+    fn drive(&mut self, on: Drives) -> Result<Bracket, PinsError>;
+
+    /// Forgets edges that have come so far, and watches for falling edges from here on. To be called while nothing
+    /// drives: some wirings have to reconfigure the sense lines.
+    fn arm(&mut self) -> Result<Armed, PinsError>;
+
+    /// Waits for the next edge, at most until `until`; `None` when that instant has passed without one.
+    fn edge(&mut self, until: Nanos) -> Result<Option<Edge>, PinsError>;
+
+    /// Waits until an instant, as precisely as the system can. Edges that come meanwhile are kept.
+    fn sleep_until(&mut self, at: Nanos) -> Result<(), PinsError>;
+
+    /// Waits until an instant or somewhat later, where nothing depends on how much: no processor time is spent on being
+    /// in time.
+    fn rest_until(&mut self, at: Nanos) -> Result<(), PinsError> {
+        self.sleep_until(at)
+    }
+
+    /// Rests until shortly before an edge that is due at an instant, if that is cheaper than to wait for it all the time.
+    /// Here it is not.
+    fn rest_before_edge(&mut self, _at: Nanos) -> Result<(), PinsError> {
+        Ok(())
+    }
+
+    /// The input levels now: tells an edge that was missed from a node that is still above its threshold.
+    fn levels(&mut self) -> Result<Levels, PinsError>;
+
+    /// What the backend knows about itself.
+    fn particulars(&self) -> Particulars<'_> {
+        Particulars::default()
+    }
+}
+
+macro_rules! forward_pins {
+    ($($pointer:ty),*) => {$(
+        impl<P: Pins + ?Sized> Pins for $pointer {
+            fn now(&mut self) -> Nanos {
+                (**self).now()
+            }
+            fn drive(&mut self, on: Drives) -> Result<Bracket, PinsError> {
+                (**self).drive(on)
+            }
+            fn arm(&mut self) -> Result<Armed, PinsError> {
+                (**self).arm()
+            }
+            fn edge(&mut self, until: Nanos) -> Result<Option<Edge>, PinsError> {
+                (**self).edge(until)
+            }
+            fn sleep_until(&mut self, at: Nanos) -> Result<(), PinsError> {
+                (**self).sleep_until(at)
+            }
+            fn rest_until(&mut self, at: Nanos) -> Result<(), PinsError> {
+                (**self).rest_until(at)
+            }
+            fn rest_before_edge(&mut self, at: Nanos) -> Result<(), PinsError> {
+                (**self).rest_before_edge(at)
+            }
+            fn levels(&mut self) -> Result<Levels, PinsError> {
+                (**self).levels()
+            }
+            fn particulars(&self) -> Particulars<'_> {
+                (**self).particulars()
+            }
+        }
+    )*};
+}
+
+forward_pins!(&mut P, Box<P>);

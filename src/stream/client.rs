@@ -1,0 +1,204 @@
+//! The other end of the socket: what `cermctl` and other Rust programs use.
+//!
+//! For: a connection as lines or messages, and errors that say what to do. Must not know: what is done with them.
+//!
+//! ```no_run
+//! # fn main() -> Result<(), cermd::stream::client::ClientError> {
+//! use cermd::{client::Client, wire::ServerMessage};
+//! use std::{path::Path, time::Duration};
+//!
+//! let mut client = Client::connect(Path::new("/run/cermd/cermd.sock"), Duration::from_secs(2))?;
+//! while let Some(message) = client.message()? {
+//!     if let ServerMessage::Reading(reading) = message {
+//!         println!("{} {:?} N", reading.channel, reading.f_n);
+//!     }
+//! }
+//! # Ok(())
+//! # }
+//! ```
+
+use crate::stream::wire::{
+    Line, LineSplitter, PROTO_MAJOR, Request, ServerMessage, UnreadableLine, VersionLine,
+};
+use nix::sys::socket::{self, MsgFlags};
+use nix::unistd::{Gid, Group};
+use std::io::{self, Read};
+use std::os::fd::AsRawFd;
+use std::os::unix::fs::MetadataExt;
+use std::os::unix::net::UnixStream;
+use std::path::{Path, PathBuf};
+use std::time::Duration;
+
+/// Why there is no answer.
+#[derive(Debug, thiserror::Error)]
+pub enum ClientError {
+    /// There is no such file.
+    #[error("no socket {0}: is cermd running? (systemctl status cermd)")]
+    NoSocket(PathBuf),
+    /// There is a file, but nobody behind it.
+    #[error("nobody answers at {0}: cermd was killed or is still starting (systemctl status cermd)")]
+    NobodyThere(PathBuf),
+    /// We may not write to the socket.
+    #[error("no permission for {path}: {hint}")]
+    Permission {
+        /// The socket.
+        path: PathBuf,
+        /// Who may, and how to become one of them.
+        hint: String,
+    },
+    /// The server has nothing more to say, or is gone.
+    #[error("cermd closed the connection; it was stopped or restarted")]
+    Closed,
+    /// Nothing came within the time-out.
+    #[error("no answer from cermd within {0:?}; `cermctl stats` tells whether it measures")]
+    TimedOut(Duration),
+    /// The first line was a refusal: too many clients.
+    #[error("cermd refused the connection: {0}")]
+    Refused(String),
+    /// It speaks another protocol.
+    #[error("cermd speaks protocol {0}, this program {PROTO_MAJOR}: install the same release of both")]
+    OtherProtocol(u32),
+    /// It speaks no protocol of ours.
+    #[error(transparent)]
+    Unreadable(#[from] UnreadableLine),
+    /// Another failure of the connection.
+    #[error("connection to cermd: {0}")]
+    Io(#[from] io::Error),
+}
+
+/// A connection to a running daemon. Calls wait, at most as long as the time-out.
+#[derive(Debug)]
+pub struct Client {
+    socket: UnixStream,
+    input: LineSplitter,
+    version: VersionLine,
+    timeout: Duration,
+}
+
+impl Client {
+    /// Connects, and reads the VERSION. `timeout` holds for each later wait, too, and must not be 0.
+    ///
+    /// # Errors
+    /// See [`ClientError`].
+    pub fn connect(path: &Path, timeout: Duration) -> Result<Client, ClientError> {
+        let socket = UnixStream::connect(path).map_err(|error| explain(path, error))?;
+        socket.set_read_timeout(Some(timeout))?;
+        socket.set_write_timeout(Some(timeout))?;
+        let version =
+            VersionLine { proto_major: 0, proto_minor: 0, release: String::new(), channels: Vec::new() };
+        let mut client = Client { socket, input: LineSplitter::default(), version, timeout };
+        match client.message()?.ok_or(ClientError::Closed)? {
+            ServerMessage::Version(version) if version.proto_major != PROTO_MAJOR => {
+                Err(ClientError::OtherProtocol(version.proto_major))
+            }
+            ServerMessage::Version(_) => Ok(client),
+            ServerMessage::Error { message, .. } => Err(ClientError::Refused(message)),
+            _ => Err(UnreadableLine::new("the first line is no VERSION").into()),
+        }
+    }
+
+    /// Waits at most so long for a line from now on; not 0.
+    ///
+    /// # Errors
+    /// The system refuses the time-out.
+    pub fn set_timeout(&mut self, timeout: Duration) -> Result<(), ClientError> {
+        self.socket.set_read_timeout(Some(timeout))?;
+        self.timeout = timeout;
+        Ok(())
+    }
+
+    /// The last VERSION that was read: the release and the channels of the daemon.
+    pub fn version(&self) -> &VersionLine {
+        &self.version
+    }
+
+    /// Sends a request. Its answer comes among the messages.
+    ///
+    /// # Errors
+    /// [`ClientError::Closed`] or [`ClientError::TimedOut`].
+    pub fn request(&mut self, request: &Request) -> Result<(), ClientError> {
+        let mut line = Vec::new();
+        request.write(&mut line);
+        let mut rest = line.as_slice();
+        while !rest.is_empty() {
+            let sent = socket::send(self.socket.as_raw_fd(), rest, MsgFlags::MSG_NOSIGNAL);
+            rest = &rest[sent.map_err(|errno| self.failed(errno.into()))?..];
+        }
+        Ok(())
+    }
+
+    /// The next line, as it came. `None`: the server has closed the connection; a last line without a newline is
+    /// dropped.
+    ///
+    /// # Errors
+    /// [`ClientError::TimedOut`]: nothing is lost, the call may be repeated.
+    pub fn line(&mut self) -> Result<Option<Vec<u8>>, ClientError> {
+        let mut chunk = [0; 16 * 1024];
+        loop {
+            match self.input.next_line() {
+                Some(Line::Whole(line)) => return Ok(Some(line)),
+                Some(Line::TooLong) => return Err(UnreadableLine::new("a line that never ends").into()),
+                None => {}
+            }
+            match self.socket.read(&mut chunk) {
+                Ok(0) => return Ok(None),
+                Ok(length) => self.input.feed(&chunk[..length]),
+                Err(error) if error.kind() == io::ErrorKind::Interrupted => {}
+                Err(error) if error.kind() == io::ErrorKind::ConnectionReset => return Ok(None),
+                Err(error) => return Err(self.failed(error)),
+            }
+        }
+    }
+
+    /// The next line, read. `None`: the server has closed the connection.
+    ///
+    /// # Errors
+    /// As [`line`](Client::line), and [`ClientError::Unreadable`].
+    pub fn message(&mut self) -> Result<Option<ServerMessage>, ClientError> {
+        let Some(line) = self.line()? else { return Ok(None) };
+        self.read(&line).map(Some)
+    }
+
+    /// What a [`line`](Client::line) says; a VERSION is remembered.
+    ///
+    /// # Errors
+    /// [`ClientError::Unreadable`].
+    pub fn read(&mut self, line: &[u8]) -> Result<ServerMessage, ClientError> {
+        let message = ServerMessage::parse(line)?;
+        if let ServerMessage::Version(version) = &message {
+            self.version.clone_from(version);
+        }
+        Ok(message)
+    }
+
+    fn failed(&self, error: io::Error) -> ClientError {
+        match error.kind() {
+            io::ErrorKind::WouldBlock | io::ErrorKind::TimedOut => ClientError::TimedOut(self.timeout),
+            io::ErrorKind::BrokenPipe | io::ErrorKind::ConnectionReset => ClientError::Closed,
+            _ => ClientError::Io(error),
+        }
+    }
+}
+
+fn explain(path: &Path, error: io::Error) -> ClientError {
+    match error.kind() {
+        io::ErrorKind::NotFound => ClientError::NoSocket(path.to_owned()),
+        io::ErrorKind::ConnectionRefused => ClientError::NobodyThere(path.to_owned()),
+        io::ErrorKind::PermissionDenied => {
+            ClientError::Permission { path: path.to_owned(), hint: who_may_write(path) }
+        }
+        _ => ClientError::Io(error),
+    }
+}
+
+fn who_may_write(path: &Path) -> String {
+    let Ok(metadata) = path.metadata() else {
+        return "its directory may not be searched by this user".to_owned();
+    };
+    let group = Group::from_gid(Gid::from_raw(metadata.gid())).ok().flatten();
+    let group = group.map_or_else(|| metadata.gid().to_string(), |group| group.name);
+    if metadata.mode() & 0o020 == 0 {
+        return "it is open to its owner only: try sudo, or set [server] mode = \"0660\"".to_owned();
+    }
+    format!("it is open to group {group}: sudo usermod -aG {group} $USER, then log in again")
+}

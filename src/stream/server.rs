@@ -1,0 +1,288 @@
+//! The unix socket: readings to any number of clients, none of which can delay the instrument or another client.
+//!
+//! For: who is connected, who is ready, who is gone. Must not know: how readings come to be, or threads.
+//!
+//! Each line is formatted once into a ring. A client is a position in that ring, a subscription and at
+//! most one answer that it has not read yet. The kernel's buffer of each socket is kept small. So a
+//! client that never reads costs a bounded amount of memory and no time; when the ring overtakes it, it loses its
+//! oldest lines and the next one it gets says how many.
+//!
+//! One thread drives it: poll the descriptor of the [`Server`] for input beside whatever else there is, and call
+//! [`turn`](Server::turn) whenever it is ready, something was published, or [`wake_at`](Server::wake_at) has come.
+
+mod hub;
+mod listener;
+mod peer;
+mod ring;
+mod session;
+mod subscription;
+
+pub use listener::{ListenError, Listener};
+
+use crate::reading::Reading;
+use crate::stream::wire::{ChannelInfo, ErrorCode, Object, Refusal, UnixTime};
+use crate::units::Nanos;
+use hub::Hub;
+use nix::errno::Errno;
+use nix::sys::epoll::{Epoll, EpollCreateFlags, EpollEvent, EpollFlags, EpollTimeout};
+use nix::sys::socket::{self, sockopt};
+use peer::{Peer, SEND};
+use ring::Kind;
+use std::collections::BTreeMap;
+use std::io;
+use std::os::fd::{AsFd, AsRawFd, BorrowedFd};
+use std::os::unix::net::UnixStream;
+
+/// What bounds the server.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Limits {
+    /// Clients at a time; the next one is told "busy" and closed.
+    pub clients: usize,
+    /// Lines that are kept for clients that read slowly.
+    pub ring_lines: usize,
+    /// `SO_SNDBUF` of each client, bytes; the kernel takes twice that for a client that does not read (and no
+    /// line that is longer than that in one piece).
+    pub send_buffer_bytes: usize,
+}
+
+impl Default for Limits {
+    /// 10 s at 100 lines/s; 32 MiB in the kernel with 1024 clients that all do not read.
+    fn default() -> Limits {
+        Limits { clients: 1024, ring_lines: 1024, send_buffer_bytes: 16 * 1024 }
+    }
+}
+
+/// Connections that are accepted in one turn.
+const ACCEPTS_PER_TURN: usize = 64;
+/// Ready descriptors of one turn; the others stay ready.
+const EVENTS_PER_TURN: usize = 64;
+/// How long accepting rests when the process or the system is out of descriptors or memory.
+const ACCEPT_PAUSE: Nanos = Nanos(100_000_000);
+/// The token of the listener; clients count from 1.
+const LISTENER: u64 = 0;
+
+/// Writes the daemon's own fields of a STATS answer.
+pub type StatsFields<'a> = dyn FnMut(&mut Object<'_>) + 'a;
+
+/// The server. Its descriptor is readable when a [`turn`](Server::turn) has something to do.
+#[derive(Debug)]
+pub struct Server {
+    epoll: Epoll,
+    listener: Listener,
+    hub: Hub,
+    clients: BTreeMap<u64, Peer>,
+    limits: Limits,
+    last_token: u64,
+    /// Something was published or announced that was not yet offered to every client.
+    has_news: bool,
+    /// Accepting rests until then.
+    accept_again_at: Option<Nanos>,
+}
+
+impl Server {
+    /// A server of these channels, in the order of their indices in [`Reading::channel`].
+    ///
+    /// # Errors
+    /// The kernel has no descriptor or memory for an epoll instance.
+    pub fn new(listener: Listener, channels: &[ChannelInfo], limits: Limits) -> io::Result<Server> {
+        let epoll = Epoll::new(EpollCreateFlags::EPOLL_CLOEXEC)?;
+        epoll.add(&listener, EpollEvent::new(EpollFlags::EPOLLIN, LISTENER))?;
+        Ok(Server {
+            epoll,
+            listener,
+            hub: Hub::new(channels, limits.ring_lines),
+            clients: BTreeMap::new(),
+            limits,
+            last_token: LISTENER,
+            has_news: false,
+            accept_again_at: None,
+        })
+    }
+
+    /// How many clients are connected.
+    pub fn clients(&self) -> usize {
+        self.clients.len()
+    }
+
+    /// Whether any client wants the lines of [`publish_raw`](Server::publish_raw). If not, spare the formatting.
+    pub fn wants_raw(&self) -> bool {
+        self.clients.values().any(|client| client.session.wants_raw())
+    }
+
+    /// Whether any client wants what is published as it comes, readings or raw. If not, none of it is urgent.
+    pub fn is_watched(&self) -> bool {
+        self.clients.values().any(|client| client.session.watches())
+    }
+
+    /// Other channels from now on: every client gets a new VERSION, after what was published before it. Subscriptions
+    /// hold by id.
+    pub fn set_channels(&mut self, channels: &[ChannelInfo]) {
+        self.hub.set_channels(channels);
+        self.has_news = true;
+    }
+
+    /// The line (with its newline) that begins a tape: whoever watches raw gets it first, and when it changes.
+    pub fn set_tape_header(&mut self, line: &str) {
+        self.hub.tape_header = line.as_bytes().to_vec();
+        let at = self.hub.ring.next();
+        self.clients.values_mut().for_each(|client| client.session.announce_tape_header(at));
+        self.has_news = true;
+    }
+
+    /// Publishes a reading. `time` is `reading.at` on the wall clock. It is sent by the next turn, and formatted only if
+    /// somebody wants it.
+    pub fn publish_reading(&mut self, reading: &Reading, time: UnixTime) {
+        self.hub.keep_reading(reading, time);
+        if self.clients.values().any(|client| client.session.wants_readings()) {
+            self.make_room();
+            self.hub.push_reading(reading.channel);
+            self.has_news = true;
+        }
+    }
+
+    /// Publishes a line of a tape, with its newline; of one channel (by index), or of all. `at`: when the
+    /// discharge began.
+    pub fn publish_raw(&mut self, channel: Option<usize>, at: Nanos, line: &str) {
+        self.make_room();
+        let key = channel.and_then(|index| self.hub.key(index));
+        self.hub.ring.push(Kind::Raw(key), at, |out| out.extend_from_slice(line.as_bytes()));
+        self.has_news = true;
+    }
+
+    /// Readings were lost on the way to the server: to every client that watches readings.
+    pub fn miss_readings(&mut self, count: u64) {
+        self.miss(count, false);
+    }
+
+    /// Discharges were lost on the way to the server: to every client that watches raw.
+    pub fn miss_raw(&mut self, count: u64) {
+        self.miss(count, true);
+    }
+
+    fn miss(&mut self, count: u64, raw: bool) {
+        for client in self.clients.values_mut() {
+            self.hub.lost += client.session.miss(count, raw);
+        }
+    }
+
+    /// Counts the line that goes next as lost by those that have not got it.
+    fn make_room(&mut self) {
+        if let Some((position, entry)) = self.hub.ring.oldest_to_go() {
+            let overtaken = self
+                .clients
+                .values_mut()
+                .filter_map(|client| client.session.overtaken(position, entry).then_some(()));
+            self.hub.lost += overtaken.count() as u64;
+        }
+    }
+
+    /// When a turn is due even if nothing happens; `None`: never.
+    pub fn wake_at(&self) -> Option<Nanos> {
+        self.accept_again_at
+    }
+
+    /// Does what can be done without waiting: accepts, answers, sends. `now` is on `CLOCK_MONOTONIC`.
+    ///
+    /// # Errors
+    /// Only of epoll itself: no failure of a client is one of the server.
+    pub fn turn(&mut self, now: Nanos, stats: &mut StatsFields<'_>) -> io::Result<()> {
+        let mut events = [EpollEvent::empty(); EVENTS_PER_TURN];
+        let ready = match self.epoll.wait(&mut events, EpollTimeout::ZERO) {
+            Ok(ready) => ready,
+            Err(Errno::EINTR) => 0,
+            Err(errno) => return Err(errno.into()),
+        };
+        let mut is_wanted = self.resume_accepting(now)?;
+        for event in &events[..ready] {
+            match event.data() {
+                LISTENER => is_wanted = true,
+                token => self.attend(token, event.events(), stats),
+            }
+        }
+        if is_wanted {
+            self.accept_some(now, stats)?;
+        }
+        if std::mem::take(&mut self.has_news) {
+            self.spread_news(stats);
+        }
+        Ok(())
+    }
+
+    /// Offers what is new to every client that is not busy with something older.
+    fn spread_news(&mut self, stats: &mut StatsFields<'_>) {
+        let waiting = self.clients.iter().filter(|(_, client)| !client.is_behind());
+        let tokens: Vec<u64> = waiting.map(|(&token, _)| token).collect();
+        for token in tokens {
+            self.attend(token, EpollFlags::empty(), stats);
+        }
+    }
+
+    fn attend(&mut self, token: u64, events: EpollFlags, stats: &mut StatsFields<'_>) {
+        let Some(client) = self.clients.get_mut(&token) else { return };
+        if client.attend(events, &self.hub, stats, (&self.epoll, token)).is_err() {
+            // Closing the socket takes it out of epoll, too.
+            self.clients.remove(&token);
+            self.hub.clients = self.clients.len();
+            log::debug!("client {token} is gone, {} left", self.hub.clients);
+        }
+    }
+
+    fn accept_some(&mut self, now: Nanos, stats: &mut StatsFields<'_>) -> io::Result<()> {
+        for _ in 0..ACCEPTS_PER_TURN {
+            match self.listener.accept() {
+                Ok(socket) => self.admit(socket, stats),
+                Err(error) => match error.raw_os_error().map(Errno::from_raw) {
+                    Some(Errno::EINTR | Errno::ECONNABORTED) => {}
+                    Some(Errno::EAGAIN) => break,
+                    _ => return self.pause_accepting(now, &error),
+                },
+            }
+        }
+        Ok(())
+    }
+
+    /// The connection that cannot be accepted would keep the listener ready for ever: look away for a while.
+    fn pause_accepting(&mut self, now: Nanos, error: &io::Error) -> io::Result<()> {
+        log::warn!("no further clients for now: accept: {error}; raise LimitNOFILE= if that stays");
+        self.epoll.modify(&self.listener, &mut EpollEvent::new(EpollFlags::empty(), LISTENER))?;
+        self.accept_again_at = Some(now + ACCEPT_PAUSE);
+        Ok(())
+    }
+
+    fn resume_accepting(&mut self, now: Nanos) -> io::Result<bool> {
+        let is_due = self.accept_again_at.is_some_and(|at| now >= at);
+        if is_due {
+            self.accept_again_at = None;
+            self.epoll.modify(&self.listener, &mut EpollEvent::new(EpollFlags::EPOLLIN, LISTENER))?;
+        }
+        Ok(is_due)
+    }
+
+    fn admit(&mut self, socket: UnixStream, stats: &mut StatsFields<'_>) {
+        if self.clients.len() >= self.limits.clients {
+            let mut line = Vec::new();
+            let message = format!("all {} connections are in use: try again later", self.limits.clients);
+            Refusal::new(ErrorCode::Busy, message).write(&mut line);
+            let _ = socket::send(socket.as_raw_fd(), &line, SEND);
+            return;
+        }
+        // Smaller than the default, so that a client that does not read holds less. If refused, the default holds.
+        let _ = socket::setsockopt(&socket, sockopt::SndBuf, &self.limits.send_buffer_bytes);
+        self.last_token += 1;
+        let token = self.last_token;
+        match Peer::new(socket, &self.hub, &self.epoll, token) {
+            Ok(peer) => {
+                self.clients.insert(token, peer);
+                self.hub.clients = self.clients.len();
+                self.attend(token, EpollFlags::empty(), stats);
+            }
+            Err(errno) => log::warn!("client refused: epoll_ctl: {errno}"),
+        }
+    }
+}
+
+impl AsFd for Server {
+    fn as_fd(&self) -> BorrowedFd<'_> {
+        self.epoll.0.as_fd()
+    }
+}
