@@ -3,13 +3,16 @@
 //! `contract --chip LABEL [--backend chardev-v1] [--sense-charges] [--release-lines]`: the pinout is that of the example configuration.
 //! One line a clause, "held" or "broken"; exit status 1 if any is broken.
 
+#[path = "../tests/contract/clauses.rs"]
+mod clauses;
+
 use cermd::pins::chardev::{Chardev, Wiring};
 use cermd::pins::chardev_v1::ChardevV1;
-use cermd::pins::contract::{Bench, check, dropping_releases};
 use cermd::pins::realtime::{Realtime, Wishes};
 use cermd::pins::{Drives, Pins, chardev, chardev_v1};
 use cermd::units::Nanos;
 use clap::{Parser, ValueEnum};
+use clauses::{Bench, check, dropping_releases};
 use std::error::Error;
 use std::process::ExitCode;
 

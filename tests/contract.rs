@@ -1,8 +1,15 @@
 //! The contract of `Pins`, on the simulated circuit. `examples/contract.rs` holds real kernels to the same one.
 
-use cermd::pins::contract::{Bench, check};
+#![allow(clippy::unwrap_used, clippy::panic, reason = "a test that cannot go on has failed")]
+
+#[path = "contract/clauses.rs"]
+mod clauses;
+#[path = "contract/flaws.rs"]
+mod flaws;
+
 use cermd::pins::sim::{Kind, Scene, SimPins};
 use cermd::units::Nanos;
+use clauses::{Bench, check};
 
 const MS: i64 = 1_000_000;
 

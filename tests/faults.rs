@@ -6,16 +6,18 @@
 #![allow(clippy::unwrap_used, clippy::panic, reason = "a test that cannot go on has failed")]
 
 mod common;
+#[path = "faults/injections.rs"]
+mod injections;
 
 use cermd::estimate::force::Force;
 use cermd::instrument::cycle::longest_reading;
 use cermd::instrument::{Instrument, Message};
 use cermd::pins::Pins;
-use cermd::pins::faulty::{Faulty, Injection};
 use cermd::pins::sim::SimPins;
 use cermd::reading::{Measured, Method, Reading, Status};
 use cermd::units::Nanos;
 use common::Bench;
+use common::faulty::{Faulty, Injection};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 

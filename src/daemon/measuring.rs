@@ -13,7 +13,7 @@ use crate::instrument::settings::Settings;
 use crate::instrument::stats::Stats;
 use crate::instrument::{Instrument, Message};
 use crate::pins::realtime::{self, Realtime};
-use crate::pins::{Armed, Bracket, Drives, Edge, Levels, Pins, PinsError};
+use crate::pins::{Armed, Bracket, Drives, Edge, Levels, Particulars, Pins, PinsError};
 use crate::units::Nanos;
 use interruptible::Interruptible;
 use nix::sys::eventfd::{EfdFlags, EventFd};
@@ -288,6 +288,15 @@ impl Pins for Closed {
     }
     fn levels(&mut self) -> Result<Levels, PinsError> {
         Err(closed())
+    }
+    fn rest_until(&mut self, _at: Nanos) -> Result<(), PinsError> {
+        Err(closed())
+    }
+    fn rest_before_edge(&mut self, _at: Nanos) -> Result<(), PinsError> {
+        Err(closed())
+    }
+    fn particulars(&self) -> Particulars<'_> {
+        Particulars::default()
     }
 }
 

@@ -13,11 +13,8 @@ use std::fmt;
 
 pub mod chardev;
 pub mod chardev_v1;
-pub mod contract;
-pub mod faulty;
 pub mod realtime;
 pub mod sim;
-pub mod trace;
 
 /// The most sensor channels that share one pair of capacitors.
 pub const MAX_CHANNELS: usize = 16;
@@ -254,23 +251,17 @@ pub trait Pins {
 
     /// Waits until an instant or somewhat later, where nothing depends on how much: no processor time is spent on being
     /// in time.
-    fn rest_until(&mut self, at: Nanos) -> Result<(), PinsError> {
-        self.sleep_until(at)
-    }
+    fn rest_until(&mut self, at: Nanos) -> Result<(), PinsError>;
 
-    /// Rests until shortly before an edge that is due at an instant, if that is cheaper than to wait for it all the time.
-    /// Here it is not.
-    fn rest_before_edge(&mut self, _at: Nanos) -> Result<(), PinsError> {
-        Ok(())
-    }
+    /// Rests until shortly before an edge that is due at an instant, if that is cheaper than waiting for it all the time;
+    /// else does nothing.
+    fn rest_before_edge(&mut self, at: Nanos) -> Result<(), PinsError>;
 
     /// The input levels now: tells an edge that was missed from a node that is still above its threshold.
     fn levels(&mut self) -> Result<Levels, PinsError>;
 
     /// What the backend knows about itself.
-    fn particulars(&self) -> Particulars<'_> {
-        Particulars::default()
-    }
+    fn particulars(&self) -> Particulars<'_>;
 }
 
 macro_rules! forward_pins {

@@ -10,7 +10,7 @@
 //! [`network`] solves the voltages, [`course`] inverts them, [`scene`] describes a board, [`sensor`] what is
 //! connected to it.
 
-use super::{Armed, Bracket, Drives, Edge, Levels, Pins, PinsError};
+use super::{Armed, Bracket, Drives, Edge, Levels, Particulars, Pins, PinsError};
 use crate::units::Nanos;
 use analog::{Analog, Fall};
 use kernel::{Events, next_edge};
@@ -244,6 +244,18 @@ impl Pins for SimPins {
         self.go_on_to(self.now_ns.saturating_add(self.reads.levels_ns));
         self.catch_up(self.now_ns);
         Ok(self.analog.levels(self.now_ns))
+    }
+
+    fn rest_until(&mut self, at: Nanos) -> Result<(), PinsError> {
+        self.sleep_until(at)
+    }
+
+    fn rest_before_edge(&mut self, _at: Nanos) -> Result<(), PinsError> {
+        Ok(())
+    }
+
+    fn particulars(&self) -> Particulars<'_> {
+        Particulars::default()
     }
 }
 

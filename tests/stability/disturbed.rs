@@ -2,7 +2,7 @@
 
 use cermd::pins::sim::SimPins;
 use cermd::pins::sim::network::Wiring;
-use cermd::pins::{Armed, Bracket, Drives, Edge, Levels, Pins, PinsError};
+use cermd::pins::{Armed, Bracket, Drives, Edge, Levels, Particulars, Pins, PinsError};
 use cermd::units::Nanos;
 
 /// What happens, and for how long.
@@ -167,5 +167,17 @@ impl Pins for Disturbed {
 
     fn levels(&mut self) -> Result<Levels, PinsError> {
         self.inner.levels()
+    }
+
+    fn rest_until(&mut self, at: Nanos) -> Result<(), PinsError> {
+        self.sleep_until(at)
+    }
+
+    fn rest_before_edge(&mut self, at: Nanos) -> Result<(), PinsError> {
+        self.inner.rest_before_edge(at + self.behind)
+    }
+
+    fn particulars(&self) -> Particulars<'_> {
+        self.inner.particulars()
     }
 }
