@@ -7,10 +7,9 @@ use super::stats;
 use crate::config::backend::{self, CONSUMER, OpenError};
 use crate::config::{Backend, Config, Finding};
 use crate::ctl::check::{error, info, latency, warning, wiring};
+use crate::pins::Pins;
 use crate::pins::realtime::{Outcome, Realtime};
-use crate::pins::{Pins, chardev};
 use std::fmt::Write;
-use std::io;
 
 /// The first kernel with GPIO uAPI v2.
 const FIRST_V2: (u32, u32) = (5, 10);
@@ -98,12 +97,7 @@ fn rights(realtime: &Realtime) -> Vec<Finding> {
 }
 
 fn is_held_by_cermd(refusal: &OpenError) -> bool {
-    match refusal {
-        OpenError::Hardware(chardev::OpenError::Call { source, cause, .. }) => {
-            source.kind() == io::ErrorKind::ResourceBusy && cause.contains(&format!("\"{CONSUMER}\""))
-        }
-        _ => false,
-    }
+    matches!(refusal, OpenError::Hardware(error) if error.is_held_by(CONSUMER))
 }
 
 /// The daemon holds the lines: it tells how it fares.
@@ -122,22 +116,6 @@ fn ask_the_daemon(config: &Config) -> Result<Finding, CtlError> {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    fn call(errno: i32, cause: &str) -> OpenError {
-        OpenError::Hardware(chardev::OpenError::Call {
-            call: "GET_LINE",
-            line: "sink-c1 (GPIO20)".into(),
-            source: io::Error::from_raw_os_error(errno),
-            cause: cause.into(),
-        })
-    }
-
-    #[test]
-    fn the_daemon_is_told_from_other_holders() {
-        assert!(is_held_by_cermd(&call(libc::EBUSY, "held by another consumer: GPIO20 (\"cermd\")")));
-        assert!(!is_held_by_cermd(&call(libc::EBUSY, "held by another consumer: GPIO20 (\"gpioset\")")));
-        assert!(!is_held_by_cermd(&call(libc::EACCES, "add yourself to group cermd")));
-    }
 
     #[test]
     fn releases_of_kernels_are_read() {

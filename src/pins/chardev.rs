@@ -1,5 +1,4 @@
-//! For: real GPIO lines through the Linux character device, uAPI v2 (kernel 5.10 and later). Must not know: what a
-//! discharge is.
+//! Real GPIO lines through the Linux character device, uAPI v2 (kernel 5.10 and later).
 //!
 //! Two requests. The *drive request* holds sinks (open drain) and dedicated chargers (open source): a change of
 //! direction is one SET_VALUES, which touches no interrupt. The *sense request* holds the sense lines, inputs with
@@ -14,8 +13,9 @@ use self::chips::Chip;
 use self::edges::EdgeBuffer;
 use self::error::{as_io, while_running, while_sleeping};
 use self::request::{Switching, charging, drive_request, inputs, released, sense_request, watching};
-use self::wait::{monotonic, readable, rest_before, rest_until, sleep_until};
-use self::wiring::Lines;
+use self::wait::{SpinMargin, monotonic, readable, rest_before, rest_until, sleep_until};
+use self::wiring::{Lines, titles};
+use super::limits::MOST_STALE_READS;
 use super::{Armed, Bracket, Drives, Edge, Levels, Particulars, Pins, PinsError};
 use crate::units::Nanos;
 use gpiocdev_uapi::v2::{self, LineConfig, LineValues};
@@ -34,15 +34,12 @@ pub(super) mod wait;
 pub(super) mod wiring;
 
 pub use chips::{ChipListing, LineListing, Listing, list};
-pub use error::OpenError;
+pub use error::{Cause, ChardevError, ChipTitles, Holder, Instead};
 pub use release::release_lines;
-pub use wait::SpinMargin;
 pub use wiring::Wiring;
 
 /// What errors call the lines of the sense request.
-const SENSE_LINES: &str = "the sense lines";
-/// As many reads as empty the largest buffer that the kernel gives, 1024 edges.
-const MOST_READS: u32 = 64;
+pub(super) const SENSE_LINES: &str = "the sense lines";
 
 /// The lines of one circuit, held until dropped; then all of them are inputs.
 #[derive(Debug)]
@@ -64,9 +61,9 @@ impl Chardev {
     /// Requests all lines of the wiring; nothing drives afterwards.
     ///
     /// # Errors
-    /// [`OpenError`], with the likely cause: no such chip or line, no permission, a line held by someone else, a
+    /// [`ChardevError`], with the likely cause: no such chip or line, no permission, a line held by someone else, a
     /// kernel without uAPI v2.
-    pub fn open(wiring: &Wiring) -> Result<Chardev, OpenError> {
+    pub fn open(wiring: &Wiring) -> Result<Chardev, ChardevError> {
         let chip = Chip::find(&wiring.chip)?;
         let lines = wiring.resolve(&chip)?;
         let get_line = |request: v2::LineRequest, titles: String| {
@@ -74,12 +71,9 @@ impl Chardev {
             v2::get_line(&chip.file, request)
                 .map_err(|error| chip.refusal("GET_LINE", titles, &offsets, as_io(error)))
         };
-        let titles = |lines: &mut dyn Iterator<Item = &wiring::Line>| {
-            lines.map(|line| line.title.as_str()).collect::<Vec<_>>().join(", ")
-        };
-        let drive_titles = titles(&mut lines.drives.iter().map(|drive| &drive.line));
+        let drive_titles = titles(lines.drives.iter().map(|drive| &drive.line));
         let drive_file = get_line(drive_request(&lines, &wiring.consumer), drive_titles)?;
-        let sense_titles = titles(&mut lines.sense.iter());
+        let sense_titles = titles(&lines.sense);
         let sense_file = get_line(sense_request(&lines, wiring), sense_titles.clone())?;
         fcntl(&sense_file, FcntlArg::F_SETFL(OFlag::O_NONBLOCK))
             .map_err(|errno| chip.refusal("F_SETFL", sense_titles, &[], errno.into()))?;
@@ -138,7 +132,7 @@ impl Chardev {
 
     fn titles(&self, values: LineValues) -> String {
         let named = self.lines.drives.iter().enumerate().filter(|(bit, _)| values.mask & 1 << bit != 0);
-        named.map(|(_, drive)| drive.line.title.as_str()).collect::<Vec<_>>().join(", ")
+        titles(named.map(|(_, drive)| &drive.line))
     }
 
     /// Fetches what edges there are, without waiting; whether there were any.
@@ -192,7 +186,7 @@ impl Pins for Chardev {
         }
         // Not for ever: on a line that catches a radio, edges may come faster than they are read.
         let mut reads = 0;
-        while self.fetch()? && reads < MOST_READS {
+        while self.fetch()? && reads < MOST_STALE_READS {
             reads += 1;
         }
         self.edges.forget();

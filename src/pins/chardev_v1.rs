@@ -1,5 +1,4 @@
-//! For: real GPIO lines through the Linux character device, uAPI v1 (kernels before 5.10). Must not know: what a
-//! discharge is.
+//! Real GPIO lines through the Linux character device, uAPI v1 (kernels before 5.10).
 //!
 //! One request a line: an event line for each sense line, an output ([`CdevPin`]) for each sink and charger. v1
 //! (drivers/gpio/gpiolib-cdev.c, `lineevent_*` and `linehandle_*`) does not number events and cannot reconfigure
@@ -14,11 +13,12 @@
 use self::sense::{SenseLine, last_call, stamping_clock};
 use self::switches::{Switch, Switches};
 use super::chardev::chips::Chip;
-use super::chardev::error::{OpenError, while_running, while_sleeping};
+use super::chardev::error::{Cause, ChardevError, while_running, while_sleeping};
 use super::chardev::release::each_line;
-use super::chardev::to_be_driven;
 use super::chardev::wait::{SpinMargin, monotonic, readable, rest_before, rest_until, sleep_until};
-use super::chardev::wiring::{DriveLine, Line, Wiring};
+use super::chardev::wiring::{DriveLine, WiredLine, Wiring};
+use super::chardev::{SENSE_LINES, to_be_driven};
+use super::limits::MOST_STALE_EDGES;
 use super::{Armed, Bracket, Drives, Edge, Levels, Node, Particulars, Pins, PinsError};
 use crate::units::Nanos;
 use gpio_cdev::{EventRequestFlags, LineHandle, LineRequestFlags};
@@ -44,9 +44,6 @@ const NEEDS_CHARGERS: &str = "backend \"chardev-v1\" needs charge-a (and charge-
 const NO_V1: &str =
     "the kernel refuses a flag, or has no uAPI v1 (CONFIG_GPIO_CDEV_V1): use backend \"chardev\"";
 
-/// More edges than the kernel keeps of two lines.
-const MOST_STALE: u32 = 64;
-
 /// The lines of one circuit, held until dropped; then all of them are inputs.
 pub struct ChardevV1 {
     chip: String,
@@ -62,10 +59,10 @@ impl ChardevV1 {
     /// Requests all lines of the wiring; nothing drives afterwards.
     ///
     /// # Errors
-    /// [`OpenError`], with the likely cause. A wiring without dedicated chargers is refused.
-    pub fn open(wiring: &Wiring) -> Result<ChardevV1, OpenError> {
+    /// [`ChardevError`], with the likely cause. A wiring without dedicated chargers is refused.
+    pub fn open(wiring: &Wiring) -> Result<ChardevV1, ChardevError> {
         if wiring.sense_charges() {
-            return Err(OpenError::Wiring(NEEDS_CHARGERS.to_string()));
+            return Err(ChardevError::Wiring(NEEDS_CHARGERS.to_string()));
         }
         let chip = Chip::find(&wiring.chip)?;
         let lines = wiring.resolve(&chip)?;
@@ -118,7 +115,7 @@ impl ChardevV1 {
         let mut watched = [a, b.unwrap_or(a)].map(|line| PollFd::new(line.as_fd(), PollFlags::POLLIN));
         readable(&mut watched, until)
             .map(drop)
-            .map_err(|errno| while_running("ppoll", "the sense lines", &self.chip, errno.into()))
+            .map_err(|errno| while_running("ppoll", SENSE_LINES, &self.chip, errno.into()))
     }
 }
 
@@ -144,7 +141,7 @@ impl Pins for ChardevV1 {
 
     fn arm(&mut self) -> Result<Armed, PinsError> {
         // Not for ever: on a line that catches a radio, edges may come faster than they are read.
-        for _ in 0..MOST_STALE {
+        for _ in 0..MOST_STALE_EDGES {
             let Some(index) = self.earliest()? else { break };
             self.take(index);
         }
@@ -213,13 +210,11 @@ impl Drop for ChardevV1 {
 ///
 /// # Errors
 /// The first failure; the other lines have been released all the same.
-pub fn release_lines(wiring: &Wiring) -> Result<(), OpenError> {
+pub fn release_lines(wiring: &Wiring) -> Result<(), ChardevError> {
     let chip = Chip::find(&wiring.chip)?;
     let lines = wiring.resolve(&chip)?;
     let mut requests = Requests::new(&chip, &wiring.consumer)?;
-    each_line(lines.drives.iter().map(|drive| &drive.line).chain(&lines.sense), |line| {
-        requests.handle(line, LineRequestFlags::INPUT, 0).map(drop)
-    })
+    each_line(&lines, |line| requests.handle(line, LineRequestFlags::INPUT, 0).map(drop))
 }
 
 /// Requests single lines of one chip.
@@ -232,14 +227,14 @@ struct Requests<'a> {
 }
 
 impl<'a> Requests<'a> {
-    fn new(chip: &'a Chip, consumer: &'a str) -> Result<Requests<'a>, OpenError> {
+    fn new(chip: &'a Chip, consumer: &'a str) -> Result<Requests<'a>, ChardevError> {
         let cdev = gpio_cdev::Chip::new(&chip.path)
             .map_err(|error| chip.refusal("open", "the device node".to_string(), &[], last_call(&error)))?;
         Ok(Requests { chip, cdev, consumer, bias: true })
     }
 
     /// A released sink or charger.
-    fn drive(&mut self, drive: &DriveLine) -> Result<Switch<CdevPin>, OpenError> {
+    fn drive(&mut self, drive: &DriveLine) -> Result<Switch<CdevPin>, ChardevError> {
         let (kind, released) = match drive.charges() {
             true => (LineRequestFlags::OPEN_SOURCE, 0),
             false => (LineRequestFlags::OPEN_DRAIN, 1),
@@ -252,7 +247,12 @@ impl<'a> Requests<'a> {
         Ok(Switch { part: drive.part, title: drive.line.title.clone(), pin })
     }
 
-    fn sense(&mut self, node: Node, line: &Line, stamped_by: ClockId) -> Result<SenseLine, OpenError> {
+    fn sense(
+        &mut self,
+        node: Node,
+        line: &WiredLine,
+        stamped_by: ClockId,
+    ) -> Result<SenseLine, ChardevError> {
         let handle = self.unbiased(|requests, bias| {
             let found = requests.line(line)?;
             found
@@ -263,14 +263,19 @@ impl<'a> Requests<'a> {
             .map_err(|error| self.refusal("F_SETFL", line, error))
     }
 
-    fn handle(&mut self, line: &Line, flags: LineRequestFlags, value: u8) -> Result<LineHandle, OpenError> {
+    fn handle(
+        &mut self,
+        line: &WiredLine,
+        flags: LineRequestFlags,
+        value: u8,
+    ) -> Result<LineHandle, ChardevError> {
         let found = self.line(line)?;
         found
             .request(flags, value, self.consumer)
             .map_err(|error| self.refusal("GET_LINEHANDLE", line, last_call(&error)))
     }
 
-    fn line(&mut self, line: &Line) -> Result<gpio_cdev::Line, OpenError> {
+    fn line(&mut self, line: &WiredLine) -> Result<gpio_cdev::Line, ChardevError> {
         let found = self.cdev.get_line(line.offset);
         found.map_err(|error| self.refusal("GET_LINEINFO", line, last_call(&error)))
     }
@@ -278,11 +283,11 @@ impl<'a> Requests<'a> {
     /// Makes a request with pulls switched off; on kernels that do not know the flag, without.
     fn unbiased<T>(
         &mut self,
-        mut request: impl FnMut(&mut Self, LineRequestFlags) -> Result<T, OpenError>,
-    ) -> Result<T, OpenError> {
+        mut request: impl FnMut(&mut Self, LineRequestFlags) -> Result<T, ChardevError>,
+    ) -> Result<T, ChardevError> {
         if self.bias {
             match request(self, BIAS_DISABLE) {
-                Err(OpenError::Call { source, .. }) if source.raw_os_error() == Some(libc::EINVAL) => {
+                Err(ChardevError::Call { source, .. }) if source.raw_os_error() == Some(libc::EINVAL) => {
                     self.bias = false;
                 }
                 other => return other,
@@ -291,14 +296,14 @@ impl<'a> Requests<'a> {
         request(self, LineRequestFlags::empty())
     }
 
-    fn refusal(&self, call: &'static str, line: &Line, source: io::Error) -> OpenError {
-        let mut error = self.chip.refusal(call, line.title.clone(), &[line.offset], source);
-        if let OpenError::Call { source, cause, .. } = &mut error {
-            if [Some(libc::EINVAL), Some(libc::ENOTTY)].contains(&source.raw_os_error()) {
-                *cause = NO_V1.to_string();
+    fn refusal(&self, call: &'static str, line: &WiredLine, source: io::Error) -> ChardevError {
+        let is_unknown = [Some(libc::EINVAL), Some(libc::ENOTTY)].contains(&source.raw_os_error());
+        match self.chip.refusal(call, line.title.clone(), &[line.offset], source) {
+            ChardevError::Call { call, line, source, .. } if is_unknown => {
+                ChardevError::Call { call, line, source, cause: Cause::Hint(NO_V1) }
             }
+            other => other,
         }
-        error
     }
 }
 

@@ -13,6 +13,7 @@ use std::fmt;
 
 pub mod chardev;
 pub mod chardev_v1;
+mod limits;
 pub mod realtime;
 pub mod sim;
 

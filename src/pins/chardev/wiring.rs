@@ -1,8 +1,7 @@
-//! For: which line of which chip plays which part, and in which order lines switch. Must not know: how a line is
-//! requested.
+//! Which line of which chip plays which part, and in which order lines switch.
 
 use super::chips::Chip;
-use super::error::OpenError;
+use super::error::ChardevError;
 use super::names::line_offset;
 use crate::circuit::Node;
 use crate::pins::{Drives, MAX_CHANNELS};
@@ -35,11 +34,16 @@ pub struct Wiring {
 
 /// A line found on its chip.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub(in crate::pins) struct Line {
+pub(in crate::pins) struct WiredLine {
     /// Its number on the chip.
     pub offset: u32,
     /// What errors call it: `sink-c1 (GPIO20)`.
     pub title: String,
+}
+
+/// The titles of some lines, for errors of a call that was made for all of them.
+pub(super) fn titles<'a>(lines: impl IntoIterator<Item = &'a WiredLine>) -> String {
+    lines.into_iter().map(|line| line.title.as_str()).collect::<Vec<_>>().join(", ")
 }
 
 /// A line that drives, and the part it plays.
@@ -48,7 +52,7 @@ pub(in crate::pins) struct DriveLine {
     /// One line of a set.
     pub part: Drives,
     /// Where it is.
-    pub line: Line,
+    pub line: WiredLine,
 }
 
 impl DriveLine {
@@ -62,7 +66,7 @@ impl DriveLine {
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(in crate::pins) struct Lines {
     /// Node A, then node B if the circuit has it.
-    pub sense: Vec<Line>,
+    pub sense: Vec<WiredLine>,
     /// In the order in which they switch: that of [`Drives::lines`].
     pub drives: Vec<DriveLine>,
     /// Whether the sense lines charge: there are no chargers among `drives`.
@@ -117,26 +121,26 @@ impl Wiring {
     /// Finds every line on the chip.
     ///
     /// # Errors
-    /// [`OpenError::Wiring`] for what cannot be, [`OpenError::NoLine`] for names the chip does not have.
-    pub(in crate::pins) fn resolve(&self, chip: &Chip) -> Result<Lines, OpenError> {
+    /// [`ChardevError::Wiring`] for what cannot be, [`ChardevError::NoLine`] for names the chip does not have.
+    pub(in crate::pins) fn resolve(&self, chip: &Chip) -> Result<Lines, ChardevError> {
         self.check()?;
         let known = chip.lines()?;
         let find = |key: &str, wanted: &str| {
             let offset = line_offset(&known, wanted, &chip.title())?;
-            Ok::<_, OpenError>(Line { offset, title: format!("{key} ({wanted})") })
+            Ok::<_, ChardevError>(WiredLine { offset, title: format!("{key} ({wanted})") })
         };
         let sense = self.sense_parts().map(|(key, name)| find(key, name)).collect::<Result<Vec<_>, _>>()?;
         let drives = self
             .drive_parts()
             .map(|(part, key, name)| Ok(DriveLine { part, line: find(&key, name)? }))
-            .collect::<Result<Vec<_>, OpenError>>()?;
+            .collect::<Result<Vec<_>, ChardevError>>()?;
         let lines = Lines { sense, drives, sense_charges: self.sense_charges() };
         distinct(&lines)?;
         Ok(lines)
     }
 
-    fn check(&self) -> Result<(), OpenError> {
-        let refuse = |why: String| Err(OpenError::Wiring(why));
+    fn check(&self) -> Result<(), ChardevError> {
+        let refuse = |why: String| Err(ChardevError::Wiring(why));
         if self.sinks_x.len() > MAX_CHANNELS {
             return refuse(format!(
                 "{} channels: at most {MAX_CHANNELS} share a circuit",
@@ -153,11 +157,12 @@ impl Wiring {
     }
 }
 
-fn distinct(lines: &Lines) -> Result<(), OpenError> {
-    let all: Vec<&Line> = lines.sense.iter().chain(lines.drives.iter().map(|drive| &drive.line)).collect();
+fn distinct(lines: &Lines) -> Result<(), ChardevError> {
+    let all: Vec<&WiredLine> =
+        lines.sense.iter().chain(lines.drives.iter().map(|drive| &drive.line)).collect();
     for (position, line) in all.iter().enumerate() {
         if let Some(other) = all[..position].iter().find(|other| other.offset == line.offset) {
-            return Err(OpenError::Wiring(format!(
+            return Err(ChardevError::Wiring(format!(
                 "{} and {} are the same line, offset {}",
                 other.title, line.title, line.offset
             )));
@@ -188,7 +193,7 @@ pub(in crate::pins) mod tests {
 
     /// What [`Wiring::resolve`] makes of a wiring whose lines are all called "GPIO<offset>".
     pub fn lines(wiring: &Wiring) -> Lines {
-        let at = |key: &str, name: &str| Line {
+        let at = |key: &str, name: &str| WiredLine {
             offset: name.trim_start_matches("GPIO").parse().unwrap(),
             title: format!("{key} ({name})"),
         };
