@@ -1,14 +1,9 @@
 //! 500 clients at 100 readings a second, one of which does not read.
 
-#![allow(clippy::unwrap_used, clippy::panic, reason = "a test that cannot go on has failed")]
-
-#[path = "daemon/process.rs"]
-mod process;
-
+use super::process::{Home, PATIENCE, Stream, config, until};
 use nix::errno::Errno;
 use nix::poll::{PollFd, PollFlags, PollTimeout, poll};
 use nix::sys::resource::{Resource, getrlimit, setrlimit};
-use process::{Home, PATIENCE, Stream, config};
 use serde_json::Value;
 use std::io::{ErrorKind, Read};
 use std::os::fd::AsFd;
@@ -29,7 +24,7 @@ struct Reader {
 
 impl Reader {
     fn new(home: &Home) -> Reader {
-        let socket = process::until("a connection", || UnixStream::connect(home.socket()).ok());
+        let socket = until("a connection", || UnixStream::connect(home.socket()).ok());
         socket.set_nonblocking(true).unwrap();
         Reader { socket, bytes: Vec::new(), last: None }
     }

@@ -1,12 +1,7 @@
 //! A daemon that is killed: what its clients see, and how soon the next one serves.
 
-#![allow(clippy::unwrap_used, clippy::panic, reason = "a test that cannot go on has failed")]
-
-#[path = "daemon/process.rs"]
-mod process;
-
+use super::process::{Home, config};
 use nix::sys::signal::Signal;
-use process::{Home, config};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use std::time::{Duration, Instant};
