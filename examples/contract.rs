@@ -3,7 +3,7 @@
 //! `contract --chip LABEL [--backend chardev-v1] [--sense-charges] [--release-lines]`: the pinout is that of the example configuration.
 //! One line a clause, "held" or "broken"; exit status 1 if any is broken.
 
-#[path = "../tests/contract/clauses.rs"]
+#[path = "../tests/backends/clauses.rs"]
 mod clauses;
 
 use cermd::pins::chardev::{Chardev, Wiring};

@@ -1,0 +1,124 @@
+//! Speed against accuracy: every method on the same simulated board.
+//!
+//! Writes `docs/methods.md` with `UPDATE_DOCS=1 cargo test --test accuracy methods`, and fails when it is out of date.
+
+use crate::common::{Bench, Errors, check_page, read, settle};
+use cermd::reading::Method;
+use plotters::prelude::*;
+use std::fmt::Write;
+
+const CHART: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/docs/methods.svg");
+const INSTRUMENTS: u64 = 40;
+const READINGS: usize = 100;
+
+const HEAD: &str = "# Methods, speed against accuracy
+
+Every figure on this page is **simulated**: scene `pi4` (2.2 uF / 680 nF, or 470 nF for the circuit with series calibration;
+Rc 2320 / 12700 ohm; latencies, noise and thresholds as `hw/scenes/pi4.toml` says, some of them assumed), no sensor but a
+constant resistor, 40 instruments with 100 readings each. The page is written by
+`UPDATE_DOCS=1 cargo test --test accuracy methods`, and the same test fails when it is out of date.
+
+`error` is the root mean square of all errors, `u` that of the stated uncertainties (both 1 sigma), `within 2u` the share
+of readings that are off by less than two of their own sigma (95 % is honest). `time` is a whole cycle: charges,
+calibration discharges, the reading; the look for a leak, one discharge in 5 s, is not in it. `error x sqrt(time)`
+compares methods at equal time: what is left after averaging for one second.
+
+![Error after one second of averaging against resistance, by method](methods.svg)
+
+| method | R_x / ohm | error / ohm | u / ohm | within 2u | time / ms | error x sqrt(time) / ohm sqrt(s) |
+|---|--:|--:|--:|--:|--:|--:|
+";
+
+struct Row {
+    errors: Errors,
+    seconds: f64,
+}
+
+fn measure(method: Method, r_ohm: f64) -> Row {
+    let (mut errors, mut seconds) = (Errors::default(), 0.0);
+    for seed in 0..INSTRUMENTS {
+        let mut instrument = Bench::new("pi4", method, r_ohm, seed, "").instrument();
+        settle(&mut instrument);
+        read(&mut instrument, 40, |_| {});
+        read(&mut instrument, READINGS, |reading| {
+            errors.add(reading, r_ohm);
+            seconds += reading.duration.as_seconds() / (INSTRUMENTS as f64 * READINGS as f64);
+        });
+    }
+    Row { errors, seconds }
+}
+
+fn rms(values: &[f64]) -> f64 {
+    (values.iter().map(|value| value * value).sum::<f64>() / values.len() as f64).sqrt()
+}
+
+/// On a background of its own, so that it is legible on a dark page, too.
+fn chart(rows: &[(Method, f64, f64)]) -> String {
+    let mut svg = String::new();
+    let area = SVGBackend::with_string(&mut svg, (760, 420)).into_drawing_area();
+    area.fill(&WHITE).unwrap();
+    let mut chart = ChartBuilder::on(&area)
+        .margin(14)
+        .x_label_area_size(44)
+        .y_label_area_size(64)
+        .caption("Error after one second of averaging (1 sigma, simulated, board pi4)", ("sans-serif", 17))
+        .build_cartesian_2d((80.0..20_000.0).log_scale(), (0.05..6.0).log_scale())
+        .unwrap();
+    let (x_label, y_label) = (|x: &f64| format!("{x}"), |y: &f64| format!("{y}"));
+    let mut mesh = chart.configure_mesh();
+    mesh.x_desc("R_x / ohm").y_desc("error / ohm").x_label_formatter(&x_label).y_label_formatter(&y_label);
+    mesh.axis_desc_style(("sans-serif", 15)).label_style(("sans-serif", 13)).draw().unwrap();
+    let colours =
+        [RGBColor(120, 120, 120), RGBColor(214, 126, 0), RGBColor(0, 114, 178), RGBColor(0, 140, 90), RED];
+    let methods = [Method::Tpcm, Method::Qerm, Method::Tcdic, Method::Cerm, Method::Tracked];
+    for (method, colour) in methods.into_iter().zip(colours) {
+        let points: Vec<(f64, f64)> =
+            rows.iter().filter(|row| row.0 == method).map(|row| (row.1, row.2)).collect();
+        let line = LineSeries::new(points.clone(), colour.stroke_width(2)).point_size(3);
+        let name = chart.draw_series(line).unwrap().label(method.as_str());
+        name.legend(move |(x, y)| PathElement::new([(x, y), (x + 22, y)], colour.stroke_width(3)));
+    }
+    let mut legend = chart.configure_series_labels();
+    legend.position(SeriesLabelPosition::LowerRight).background_style(WHITE).border_style(BLACK.mix(0.3));
+    legend.label_font(("sans-serif", 14)).draw().unwrap();
+    drop(chart);
+    drop(area);
+    svg
+}
+
+#[test]
+fn the_page_is_up_to_date_and_tracking_pays() {
+    let mut page = HEAD.to_owned();
+    let mut at_equal_time = Vec::new();
+    for method in [Method::Tpcm, Method::Qerm, Method::Tcdic, Method::Cerm, Method::Tracked] {
+        for r_ohm in [100.0, 1000.0, 5000.0, 16_200.0] {
+            let Row { errors, seconds } = measure(method, r_ohm);
+            let error = rms(&errors.errors);
+            at_equal_time.push((method, r_ohm, error * seconds.sqrt()));
+            writeln!(
+                page,
+                "| {} | {r_ohm} | {error:.2} | {:.2} | {:.1} % | {:.1} | {:.3} |",
+                method.as_str(),
+                rms(&errors.us),
+                100.0 * errors.coverage(),
+                1e3 * seconds,
+                error * seconds.sqrt()
+            )
+            .unwrap();
+        }
+    }
+    let of = |method: Method, r_ohm: f64| {
+        at_equal_time.iter().find(|row| row.0 == method && row.1 == r_ohm).map(|row| row.2).unwrap()
+    };
+    for (r_ohm, factor) in [(100.0, 3.0), (1000.0, 2.5), (16_200.0, 2.0)] {
+        let gain = of(Method::Cerm, r_ohm) / of(Method::Tracked, r_ohm);
+        assert!(
+            (factor..5.0 * factor).contains(&gain),
+            "{r_ohm} ohm: tracked is {gain:.2} times better, seeds 0..{INSTRUMENTS}"
+        );
+    }
+    if std::env::var_os("UPDATE_DOCS").is_some() {
+        std::fs::write(CHART, chart(&at_equal_time)).unwrap();
+    }
+    check_page("accuracy methods", "methods.md", &page);
+}

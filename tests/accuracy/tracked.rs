@@ -1,0 +1,272 @@
+//! What a tracked calibration must show, on simulated boards in virtual time. Every seed is fixed.
+
+use crate::common::{Bench, Errors, read, settle};
+use cermd::pins::sim::scene::{DelayScene, DriftScene};
+use cermd::reading::{Fault, Method, Status};
+use cermd::units::{Seconds, Volt};
+use std::fmt::Write;
+
+const INSTRUMENTS: u64 = 40;
+const READINGS: usize = 150;
+/// Cycles before the first reading counts.
+const BEFORE: usize = 600;
+
+/// Half the width that the middle 68.27 % of the errors take: what one spike of a thousand does not change.
+fn sd(errors: &[f64]) -> f64 {
+    let mut errors = errors.to_vec();
+    errors.sort_by(f64::total_cmp);
+    let at = |share: f64| errors[(share * (errors.len() - 1) as f64) as usize];
+    (at(0.841_345) - at(0.158_655)) / 2.0
+}
+
+/// 1-sigma error times the root of the time that a reading takes, charging included, ohm sqrt(s); and the mean
+/// Cramer-Rao bound of a reading, as a sigma (0 where there is none), and the sigma.
+fn figure(method: Method, r_ohm: f64, measure: &str) -> (f64, f64, f64) {
+    let (mut all, mut bounds, mut seconds) = (Errors::default(), Vec::new(), 0.0);
+    for seed in 0..INSTRUMENTS {
+        let mut instrument = Bench::new("pi4", method, r_ohm, seed, measure).instrument();
+        settle(&mut instrument);
+        read(&mut instrument, BEFORE, |_| {});
+        let mut readings = 0;
+        let mut last = None;
+        while readings < READINGS {
+            let mut ok = false;
+            instrument
+                .step(&mut |message| match message {
+                    cermd::instrument::Message::Reading(reading) => {
+                        readings += 1;
+                        seconds += reading.duration.as_seconds();
+                        all.add(&reading, r_ohm);
+                        ok = matches!(reading.status, Status::Ok { .. });
+                    }
+                    cermd::instrument::Message::Discharge { record, .. } => last = Some(record),
+                })
+                .unwrap();
+            let record = last.take().filter(|record| ok && record.through.channel().is_some());
+            if let Some(record) = record {
+                let estimator = instrument.cycle().estimator();
+                let foreseen = estimator.foresee(r_ohm, record.switch, record.u_switch_ns);
+                bounds.extend(foreseen.map(|foreseen| foreseen.bound));
+            }
+        }
+    }
+    let per_reading = seconds / (INSTRUMENTS as usize * READINGS) as f64;
+    let sigma = sd(&all.errors);
+    let bound = (bounds.iter().sum::<f64>() / bounds.len().max(1) as f64).sqrt();
+    (sigma * per_reading.sqrt(), bound, sigma)
+}
+
+#[test]
+fn is_better_than_cerm_at_equal_time_and_close_to_its_bound() {
+    let mut table = String::from("pi4 (simulated), ohm sqrt(s)\n");
+    let mut failed = false;
+    for (r_ohm, least) in [(100.0, 3.0), (1000.0, 2.5), (16_200.0, 2.0)] {
+        let (cerm, _, _) = figure(Method::Cerm, r_ohm, "offset = \"auto\"");
+        let (tracked, bound, sigma) = figure(Method::Tracked, r_ohm, "");
+        let (gain, excess) = (cerm / tracked, sigma / bound);
+        table += &format!(
+            "{r_ohm:7} ohm: cerm {cerm:.4}, tracked {tracked:.4}: {gain:.2} times; sigma {sigma:.3} ohm is {excess:.3} of the bound\n"
+        );
+        failed |= !(least..6.0 * least).contains(&gain) || !(0.9..1.2).contains(&excess);
+    }
+    println!("{table}");
+    assert!(!failed, "seeds 0..{INSTRUMENTS}\n{table}");
+}
+
+/// The paper's section IV: 2^13 cycles of charge, no pause. All boards have the same components, and differ by the draws
+/// of their noise; the paper's own CERM had 0.88 % on its one board.
+///
+/// The greatest error of 500 readings is below 0.2 % on most boards and not on all: readings of one board share the
+/// quantisation that its calibration had. The share is stated, and no seed is chosen.
+#[test]
+fn the_paper_s_board_is_below_0_2_percent_at_100_ohm() {
+    let (mut worst, mut offsets) = (Vec::new(), Vec::new());
+    for seed in 0..100 {
+        let measure = "charge-time = \"163.84 us\"\nsettle-time = \"0 us\"\n";
+        let mut instrument = Bench::new("fpga-paper", Method::Tracked, 100.0, seed, measure).instrument();
+        settle(&mut instrument);
+        read(&mut instrument, BEFORE, |_| {});
+        let mut errors = Errors::default();
+        read(&mut instrument, 500, |reading| errors.add(reading, 100.0));
+        assert_eq!(errors.count(), 500, "seed {seed}: {:?}", errors.not_ok);
+        worst.push(errors.max());
+        offsets.push(errors.mean());
+    }
+    let below = worst.iter().filter(|worst| **worst < 0.2).count();
+    worst.sort_by(f64::total_cmp);
+    println!(
+        "fpga-paper (simulated), 100 ohm: below 0.2 % on {below} boards of 100, median {:.3} %, worst {:.3} %; sd between boards {:.3} ohm",
+        worst[50],
+        worst[99],
+        sd(&offsets)
+    );
+    assert!(below >= 90 && (0.05..0.15).contains(&worst[50]) && worst[99] < 0.88, "{below} {worst:?}");
+}
+
+/// Errors of so many instruments on a changed board, over so many seconds, and the faults that they counted.
+fn changed(
+    name: &str,
+    r_ohm: f64,
+    seconds: f64,
+    instruments: u64,
+    change: impl Fn(&mut Bench),
+) -> (Errors, [u64; Fault::ALL.len()]) {
+    let mut all = Errors::default();
+    let mut faults = [0; Fault::ALL.len()];
+    for seed in 0..instruments {
+        let mut bench = Bench::new(name, Method::Tracked, r_ohm, seed, "");
+        change(&mut bench);
+        let mut instrument = bench.instrument();
+        settle(&mut instrument);
+        read(&mut instrument, 30, |_| {});
+        let before = instrument.stats().faults;
+        let mut elapsed = 0.0;
+        while elapsed < seconds {
+            read(&mut instrument, 1, |reading| {
+                elapsed += reading.duration.as_seconds();
+                all.add(reading, r_ohm);
+            });
+        }
+        for (index, sum) in faults.iter_mut().enumerate() {
+            *sum += instrument.stats().faults[index] - before[index];
+        }
+    }
+    (all, faults)
+}
+
+#[test]
+fn finds_everything_within_two_seconds_of_a_cold_start() {
+    let mut table = String::new();
+    let mut failed = false;
+    for r_ohm in [100.0, 1000.0, 16_200.0] {
+        // The readings around t = 2 s: at whatever they stand, by what they say of themselves.
+        let (mut all, mut tracked) = (Errors::default(), 0);
+        for seed in 0..400 {
+            let mut instrument = Bench::new("pi4", Method::Tracked, r_ohm, seed, "").instrument();
+            let mut elapsed = 0.0;
+            while elapsed < 2.3 {
+                read(&mut instrument, 1, |reading| {
+                    elapsed += reading.duration.as_seconds();
+                    if elapsed > 2.0 {
+                        all.add(reading, r_ohm);
+                    }
+                });
+            }
+            tracked += u32::from(instrument.stats().offset_is_known);
+        }
+        let row = format!(
+            "{r_ohm} ohm: sd {:.3}, u {:.3}, within 2u {:.4}, tracked already: {tracked} of 400",
+            all.sd(),
+            all.mean_u(),
+            all.coverage()
+        );
+        writeln!(table, "{row}").unwrap();
+        failed |= !(0.93..=0.98).contains(&all.coverage()) || all.without_u > 0;
+    }
+    println!("pi4 (simulated), 2 s after a cold start\n{table}");
+    assert!(!failed, "seeds 0..400\n{table}");
+}
+
+#[test]
+fn stays_true_while_the_circuit_drifts() {
+    let mut table = String::new();
+    let mut failed = false;
+    for (name, drift) in [
+        ("C 1 %/min", DriftScene { c_per_minute: 0.01, ..DriftScene::default() }),
+        ("V_Th 5 mV/min", DriftScene { v_th_per_minute: Some(Volt(5e-3)), ..DriftScene::default() }),
+        ("V_DD 20 mV/min", DriftScene { v_dd_per_minute: Some(Volt(20e-3)), ..DriftScene::default() }),
+        (
+            "all of them",
+            DriftScene {
+                c_per_minute: 0.01,
+                v_th_per_minute: Some(Volt(5e-3)),
+                v_dd_per_minute: Some(Volt(20e-3)),
+            },
+        ),
+    ] {
+        for r_ohm in [100.0, 1000.0, 16_200.0] {
+            let (all, _) =
+                changed("pi4", r_ohm, 3.0, 5 * INSTRUMENTS, |bench| bench.scene.drift = Some(drift));
+            let row = format!(
+                "{name}, {r_ohm} ohm: mean {:.3}, sd {:.3}, u {:.3}, within 2u {:.4}",
+                all.mean(),
+                all.sd(),
+                all.mean_u(),
+                all.coverage()
+            );
+            writeln!(table, "{row}").unwrap();
+            failed |= !(0.93..=0.97).contains(&all.coverage());
+        }
+    }
+    println!("pi4 (simulated)\n{table}");
+    assert!(!failed, "seeds 0..{INSTRUMENTS}\n{table}");
+}
+
+#[test]
+fn spikes_are_counted_and_do_not_bias() {
+    let mut table = String::new();
+    let mut failed = false;
+    for r_ohm in [100.0, 1000.0, 16_200.0] {
+        let with = |probability: Option<f64>| {
+            // Errors of one instrument hang together: 640 of them leave 0.03 sigma of chance to a mean.
+            changed("pi4", r_ohm, 3.0, 16 * INSTRUMENTS, |bench| {
+                let stamps = bench.scene.stamps.unwrap();
+                let mean = probability.map(|_| Seconds(200e-6));
+                bench.scene.stamps =
+                    Some(DelayScene { tail_probability: probability, tail_mean: mean, ..stamps });
+            })
+        };
+        let ((quiet, _), (all, faults)) = (with(None), with(Some(0.01)));
+        let moved = (all.mean() - quiet.mean()) / quiet.sd();
+        let spikes = faults[Fault::LatencyOutlier as usize] as f64 / (all.count() + all.not_ok.len()) as f64;
+        let row = format!(
+            "{r_ohm} ohm: mean moved by {moved:+.3} sigma, within 2u {:.4}, latency outliers {:.2} %, other faults {}",
+            all.coverage(),
+            100.0 * spikes,
+            faults.iter().sum::<u64>() - faults[Fault::LatencyOutlier as usize]
+        );
+        writeln!(table, "{row}").unwrap();
+        failed |=
+            moved.abs() > 0.1 || !(0.93..=0.97).contains(&all.coverage()) || !(0.005..0.03).contains(&spikes);
+    }
+    println!("pi4 (simulated), 1 % of stamps late by 200 us on average\n{table}");
+    assert!(!failed, "seeds 0..{}\n{table}", 16 * INSTRUMENTS);
+}
+
+#[test]
+fn light_touches_are_measured_within_a_deadline_of_60_ms() {
+    // A walk of g that is never assumed slower than a drift makes the stated uncertainty of such readings, which depend on
+    // g most, a little greater than it is on a board that does not drift.
+    let mut table = String::new();
+    let mut failed = false;
+    for (r_ohm, share) in [(100e3, 0.01), (1e6, 0.1)] {
+        let mut all = Errors::default();
+        let mut longest = 0.0f64;
+        for seed in 0..INSTRUMENTS {
+            let mut instrument =
+                Bench::new("pi4", Method::Tracked, r_ohm, seed, "deadline = \"60 ms\"").instrument();
+            settle(&mut instrument);
+            read(&mut instrument, 100, |_| {});
+            read(&mut instrument, 50, |reading| {
+                all.add(reading, r_ohm);
+                longest = longest.max(reading.duration.as_seconds());
+            });
+        }
+        let sigma = sd(&all.errors) / r_ohm;
+        let row = format!(
+            "{r_ohm} ohm: mean {:+.4}, sigma {sigma:.4}, within 2u {:.4}, {} of {} with a number, longest reading {:.1} ms",
+            all.mean() / r_ohm,
+            all.coverage(),
+            all.count(),
+            INSTRUMENTS * 50,
+            1e3 * longest
+        );
+        writeln!(table, "{row}").unwrap();
+        failed |= longest > 0.2
+            || sigma > share
+            || all.mean().abs() > share * r_ohm
+            || !(0.93..=0.985).contains(&all.coverage());
+    }
+    println!("pi4 (simulated)\n{table}");
+    assert!(!failed, "seeds 0..{INSTRUMENTS}\n{table}");
+}

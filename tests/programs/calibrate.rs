@@ -1,0 +1,251 @@
+//! `cermctl calibrate` with the real programs: a daemon on a simulated board, answers on standard input, and a
+//! configuration file that changes after a yes and only then.
+
+use crate::cermctl::daemon::{CONFIG, Daemon, ctl};
+use assert_cmd::Command;
+use serde_json::Value;
+use std::fs;
+use std::path::{Path, PathBuf};
+
+/// Before Rc1 and Rc2 there are pins of 40 ohm, before these sensors others: the zeros are 4 and -6 ohm.
+const PINS: &str = "r-o = \"40 ohm\"\nr-o-of = { x0 = \"44 ohm\", x1 = \"34 ohm\" }";
+/// Far below what any of this resolves.
+const SHORT: &str = "constant = \"1 uohm\"";
+const CSV: &str = "force_n,r_ohm\n# of the paper\n1.20,11122\n6.06,2200\n";
+
+fn daemon(thumb: &str, index: &str) -> Daemon {
+    daemon_by("cerm", thumb, index)
+}
+
+fn daemon_by(method: &str, thumb: &str, index: &str) -> Daemon {
+    let scene =
+        [("r-o = \"40 ohm\"", PINS), ("constant = \"100 ohm\"", thumb), ("constant = \"2 kohm\"", index)];
+    Daemon::start_as(("\"cerm\"", &format!("\"{method}\"")), &scene)
+}
+
+/// `cermctl calibrate` for the daemon's own configuration.
+fn calibrate(daemon: &Daemon, arguments: &[&str]) -> Command {
+    let config = daemon.path("cermd.toml");
+    let mut command = daemon.ctl(&["calibrate"]);
+    command.args(arguments).args(["--config", config.to_str().unwrap()]);
+    command
+}
+
+fn config(daemon: &Daemon) -> String {
+    fs::read_to_string(daemon.path("cermd.toml")).unwrap()
+}
+
+fn stdout(command: &mut Command) -> String {
+    String::from_utf8(command.assert().success().get_output().stdout.clone()).unwrap()
+}
+
+/// The copies of the old file that are kept.
+fn kept(folder: &Path) -> Vec<PathBuf> {
+    let files = fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path());
+    files.filter(|path| path.to_str().unwrap().contains(".toml.bak-")).collect()
+}
+
+/// The zero that a line of JSON tells, which must be right within 4 of its sigma.
+fn zero(json: &str, truth_ohm: f64) -> f64 {
+    let line: Value = serde_json::from_str(json).unwrap();
+    let (zero_ohm, u_ohm) = (line["zero_ohm"].as_f64().unwrap(), line["zero_u_ohm"].as_f64().unwrap());
+    assert!(u_ohm < 0.5 && (zero_ohm - truth_ohm).abs() < 4.0 * u_ohm, "{json}");
+    zero_ohm
+}
+
+#[test]
+fn a_short_circuit_tells_zeros_of_both_signs() {
+    let daemon = daemon(SHORT, SHORT);
+    for (id, truth_ohm) in [("thumb", 4.0), ("index", -6.0)] {
+        let before = config(&daemon);
+        let arguments = ["zero", "--channel", id, "--count", "100", "--yes", "--json"];
+        let json = stdout(&mut calibrate(&daemon, &arguments));
+        let line: Value = serde_json::from_str(&json).unwrap();
+        assert_eq!((&line["channel"], &line["updated"]), (&id.into(), &true.into()));
+        let kept = line["kept"].as_str().unwrap();
+        assert_eq!(fs::read_to_string(kept).unwrap(), before);
+        // Another one within this second would have the same name.
+        fs::remove_file(kept).unwrap();
+        let after = config(&daemon);
+        let new: Vec<&str> = after.lines().filter(|line| !before.contains(line)).collect();
+        let written: f64 = new[0].strip_prefix("zero-ohm = ").unwrap().parse().unwrap();
+        assert!(new.len() == 1 && (written - zero(&json, truth_ohm)).abs() < 1e-4, "{new:?}");
+        assert_eq!(after.replace(&format!("{}\n", new[0]), ""), before);
+    }
+}
+
+#[test]
+fn a_reference_is_taken_off() {
+    let daemon = daemon("constant = \"10 ohm\"", SHORT);
+    let arguments = ["reference", "10 ohm", "--channel", "thumb", "--count", "100", "--json"];
+    let json = stdout(calibrate(&daemon, &arguments).write_stdin("n\n"));
+    zero(&json, 4.0);
+    assert_eq!(serde_json::from_str::<Value>(&json).unwrap()["updated"], false);
+    assert!(kept(daemon.folder.path()).is_empty());
+}
+
+#[test]
+fn a_tracked_calibration_tells_no_zero_and_says_what_does() {
+    let daemon = daemon_by("tracked", SHORT, SHORT);
+    let before = config(&daemon);
+    let mut command = calibrate(&daemon, &["zero", "--channel", "thumb", "--yes"]);
+    let error = String::from_utf8(command.assert().code(1).get_output().stderr.clone()).unwrap();
+    assert!(error.contains("set method = \"cerm\""), "{error}");
+    assert_eq!(config(&daemon), before);
+}
+
+#[test]
+fn a_sensor_is_no_short_circuit() {
+    let daemon = daemon("constant = \"100 ohm\"", "constant = \"2 kohm\"");
+    let before = config(&daemon);
+    let mut command = calibrate(&daemon, &["zero", "--channel", "index", "--count", "20", "--yes"]);
+    let error = String::from_utf8(command.assert().code(1).get_output().stderr.clone()).unwrap();
+    assert!(error.contains("more than pins and a series resistor make up; is the short circuit"), "{error}");
+    let mut command = calibrate(&daemon, &["zero", "--yes"]);
+    let error = String::from_utf8(command.assert().code(1).get_output().stderr.clone()).unwrap();
+    assert!(error.contains("--channel; there is thumb, index"), "{error}");
+    assert_eq!(config(&daemon), before);
+    let manual = include_str!("../../docs/commissioning.md");
+    assert!(manual.contains(&format!("A zero of more than {} ohm", cermd::config::LARGEST_ZERO_OHM)));
+}
+
+#[test]
+fn a_resistor_that_limits_the_current_is_part_of_the_zero() {
+    let daemon = daemon("constant = \"220 ohm\"", SHORT);
+    let arguments = ["zero", "--channel", "thumb", "--count", "50", "--yes", "--json"];
+    zero(&stdout(&mut calibrate(&daemon, &arguments)), 224.0);
+}
+
+#[test]
+fn weights_are_measured_while_they_lie_on_the_sensor() {
+    for method in ["cerm", "tracked"] {
+        // 13346 N ohm at 1.2 N, and pins that differ by 4 ohm, not yet calibrated.
+        weights(&daemon_by(method, "constant = \"11122 ohm\"", SHORT));
+    }
+}
+
+fn weights(daemon: &Daemon) {
+    let arguments = ["force", "--channel", "thumb", "--count", "10", "--json"];
+    let typed = "1.2 N\n6.06 N, 2204 ohm\n\ny\n";
+    let json = stdout(calibrate(daemon, &arguments).write_stdin(typed));
+    let line: Value = serde_json::from_str(&json).unwrap();
+    let measured = line["pairs"][0]["r_ohm"].as_f64().unwrap();
+    assert!((measured - 11_126.0).abs() < 30.0, "{json}");
+    assert!(config(daemon).contains(&format!("force = {{ alpha = \"{} kN ohm\" }}", {
+        let alpha = line["alpha_n_ohm"].as_f64().unwrap();
+        (alpha * 100.0).round() / 1e5
+    })));
+    // What reads "short" is no weight.
+    let mut command = calibrate(daemon, &["force", "--channel", "index", "--count", "3"]);
+    let assert = command.write_stdin("1 N\n\ny\n").assert().code(1);
+    let error = String::from_utf8(assert.get_output().stderr.clone()).unwrap();
+    assert!(error.contains("not taken: ") && error.contains("0 pair(s)"), "{error}");
+}
+
+/// A configuration in a folder of its own, for what needs no daemon.
+struct Folder(tempfile::TempDir);
+
+impl Folder {
+    fn new() -> Folder {
+        let folder = Folder(tempfile::tempdir().unwrap());
+        let text = CONFIG.replace("scene.toml", "ideal").replace("[[channel]]\nid = \"index\"\n", "");
+        fs::write(folder.path("cermd.toml"), format!("# kept\n{text}# kept, too\n")).unwrap();
+        fs::write(folder.path("weights.csv"), CSV).unwrap();
+        folder
+    }
+
+    fn path(&self, name: &str) -> PathBuf {
+        self.0.path().join(name)
+    }
+
+    fn config(&self) -> String {
+        fs::read_to_string(self.path("cermd.toml")).unwrap()
+    }
+
+    fn force(&self, arguments: &[&str]) -> Command {
+        let mut command = ctl(&["calibrate", "force"]);
+        command.args(arguments).current_dir(self.0.path()).args(["--config", "cermd.toml"]);
+        command
+    }
+}
+
+#[test]
+fn the_sensor_of_the_paper_comes_out_and_is_written_after_a_yes() {
+    let folder = Folder::new();
+    let before = folder.config();
+    let arguments = ["--csv", "weights.csv", "--plot", "plot.svg"];
+    let text = stdout(folder.force(&arguments).write_stdin("y\n"));
+    for wanted in [
+        "F_c1 = 5.75 N",
+        "F_c2 = 1.05 N",
+        "relative rms of the residuals: 0.0",
+        "systemctl reload cermd",
+        "alpha = 13345.9 +- 2.7 N ohm",
+    ] {
+        assert!(text.contains(wanted), "{wanted:?} is missing:\n{text}");
+    }
+    assert_eq!(folder.config(), before.replace("\"13346 N ohm\"", "\"13.34586 kN ohm\""));
+    let kept = kept(folder.0.path());
+    assert_eq!((kept.len(), fs::read_to_string(&kept[0]).unwrap()), (1, before));
+    assert!(fs::read_to_string(folder.path("plot.svg")).unwrap().ends_with("</svg>\n"));
+}
+
+#[test]
+fn anything_but_a_yes_changes_nothing() {
+    let folder = Folder::new();
+    let before = folder.config();
+    for answer in ["", "n\n", "\n", "y", "perhaps\n"] {
+        let text = stdout(folder.force(&["--csv", "weights.csv"]).write_stdin(answer));
+        assert!(text.ends_with("cermd.toml is as it was\n"), "{answer:?}: {text}");
+    }
+    // Cut off while weights are typed.
+    for typed in ["", "1.2 N, 11122 ohm\n", "1.2 N, 11122 ohm\n6.06 N, 22"] {
+        folder.force(&["--yes"]).write_stdin(typed).assert().code(1);
+    }
+    assert_eq!(folder.config(), before);
+    assert_eq!(fs::read_dir(folder.0.path()).unwrap().count(), 2);
+}
+
+#[test]
+fn bad_input_is_named_and_changes_nothing() {
+    let folder = Folder::new();
+    let before = folder.config();
+    let cases = [
+        ("alpha", "1.2,11122\n6.06;2200\n", "weights.csv, line 2: "),
+        ("alpha", "", "0 pair(s) of force and resistance: it takes at least 1"),
+        ("alpha", "1,NaN\n", "weights.csv, line 1: "),
+        ("power", "1.2,11122\n1.2,11100\n", "all pairs have the same force"),
+        ("power", "1.2,2200\n6.06,11122\n9,12000\n", "does not fall while the force rises"),
+        ("table", "1.2,11122\n6.06,12000\n", "not monotone"),
+    ];
+    for (model, csv, wanted) in cases {
+        fs::write(folder.path("weights.csv"), csv).unwrap();
+        let mut command = folder.force(&["--csv", "weights.csv", "--yes", "--model", model]);
+        let error = String::from_utf8(command.assert().code(1).get_output().stderr.clone()).unwrap();
+        assert!(error.contains(wanted), "{wanted}: {error}");
+        assert_eq!(folder.config(), before);
+    }
+}
+
+#[test]
+fn every_model_gives_a_usable_configuration() {
+    for (model, wanted) in [("power", "at-1-kohm = "), ("table", "force-thumb-")] {
+        let folder = Folder::new();
+        stdout(folder.force(&["--csv", "weights.csv", "--model", model, "--yes"]).write_stdin(""));
+        assert!(folder.config().contains(wanted), "{}", folder.config());
+        let text = stdout(ctl(&["check", "--config", "cermd.toml"]).current_dir(folder.0.path()));
+        assert!(text.contains(": usable: 0 error(s)"), "{text}");
+    }
+}
+
+#[test]
+fn a_configuration_that_would_not_be_usable_stays_as_it_is() {
+    let folder = Folder::new();
+    let broken = folder.config().replace("\"ideal\"", "\"pi9\"");
+    fs::write(folder.path("cermd.toml"), &broken).unwrap();
+    let mut command = folder.force(&["--csv", "weights.csv", "--yes", "--model", "table"]);
+    let error = String::from_utf8(command.assert().code(1).get_output().stderr.clone()).unwrap();
+    assert!(error.contains("nothing was changed") && error.contains("error: mock.scene"), "{error}");
+    assert_eq!(folder.config(), broken);
+    assert_eq!(fs::read_dir(folder.0.path()).unwrap().count(), 2, "nothing is left behind");
+}

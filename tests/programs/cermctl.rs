@@ -1,0 +1,246 @@
+//! `cermctl` as a person or a script meets it: the real program, a real daemon on a simulated circuit, a real socket.
+//!
+//! No test depends on how fast anything is; every wait ends.
+
+pub mod daemon;
+mod errors;
+mod tapes;
+
+use daemon::{Daemon, ctl, json_lines, lines_of, wait_until};
+use serde_json::Value;
+use std::fs;
+use std::io::{BufRead, BufReader};
+
+/// What a verb prints; it must succeed and have nothing to complain of.
+fn output(command: &mut assert_cmd::Command) -> String {
+    let assert = command.assert().success().stderr("");
+    String::from_utf8(assert.get_output().stdout.clone()).unwrap()
+}
+
+#[test]
+fn get_prints_the_last_reading_of_each_channel() {
+    let daemon = Daemon::start();
+    let text = output(&mut daemon.ctl(&["get"]));
+    let lines: Vec<&str> = text.lines().collect();
+    assert_eq!(lines.len(), 2, "{text}");
+    assert!(
+        lines[0].contains("thumb") && lines[0].contains(" N  ") && lines[0].contains("ohm  ok"),
+        "{text}"
+    );
+    assert!(lines[1].contains("index") && !lines[1].contains(" N "), "a channel without force: {text}");
+    let of_index = json_lines(output(&mut daemon.ctl(&["get", "--json", "index"])).as_bytes());
+    assert_eq!(of_index.len(), 1);
+    assert_eq!((&of_index[0]["class"], &of_index[0]["channel"]), (&"READING".into(), &"index".into()));
+    let r_ohm = of_index[0]["r_ohm"].as_f64().unwrap();
+    assert!((r_ohm - 2000.0).abs() < 20.0, "{r_ohm}");
+}
+
+#[test]
+fn stats_are_a_table_for_people_and_a_line_for_machines() {
+    let daemon = Daemon::start();
+    wait_until("the offset is found", || daemon.stats()["offset_known"] == true);
+    let text = output(&mut daemon.ctl(&["stats"]));
+    for wanted in [
+        "backend ",
+        "mock\n",
+        "uptime ",
+        " s\n",
+        "latency offset ",
+        " us\n",
+        "pin resistance",
+        " +- ",
+        " ohm\n",
+    ] {
+        assert!(text.contains(wanted), "{wanted:?} is missing:\n{text}");
+    }
+}
+
+#[test]
+fn watch_prints_lines_into_a_pipe_and_ends_quietly_when_it_closes() {
+    let daemon = Daemon::start();
+    for arguments in [["watch", "index"].as_slice(), &["watch", "--json", "index"]] {
+        let mut watch = daemon.spawn(arguments);
+        let mut lines = BufReader::new(watch.child().stdout.take().unwrap()).lines();
+        let first = lines.next().unwrap().unwrap();
+        assert!(first.contains("index") && !first.contains('\x1b'), "{first}");
+        drop(lines);
+        assert_eq!(watch.end(), (Some(0), String::new()));
+    }
+}
+
+#[test]
+fn a_fault_says_what_to_look_at() {
+    let daemon = Daemon::start_in_scene(&[("r-c2 = \"12.7 kohm\"", "r-c2 = \"100 Mohm\"")]);
+    let hint =
+        "nothing falls in a discharge through Rc2; look at the wire from sink-c2 through Rc2 to node A";
+    let stdout = daemon.ctl(&["get", "thumb"]).assert().success().get_output().stdout.clone();
+    let text = String::from_utf8(stdout).unwrap();
+    assert!(text.contains("no-calibration  fault") && text.contains(hint), "{text}");
+    daemon::wait_until("STATS have it", || {
+        daemon.stats()["hint"].as_str().is_some_and(|text| text.starts_with(hint))
+    });
+}
+
+#[test]
+fn watch_chooses_and_thins() {
+    let daemon = Daemon::start();
+    let mut watch = daemon.spawn(&["watch", "--json", "--max-hz", "10", "index"]);
+    let lines = BufReader::new(watch.child().stdout.take().unwrap()).lines();
+    let mut stamps = lines.map(|line| -> i64 {
+        let line: Value = serde_json::from_str(&line.unwrap()).unwrap();
+        assert_eq!(line["channel"], "index");
+        line["t_mono_ns"].as_i64().unwrap()
+    });
+    // Until the daemon knows of the limit, readings come every 10 ms.
+    let mut last = stamps.next().unwrap();
+    let is_thinned =
+        stamps.by_ref().take(10_000).any(|stamp| stamp - std::mem::replace(&mut last, stamp) > 50_000_000);
+    assert!(is_thinned);
+    for stamp in stamps.take(3) {
+        // Nine cycles; a stamp is that of the middle of a discharge.
+        assert!(stamp - last > 89_900_000, "{} ns", stamp - last);
+        last = stamp;
+    }
+}
+
+#[test]
+fn watch_survives_a_restart_of_the_daemon() {
+    let mut daemon = Daemon::start();
+    let mut watch = daemon.spawn(&["watch"]);
+    let mut lines = BufReader::new(watch.child().stdout.take().unwrap()).lines();
+    assert!(lines.next().unwrap().unwrap().contains("ok"));
+    daemon.kill();
+    let mut complaints = BufReader::new(watch.child().stderr.take().unwrap()).lines();
+    let gone = complaints.next().unwrap().unwrap();
+    assert_eq!(gone, "cermctl: cermd closed the connection; waiting for it to come back");
+    daemon.run();
+    assert_eq!(complaints.next().unwrap().unwrap(), "cermctl: connected again");
+    // What was in the pipe is behind us after so many lines.
+    assert_eq!(lines.by_ref().take(50).filter(|line| line.is_ok()).count(), 50);
+    watch.interrupt();
+    // Read on, or it cannot end for a full pipe.
+    lines.for_each(drop);
+    assert_eq!(watch.end(), (Some(0), String::new()));
+}
+
+#[test]
+fn record_writes_csv_with_nothing_for_the_unknown() {
+    let daemon = Daemon::start();
+    let text = output(&mut daemon.ctl(&["record", "--count", "6", "--format", "csv", "index"]));
+    let rows: Vec<Vec<&str>> = text.lines().map(|line| line.split(',').collect()).collect();
+    assert_eq!(rows.len(), 7, "{text}");
+    assert!(rows.iter().all(|row| row.len() == 18), "{text}");
+    let column = |name: &str| rows[0].iter().position(|column| *column == name).unwrap();
+    for row in &rows[1..] {
+        assert_eq!((row[column("channel")], row[column("f_n")], row[column("fault")]), ("index", "", ""));
+        assert!(row[column("r_ohm")].parse::<f64>().unwrap() > 1900.0, "{text}");
+    }
+}
+
+#[test]
+fn record_ends_with_a_whole_line_whatever_ends_it() {
+    let daemon = Daemon::start();
+    let file = daemon.path("by-count");
+    output(&mut daemon.ctl(&["record", "--count", "5", "--output", file.to_str().unwrap()]));
+    assert_eq!(lines_of(&file).len(), 5);
+
+    let file = daemon.path("by-time");
+    output(&mut daemon.ctl(&["record", "--seconds", "0.5", "-o", file.to_str().unwrap()]));
+    assert!(lines_of(&file).iter().all(|line| line["class"] == "READING"));
+
+    let file = daemon.path("by-ctrl-c");
+    let mut record = daemon.spawn(&["record", "-o", file.to_str().unwrap()]);
+    wait_until("something is recorded", || fs::metadata(&file).is_ok_and(|file| file.len() > 2000));
+    record.interrupt();
+    assert_eq!(record.end(), (Some(0), String::new()));
+    assert!(lines_of(&file).len() > 5);
+}
+
+#[test]
+fn a_recording_says_when_the_daemon_ends_it() {
+    let mut daemon = Daemon::start();
+    let file = daemon.path("cut");
+    let record = daemon.spawn(&["record", "-o", file.to_str().unwrap()]);
+    wait_until("something is recorded", || fs::metadata(&file).is_ok_and(|file| file.len() > 2000));
+    daemon.kill();
+    let (status, complaint) = record.end();
+    assert_eq!(status, Some(1));
+    assert_eq!(complaint, "cermctl: the recording ends here: cermd closed the connection\n");
+    assert!(lines_of(&file).len() > 5);
+}
+
+#[test]
+fn both_checks_say_the_same() {
+    let daemon = Daemon::start();
+    let good = fs::read_to_string(daemon.path("cermd.toml")).unwrap();
+    let cases = [
+        ("", "", 0, ": usable: 0 error(s)"),
+        ("\"scene.toml\"", "\"missing.toml\"", 1, "error: mock.scene: cannot read "),
+        ("\"scene.toml\"", "\"pi9\"", 1, "there is no built-in scene \"pi9\"; there are ideal,"),
+        (
+            "force = { alpha = \"13346 N ohm\" }",
+            "force = { table = \"t.csv\" }",
+            1,
+            "error: channel.thumb.force: ",
+        ),
+        ("r-c1 = \"2.32 kohm\"", "r-c1 = \"12.7 kohm\"", 1, "error: circuit.r-c1"),
+        ("rate-hz", "rate-hertz", 1, "unknown field `rate-hertz`"),
+    ];
+    for (from, to, status, wanted) in cases {
+        let file = daemon.path("checked.toml");
+        fs::write(&file, good.replacen(from, to, 1)).unwrap();
+        let ours = ctl(&["check", "--config", file.to_str().unwrap()]).assert().code(status);
+        let ours = String::from_utf8(ours.get_output().stdout.clone()).unwrap();
+        assert!(ours.contains(wanted), "{wanted}\n{ours}");
+        let mut theirs = assert_cmd::Command::new(env!("CARGO_BIN_EXE_cermd"));
+        theirs.arg("--config").arg(&file).arg("--check").assert().code(status).stdout(ours);
+    }
+}
+
+#[test]
+fn the_demo_needs_nothing_and_leaves_nothing() {
+    let folder = tempfile::tempdir().unwrap();
+    let text = output(ctl(&["demo", "--seconds", "2", "--seed", "7"]).env("TMPDIR", folder.path()));
+    assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 0);
+    assert!(!text.contains('\x1b'), "{text}");
+    let live: Vec<&str> = text.lines().filter(|line| line.starts_with("simulated  ")).collect();
+    assert!(!live.is_empty() && live.iter().all(|line| line.contains("thumb")), "{text}");
+    let summary = text.lines().filter(|line| !line.starts_with("simulated  "));
+    assert!(summary.clone().all(|line| line.chars().count() <= 80), "wider than a terminal:\n{text}");
+    for wanted in [
+        "board pi4, method cerm",
+        " readings in ",
+        "latency offset",
+        "8.00 us true",
+        "40.0 ohm true",
+        "cermctl check",
+    ] {
+        assert!(text.contains(wanted), "{wanted:?} is missing:\n{text}");
+    }
+}
+
+#[test]
+fn the_demo_ends_properly_at_ctrl_c() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut demo = std::process::Command::new(env!("CARGO_BIN_EXE_cermctl"))
+        .args(["demo", "--seconds", "3600", "--scene", "ideal", "--method", "tcdic"])
+        .env("TMPDIR", folder.path())
+        .stdout(std::process::Stdio::piped())
+        .spawn()
+        .unwrap();
+    let mut lines = BufReader::new(demo.stdout.take().unwrap()).lines().map(Result::unwrap);
+    assert!(lines.any(|line| line.contains("thumb")));
+    nix::sys::signal::kill(nix::unistd::Pid::from_raw(demo.id() as i32), nix::sys::signal::SIGINT).unwrap();
+    assert!(lines.any(|line| line.contains(" readings in ")), "a summary");
+    lines.for_each(drop);
+    assert!(demo.wait().unwrap().success());
+    assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 0);
+}
+
+#[test]
+fn the_demo_runs_every_board_by_every_method_it_allows() {
+    for (scene, method) in [("pi5", "qerm"), ("pi-zero", "tpcm"), ("fpga-paper", "cerm")] {
+        let text = output(&mut ctl(&["demo", "--seconds", "0.5", "--scene", scene, "--method", method]));
+        assert!(text.contains(&format!("board {scene}, method {method}")), "{text}");
+    }
+}

@@ -1,0 +1,147 @@
+//! What is said when something is wrong: one sentence with a hint, and the exit status.
+
+use super::daemon::{CONFIG, Daemon, ctl};
+use std::fs;
+use std::os::unix::fs::PermissionsExt;
+use std::os::unix::net::{UnixListener, UnixStream};
+use std::os::unix::process::CommandExt;
+
+/// Standard error of a verb that fails, without the changing name of the directory.
+fn failure(command: &mut assert_cmd::Command, folder: &str) -> String {
+    let assert = command.assert().code(1);
+    let complaint = String::from_utf8(assert.get_output().stderr.clone()).unwrap();
+    complaint.replace(folder, "DIR").trim_end().to_owned()
+}
+
+#[test]
+fn no_daemon() {
+    let folder = tempfile::tempdir().unwrap();
+    let name = folder.path().to_str().unwrap();
+    let socket = format!("{name}/socket");
+    insta::assert_snapshot!(failure(&mut ctl(&["get", "--socket", &socket]), name), @"cermctl: no socket DIR/socket: is cermd running? (systemctl status cermd); no hardware? try `cermctl demo`");
+    drop(UnixListener::bind(&socket).unwrap());
+    insta::assert_snapshot!(failure(&mut ctl(&["watch", "--socket", &socket]), name), @"cermctl: nobody answers at DIR/socket: cermd was killed or is still starting (systemctl status cermd); no hardware? try `cermctl demo`");
+}
+
+#[test]
+fn no_permission() {
+    let daemon = Daemon::start();
+    let mode = |path, bits| fs::set_permissions(path, fs::Permissions::from_mode(bits)).unwrap();
+    mode(daemon.folder.path().to_owned(), 0o755);
+    // Of the group only: closed to the owner, and to others.
+    mode(daemon.socket(), 0o060);
+    let mut command = std::process::Command::new(env!("CARGO_BIN_EXE_cermctl"));
+    command.arg("get").env("CERMD_SOCKET", daemon.socket());
+    if nix::unistd::geteuid().is_root() {
+        // Root may do everything; nobody (65534 on every distribution) may not.
+        command.uid(65534).gid(65534);
+    }
+    let output = command.output().unwrap();
+    let complaint = String::from_utf8(output.stderr).unwrap();
+    let group = nix::unistd::Group::from_gid(nix::unistd::getegid()).unwrap().unwrap().name;
+    let hint = format!("it is open to group {group}: sudo usermod -aG {group} $USER, then log in again\n");
+    assert!(
+        complaint.starts_with("cermctl: no permission for ") && complaint.ends_with(&hint),
+        "{complaint}"
+    );
+    assert_eq!(output.status.code(), Some(1));
+}
+
+#[test]
+fn no_such_channel() {
+    let daemon = Daemon::start();
+    for verb in ["get", "watch", "record"] {
+        let complaint = failure(&mut daemon.ctl(&[verb, "thumb", "toe"]), "-");
+        assert_eq!(complaint, "cermctl: no channel \"toe\": there is thumb, index");
+    }
+}
+
+#[test]
+fn no_such_file() {
+    let daemon = Daemon::start();
+    let name = daemon.folder.path().to_str().unwrap().to_owned();
+    let output = format!("{name}/missing/file");
+    insta::assert_snapshot!(failure(&mut daemon.ctl(&["record", "-o", &output]), &name), @"cermctl: DIR/missing/file: No such file or directory (os error 2); is the path right, and is its directory there?");
+    insta::assert_snapshot!(failure(&mut ctl(&["estimate", "--method", "cerm", &output]), &name), @"cermctl: DIR/missing/file: No such file or directory (os error 2); is the path right, and is its directory there?");
+    insta::assert_snapshot!(failure(&mut ctl(&["demo", "--scene", &format!("{output}.toml")]), &name), @"cermctl: --scene: cannot read DIR/missing/file.toml: No such file or directory (os error 2)");
+    insta::assert_snapshot!(failure(&mut ctl(&["demo", "--scene", "pi9"]), &name), @r#"cermctl: --scene: there is no built-in scene "pi9"; there are ideal, fpga-paper, pi-zero, pi4, pi5"#);
+}
+
+#[test]
+fn an_instrument_that_has_not_measured_yet() {
+    let daemon = Daemon::start();
+    // Another daemon, whose first cycle takes longer than anybody waits.
+    let folder = tempfile::tempdir().unwrap();
+    let socket = folder.path().join("socket");
+    let config = CONFIG
+        .replace("SOCKET", socket.to_str().unwrap())
+        .replace("scene.toml", daemon.path("scene.toml").to_str().unwrap())
+        .replace("rate-hz = 100", "")
+        .replace("\"500 us\"", "\"50 s\"");
+    fs::write(folder.path().join("cermd.toml"), config).unwrap();
+    let mut slow = std::process::Command::new(env!("CARGO_BIN_EXE_cermd"))
+        .arg("--config")
+        .arg(folder.path().join("cermd.toml"))
+        .stderr(std::process::Stdio::null())
+        .spawn()
+        .unwrap();
+    // The socket is there before anybody listens.
+    super::daemon::wait_until("cermd serves", || UnixStream::connect(&socket).is_ok());
+    let mut get = ctl(&["get", "--socket", socket.to_str().unwrap()]);
+    let complaint = failure(&mut get, "-");
+    slow.kill().unwrap();
+    slow.wait().unwrap();
+    insta::assert_snapshot!(complaint, @"cermctl: no reading of thumb yet: `cermctl stats` tells whether the instrument measures");
+}
+
+#[test]
+fn usage_is_explained_by_the_parser() {
+    for arguments in [
+        ["lines", "gpiochip0"].as_slice(),
+        &[],
+        &["record", "--raw", "--format", "csv"],
+        &["record", "--count", "0"],
+        &["record", "--count", "5", "--seconds", "5"],
+        &["record", "--seconds", "-1"],
+        &["watch", "--max-hz", "0"],
+        &["demo", "--method", "magic"],
+        &["demo", "--seconds", "NaN"],
+        &["estimate", "--method", "cerm"],
+        &["estimate", "--method", "cerm", "--offset", "8", "-"],
+        &["estimate", "--method", "cerm", "--offset", "5 s", "-"],
+        &["estimate", "--method", "cerm", "--offset=-1 ms", "-"],
+        &["check"],
+    ] {
+        let assert = ctl(arguments).assert().code(2);
+        let complaint = String::from_utf8(assert.get_output().stderr.clone()).unwrap();
+        assert!(
+            complaint.contains("Usage: cermctl") || complaint.contains("--help"),
+            "{arguments:?}: {complaint}"
+        );
+    }
+}
+
+#[test]
+fn a_full_disk_is_an_error_of_its_own() {
+    let daemon = Daemon::start();
+    let full = || fs::File::create("/dev/full").unwrap();
+    let config = daemon.path("cermd.toml");
+    let check = ["--check", "--config", config.to_str().unwrap()];
+    for (program, arguments) in [
+        (env!("CARGO_BIN_EXE_cermd"), check.as_slice()),
+        (env!("CARGO_BIN_EXE_cermctl"), &["check", check[1], check[2]]),
+        (env!("CARGO_BIN_EXE_cermctl"), &["lines", "--json"]),
+    ] {
+        let run = |stderr: std::process::Stdio| {
+            let mut command = std::process::Command::new(program);
+            command.args(arguments).stdout(full()).stderr(stderr).output().unwrap()
+        };
+        let output = run(std::process::Stdio::piped());
+        let complaint = String::from_utf8(output.stderr).unwrap();
+        assert_eq!(output.status.code(), Some(1), "{arguments:?}: {complaint}");
+        let is_told = complaint.contains("standard output: No space left on device");
+        assert!(is_told || arguments[0] == "lines", "{arguments:?}: {complaint}");
+        // Neither is there anybody to tell.
+        assert_eq!(run(full().into()).status.code(), Some(1), "{arguments:?}");
+    }
+}

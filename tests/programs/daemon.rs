@@ -1,0 +1,296 @@
+//! The daemon as its users and the service manager see it: the real program, a simulated circuit, real signals.
+
+mod crowd;
+mod killed;
+mod process;
+
+use nix::sys::signal::Signal;
+use process::{Daemon, Home, config, program, until};
+use serde_json::{Value, json};
+use std::fs::{self, File};
+use std::os::fd::OwnedFd;
+use std::os::unix::fs::MetadataExt;
+use std::os::unix::net::UnixListener;
+use std::process::{Command, Stdio};
+
+const FAST: &str = "offset = \"8 us\"";
+
+fn ids(version: &Value) -> Vec<&str> {
+    version["channels"].as_array().unwrap().iter().map(|channel| channel["id"].as_str().unwrap()).collect()
+}
+
+#[test]
+fn serves_readings_and_statistics() {
+    let home = Home::new(&config(&["thumb", "index"], FAST));
+    let _daemon = home.start();
+    let mut stream = home.connect();
+    assert_eq!(ids(&stream.next().unwrap()), ["thumb", "index"]);
+    // The scene has one sensor of 1 kohm, on the first channel; the other is open.
+    for _ in 0..40 {
+        let reading = stream.next_of("READING");
+        if reading["channel"] == "thumb" {
+            assert_eq!(reading["status"], "ok", "{reading}");
+            assert!((800.0..1200.0).contains(&reading["r_ohm"].as_f64().unwrap()), "{reading}");
+        } else {
+            assert_eq!(reading["status"], "open", "{reading}");
+        }
+    }
+    stream.send(r#"{"class":"STATS"}"#);
+    let stats = stream.next_of("STATS");
+    assert_eq!(
+        (&stats["backend"], &stats["method"], &stats["clients"]),
+        (&json!("mock"), &json!("cerm"), &json!(1))
+    );
+    assert_eq!(stats["lost"], 0);
+}
+
+#[test]
+fn term_and_int_end_it_cleanly() {
+    for signal in [Signal::SIGTERM, Signal::SIGINT] {
+        let home = Home::new(&config(&["thumb"], FAST));
+        let daemon = home.start();
+        let mut stream = home.connect();
+        stream.next_of("READING");
+        daemon.signal(signal);
+        stream.drain();
+        assert_eq!(daemon.end().code(), Some(0), "{signal}");
+        assert!(!home.socket().exists(), "{signal}: the socket file is still there");
+        assert!(home.log().contains("stopping"), "{}", home.log());
+    }
+}
+
+#[test]
+fn hangup_puts_a_new_file_in_force() {
+    let home = Home::new(&config(&["thumb", "index"], FAST));
+    let daemon = home.start();
+    let mut stream = home.connect();
+    let mut line = stream.next_of("READING");
+
+    home.configure(&config(&["ring"], FAST));
+    daemon.signal(Signal::SIGHUP);
+    while line["class"] != "VERSION" {
+        assert!(["thumb", "index"].contains(&line["channel"].as_str().unwrap()), "{line}");
+        line = stream.next().unwrap();
+    }
+    assert_eq!(ids(&line), ["ring"]);
+    for expected in 1..=20 {
+        let reading = stream.next().unwrap();
+        assert_eq!((&reading["channel"], &reading["seq"]), (&json!("ring"), &json!(expected)), "{reading}");
+    }
+}
+
+/// Hangs up with a file that is wrong; readings go on, uninterrupted.
+fn survives(wrong: &str, because: &str) {
+    let home = Home::new(&config(&["thumb"], FAST));
+    let daemon = home.start();
+    let mut stream = home.connect();
+    let mut seq = stream.next_of("READING")["seq"].as_u64().unwrap();
+    home.configure(wrong);
+    daemon.signal(Signal::SIGHUP);
+    home.wait_for_log("the old configuration stays in force");
+    assert!(home.log().contains(because), "{}", home.log());
+    // So many that some were measured after the signal.
+    for _ in 0..200 {
+        let reading = stream.next().unwrap();
+        assert_eq!(
+            (&reading["class"], &reading["channel"]),
+            (&json!("READING"), &json!("thumb")),
+            "{reading}"
+        );
+        seq += 1;
+        assert_eq!(reading["seq"], seq, "the measurement was interrupted");
+    }
+}
+
+#[test]
+fn hangup_with_a_bad_file_changes_nothing() {
+    let good = config(&["thumb"], FAST);
+    survives("what = is this", "cermd.toml");
+    survives(&good.replace("r-c1 = \"2.32 kohm\"", "r-c1 = \"22 kohm\""), "circuit.r-c");
+}
+
+#[test]
+fn hangup_with_a_file_whose_scene_is_missing_changes_nothing() {
+    let good = config(&["thumb"], FAST);
+    survives(&good.replace("fast.toml", "nowhere.toml"), "nowhere.toml");
+}
+
+#[test]
+fn without_a_configuration_it_refuses_and_says_how_to_simulate() {
+    let output = program().output().unwrap();
+    let said = String::from_utf8(output.stderr).unwrap();
+    assert_eq!(output.status.code(), Some(2));
+    for hint in
+        ["No hardware was touched", "--config", "cermctl demo", "backend = \"mock\"", "scene = \"pi4\""]
+    {
+        assert!(said.contains(hint), "{hint} is missing in:\n{said}");
+    }
+}
+
+#[test]
+fn check_says_what_the_library_says() {
+    let good = config(&["thumb"], FAST);
+    let cases = [
+        (good.clone(), 0),
+        (good.replace("r-c1", "r-c0"), 1),
+        (good.replace("r-c1 = \"2.32 kohm\"", "r-c1 = \"22 kohm\""), 1),
+    ];
+    for (text, code) in cases {
+        let home = Home::new(&text);
+        let output = home.command().arg("--check").stdout(Stdio::piped()).output().unwrap();
+        let said = String::from_utf8(output.stdout).unwrap();
+        assert_eq!(said, cermd::config::report(&home.config()).to_string());
+        assert_eq!(output.status.code(), Some(code), "{said}");
+        assert!(!home.socket().exists());
+    }
+}
+
+#[test]
+fn what_keeps_it_from_starting_is_said_in_a_sentence() {
+    let good = config(&["thumb"], FAST);
+    let cases = [
+        (good.replace("fast.toml", "nowhere.toml"), "nowhere.toml"),
+        (good.replace("SOCKET", "/nowhere/s"), "does not exist: create it"),
+        (good.replace("r-c1 = \"2.32 kohm\"", "r-c1 = \"22 kohm\""), "not usable"),
+    ];
+    for (text, because) in cases {
+        let home = Home::new(&text);
+        assert_eq!(home.start().end().code(), Some(1));
+        assert!(home.log().contains(because) && home.log().contains("ERROR"), "{}", home.log());
+        assert!(!home.log().contains("panicked"), "{}", home.log());
+    }
+}
+
+/// Starts a daemon that cannot start, its log in a file, JOURNAL_STREAM naming that file by `device` and `inode`.
+fn log_lines(home: &Home, device: u64, inode: u64) -> Vec<String> {
+    let mut command = home.command();
+    command.env("JOURNAL_STREAM", format!("{device}:{inode}"));
+    assert_eq!(Daemon::spawn(&mut command).end().code(), Some(1));
+    home.log().lines().map(str::to_owned).collect()
+}
+
+#[test]
+fn lines_carry_priorities_only_into_the_journal() {
+    let bad = config(&["thumb"], FAST).replace("r-c1 = \"2.32 kohm\"", "r-c1 = \"22 kohm\"");
+    let home = Home::new(&bad);
+    let log = File::create(home.log_file()).unwrap().metadata().unwrap();
+    let into_journal = log_lines(&home, log.dev(), log.ino());
+    assert!(
+        into_journal.len() > 1 && into_journal.iter().all(|line| line.starts_with("<3>")),
+        "{into_journal:?}"
+    );
+
+    let home = Home::new(&bad);
+    let log = File::create(home.log_file()).unwrap().metadata().unwrap();
+    let redirected = log_lines(&home, log.dev(), log.ino() + 1);
+    assert!(!redirected.iter().any(|line| line.starts_with('<')), "{redirected:?}");
+}
+
+#[test]
+fn a_live_socket_is_refused_and_a_stale_one_replaced() {
+    let home = Home::new(&config(&["thumb"], FAST));
+    let first = home.start();
+    home.connect().next_of("READING");
+    assert_eq!(home.start().end().code(), Some(1));
+    let owner = format!("is already served by pid {} (cermd", first.pid());
+    assert!(home.log().contains(&owner), "{}", home.log());
+    home.connect().next_of("READING");
+
+    first.signal(Signal::SIGKILL);
+    first.end();
+    assert!(home.socket().exists());
+    let _second = home.start();
+    home.connect().next_of("READING");
+    assert!(home.log().contains("which nobody serves any more"), "{}", home.log());
+}
+
+#[test]
+fn a_socket_of_the_service_manager_is_served_and_left() {
+    let home = Home::new(&config(&["thumb"], FAST));
+    let passed = home.path().join("passed");
+    let listener = UnixListener::bind(&passed).unwrap();
+    let manager = process::notify::Manager::new(&home);
+    // As sd_listen_fds(3) says: descriptor 3, the process named by its id.
+    let mut command = Command::new("sh");
+    command.args(["-c", "LISTEN_PID=$$ LISTEN_FDS=1 exec \"$0\" --config \"$1\" 3<&0"]);
+    command.arg(env!("CARGO_BIN_EXE_cermd")).arg(home.config());
+    command.stdin(Stdio::from(OwnedFd::from(listener))).stderr(File::create(home.log_file()).unwrap());
+    manager.watch(&mut command);
+    let daemon = Daemon::spawn(&mut command);
+    manager.wait_for("READY=1");
+    assert!(!home.socket().exists(), "it made a socket of its own");
+    fs::rename(&passed, home.socket()).unwrap();
+    home.connect().next_of("READING");
+    assert!(home.log().contains("passed by systemd"), "{}", home.log());
+    daemon.signal(Signal::SIGTERM);
+    manager.wait_for("STOPPING=1");
+    assert_eq!(daemon.end().code(), Some(0));
+    assert!(home.socket().exists(), "systemd's file is systemd's");
+}
+
+#[test]
+fn the_service_manager_is_told_of_readiness_reload_and_end() {
+    let home = Home::new(&config(&["thumb"], FAST));
+    let manager = process::notify::Manager::new(&home);
+    let mut command = home.command();
+    manager.watch(&mut command);
+    let daemon = Daemon::spawn(&mut command);
+    let ready = manager.wait_for("READY=1");
+    assert!(ready.contains("STATUS="), "{ready}");
+    // From here on a client is served: it is not told too early.
+    std::os::unix::net::UnixStream::connect(home.socket()).unwrap();
+    for text in [config(&["index"], FAST), "what = is this".to_owned()] {
+        home.configure(&text);
+        daemon.signal(Signal::SIGHUP);
+        // Type=notify-reload, systemd.service(5).
+        let reloading = manager.wait_for("RELOADING=1");
+        assert!(reloading.contains("MONOTONIC_USEC="), "{reloading}");
+        manager.wait_for("READY=1");
+    }
+    daemon.signal(Signal::SIGTERM);
+    manager.wait_for("STOPPING=1");
+    assert_eq!(daemon.end().code(), Some(0));
+    let messages = manager.messages();
+    assert!(!messages.iter().any(|message| message.contains("WATCHDOG=1")), "nobody asked for a watchdog");
+}
+
+#[test]
+fn the_watchdog_is_fed_if_it_is_ours() {
+    let home = Home::new(&config(&["thumb"], "offset = \"8 us\"\nrate-hz = 0.2"));
+    let manager = process::notify::Manager::new(&home);
+    let mut command = home.command();
+    manager.watch(&mut command);
+    let daemon = Daemon::spawn(command.env("WATCHDOG_USEC", "100000"));
+    let status = manager.wait_for("WATCHDOG=1");
+    assert!(status.contains("STATUS=") && status.contains("readings"), "{status}");
+    // Readings come every five seconds: these signs of life do not depend on them.
+    (0..10).for_each(|_| drop(manager.wait_for("WATCHDOG=1")));
+    drop(daemon);
+
+    let mut command = home.command();
+    manager.watch(&mut command);
+    let other = Daemon::spawn(command.env("WATCHDOG_USEC", "100000").env("WATCHDOG_PID", "1"));
+    manager.wait_for("READY=1");
+    home.connect().next_of("READING");
+    other.signal(Signal::SIGTERM);
+    manager.wait_for("STOPPING=1");
+    let of_other = manager.messages();
+    let begin = of_other.iter().rposition(|message| message.contains("READY=1")).unwrap();
+    assert!(!of_other[begin..].iter().any(|message| message.contains("WATCHDOG=1")), "{of_other:?}");
+}
+
+#[test]
+fn many_reloads_leave_no_descriptor_behind() {
+    let home = Home::new(&config(&["thumb"], FAST));
+    let daemon = home.start();
+    let mut stream = home.connect();
+    stream.next_of("READING");
+    let descriptors = || fs::read_dir(format!("/proc/{}/fd", daemon.pid())).unwrap().count();
+    let before = descriptors();
+    for _ in 0..20 {
+        daemon.signal(Signal::SIGHUP);
+        stream.next_of("VERSION");
+        stream.next_of("READING");
+    }
+    until("the descriptors of the old measurement to go", || (descriptors() <= before).then_some(()));
+}
