@@ -51,8 +51,8 @@ fn main() -> ExitCode {
         cpu: Some(0),
         no_deep_idle: true,
     });
-    for (what, outcome) in realtime.report() {
-        println!("{what}: {outcome}");
+    for (what, right) in &realtime.rights {
+        println!("{what}: {right}");
     }
     let wiring = wiring(&options);
     let held = match (options.backend, options.release_lines) {

@@ -8,7 +8,7 @@ use crate::config::backend::{self, CONSUMER, OpenError};
 use crate::config::{Backend, Config, Finding};
 use crate::ctl::check::{error, info, latency, warning, wiring};
 use crate::pins::Pins;
-use crate::pins::realtime::{Outcome, Realtime};
+use crate::pins::realtime::{Realtime, Right};
 use std::fmt::Write;
 
 /// The first kernel with GPIO uAPI v2.
@@ -85,15 +85,15 @@ fn version(release: &str) -> Option<(u32, u32)> {
 }
 
 fn rights(realtime: &Realtime) -> Vec<Finding> {
-    let finding = |(key, outcome): (&str, Outcome)| match outcome {
-        Outcome::NotAsked => None,
-        Outcome::Granted => Some(info(format!("realtime.{key}"), "granted to this program as this user")),
-        Outcome::Denied(why) => Some(
+    let finding = |(key, outcome): (&str, Right)| match outcome {
+        Right::NotAsked => None,
+        Right::Granted => Some(info(format!("realtime.{key}"), "granted to this program as this user")),
+        Right::Denied(why) => Some(
             warning(format!("realtime.{key}"), format!("denied to this program as this user: {why}"))
                 .try_this("cermd's own log, or `cermctl stats`: its unit grants more"),
         ),
     };
-    realtime.report().into_iter().filter_map(finding).collect()
+    realtime.rights.clone().into_iter().filter_map(finding).collect()
 }
 
 fn is_held_by_cermd(refusal: &OpenError) -> bool {

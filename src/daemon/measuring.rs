@@ -39,7 +39,7 @@ pub enum Report {
     /// A reading or a discharge.
     Message(Message),
     /// What became of the wishes of `[realtime]`. Comes first.
-    Realtime(realtime::Report),
+    Realtime(realtime::Rights),
     /// Counters, from time to time.
     Stats(Stats),
     /// The pins failed; they are opened again by and by.
@@ -163,7 +163,7 @@ impl Worker {
     fn run(mut self, pins: Option<AnyPins>, settings: Settings) {
         // Rights are the thread's own, and held as long as it lives.
         let realtime = Realtime::request(&self.config.realtime);
-        self.send(Report::Realtime(realtime.report()));
+        self.send(Report::Realtime(realtime.rights.clone()));
         let is_open = pins.is_some();
         let pins = pins.unwrap_or_else(|| Box::new(Closed));
         let mut instrument =
