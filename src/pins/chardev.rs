@@ -11,9 +11,10 @@
 
 use self::chips::Chip;
 use self::edges::EdgeBuffer;
-use self::error::{as_io, while_running, while_sleeping};
+use self::error::as_io;
+use self::held::{HeldChip, SENSE_LINES};
 use self::request::{Switching, charging, drive_request, inputs, released, sense_request, watching};
-use self::wait::{SpinMargin, monotonic, readable, rest_before, rest_until, sleep_until};
+use self::wait::monotonic;
 use self::wiring::{Lines, titles};
 use super::limits::MOST_STALE_READS;
 use super::{Armed, Bracket, Drives, Edge, Levels, Particulars, Pins, PinsError};
@@ -27,6 +28,7 @@ use std::os::fd::AsFd;
 pub(super) mod chips;
 mod edges;
 pub(super) mod error;
+pub(super) mod held;
 mod names;
 pub(super) mod release;
 mod request;
@@ -38,13 +40,10 @@ pub use error::{Cause, ChardevError, ChipTitles, Holder, Instead};
 pub use release::release_lines;
 pub use wiring::Wiring;
 
-/// What errors call the lines of the sense request.
-pub(super) const SENSE_LINES: &str = "the sense lines";
-
 /// The lines of one circuit, held until dropped; then all of them are inputs.
 #[derive(Debug)]
 pub struct Chardev {
-    chip: String,
+    chip: HeldChip,
     lines: Lines,
     wired: Drives,
     drive_file: File,
@@ -54,7 +53,6 @@ pub struct Chardev {
     /// Whether the sense lines are inputs with falling edges; where they charge, only from `arm` to the next charge.
     watching: bool,
     edges: EdgeBuffer,
-    margin: SpinMargin,
 }
 
 impl Chardev {
@@ -78,7 +76,7 @@ impl Chardev {
         fcntl(&sense_file, FcntlArg::F_SETFL(OFlag::O_NONBLOCK))
             .map_err(|errno| chip.refusal("F_SETFL", sense_titles, &[], errno.into()))?;
         Ok(Chardev {
-            chip: chip.title(),
+            chip: HeldChip::new(chip.title()),
             wired: lines.wired(),
             driving: Some(Drives::NONE),
             watching: !lines.sense_charges,
@@ -86,7 +84,6 @@ impl Chardev {
             drive_file,
             sense_file,
             edges: EdgeBuffer::default(),
-            margin: SpinMargin::default(),
         })
     }
 
@@ -98,12 +95,12 @@ impl Chardev {
     fn configure_sense(&mut self, config: LineConfig) -> Result<(), PinsError> {
         self.watching = false;
         v2::set_line_config(&self.sense_file, config)
-            .map_err(|error| while_running("SET_CONFIG", SENSE_LINES, &self.chip, as_io(error)))
+            .map_err(|error| self.chip.failed("SET_CONFIG", SENSE_LINES, as_io(error)))
     }
 
     fn set_values(&self, values: &LineValues) -> Result<(), PinsError> {
         v2::set_line_values(&self.drive_file, values)
-            .map_err(|error| while_running("SET_VALUES", &self.titles(*values), &self.chip, as_io(error)))
+            .map_err(|error| self.chip.failed("SET_VALUES", &self.titles(*values), as_io(error)))
     }
 
     /// Releases, then drives: sense lines that charge are released before any sink drives, and charge after all
@@ -140,7 +137,7 @@ impl Chardev {
         match v2::read_event(&self.sense_file, self.edges.room()) {
             Ok(words) => Ok(self.edges.filled(words, &self.lines)),
             Err(v2::Error::Os(errno)) if [libc::EAGAIN, libc::EINTR].contains(&errno.0) => Ok(false),
-            Err(error) => Err(while_running("read", SENSE_LINES, &self.chip, as_io(error))),
+            Err(error) => Err(self.chip.failed("read", SENSE_LINES, as_io(error))),
         }
     }
 }
@@ -202,8 +199,7 @@ impl Pins for Chardev {
             // Before the look: an edge of the last moment counts.
             let is_last = monotonic() >= until;
             let mut watched = [PollFd::new(self.sense_file.as_fd(), PollFlags::POLLIN)];
-            let is_ready = readable(&mut watched, until)
-                .map_err(|errno| while_running("ppoll", SENSE_LINES, &self.chip, errno.into()))?;
+            let is_ready = self.chip.edges_come(&mut watched, until)?;
             if !(is_ready && self.fetch()?) && is_last {
                 return Ok(None);
             }
@@ -211,27 +207,27 @@ impl Pins for Chardev {
     }
 
     fn sleep_until(&mut self, at: Nanos) -> Result<(), PinsError> {
-        while_sleeping(&self.chip, sleep_until(at, &mut self.margin))
+        self.chip.sleep_until(at)
     }
 
     fn rest_until(&mut self, at: Nanos) -> Result<(), PinsError> {
-        while_sleeping(&self.chip, rest_until(at, &mut self.margin))
+        self.chip.rest_until(at)
     }
 
     fn rest_before_edge(&mut self, at: Nanos) -> Result<(), PinsError> {
-        while_sleeping(&self.chip, rest_before(at, &mut self.margin))
+        self.chip.rest_before_edge(at)
     }
 
     fn levels(&mut self) -> Result<Levels, PinsError> {
         let mask = (1 << self.lines.sense.len()) - 1;
         let mut values = LineValues { bits: 0, mask };
         v2::get_line_values(&self.sense_file, &mut values)
-            .map_err(|error| while_running("GET_VALUES", SENSE_LINES, &self.chip, as_io(error)))?;
+            .map_err(|error| self.chip.failed("GET_VALUES", SENSE_LINES, as_io(error)))?;
         Ok(Levels { a: values.get(0).unwrap_or(true), b: values.get(1).unwrap_or(true) })
     }
 
     fn particulars(&self) -> Particulars<'_> {
-        Particulars { spin_margin: Some(self.margin.get()), blind_spots: &[] }
+        Particulars { spin_margin: Some(self.chip.spin_margin()), blind_spots: &[] }
     }
 }
 

@@ -13,11 +13,12 @@
 use self::sense::{SenseLine, last_call, stamping_clock};
 use self::switches::{Switch, Switches};
 use super::chardev::chips::Chip;
-use super::chardev::error::{Cause, ChardevError, while_running, while_sleeping};
+use super::chardev::error::{Cause, ChardevError};
+use super::chardev::held::HeldChip;
 use super::chardev::release::each_line;
-use super::chardev::wait::{SpinMargin, monotonic, readable, rest_before, rest_until, sleep_until};
+use super::chardev::to_be_driven;
+use super::chardev::wait::monotonic;
 use super::chardev::wiring::{DriveLine, WiredLine, Wiring};
-use super::chardev::{SENSE_LINES, to_be_driven};
 use super::limits::MOST_STALE_EDGES;
 use super::{Armed, Bracket, Drives, Edge, Levels, Node, Particulars, Pins, PinsError};
 use crate::units::Nanos;
@@ -46,13 +47,12 @@ const NO_V1: &str =
 
 /// The lines of one circuit, held until dropped; then all of them are inputs.
 pub struct ChardevV1 {
-    chip: String,
+    chip: HeldChip,
     wired: Drives,
     switches: Switches<CdevPin>,
     sense: Vec<SenseLine>,
     seqno: u32,
     blind_spots: Vec<&'static str>,
-    margin: SpinMargin,
 }
 
 impl ChardevV1 {
@@ -77,15 +77,13 @@ impl ChardevV1 {
         let mut blind_spots = vec![NO_NUMBERS, SHORT_BUFFER];
         blind_spots.extend((!requests.bias).then_some(NO_BIAS));
         blind_spots.extend((stamped_by == ClockId::CLOCK_REALTIME).then_some(WALL_CLOCK));
-        let margin = SpinMargin::default();
         Ok(ChardevV1 {
-            chip: chip.title(),
+            chip: HeldChip::new(chip.title()),
             wired: switches.wired(),
             switches,
             sense,
             seqno: 0,
             blind_spots,
-            margin,
         })
     }
 
@@ -93,7 +91,7 @@ impl ChardevV1 {
     fn earliest(&mut self) -> Result<Option<usize>, PinsError> {
         let mut earliest: Option<(usize, Nanos)> = None;
         for (index, line) in self.sense.iter_mut().enumerate() {
-            let at = line.peek().map_err(|error| while_running("read", &line.title, &self.chip, error))?;
+            let at = line.peek().map_err(|error| self.chip.failed("read", &line.title, error))?;
             earliest = match (earliest, at) {
                 (Some((_, first)), Some(at)) if at >= first => earliest,
                 (_, Some(at)) => Some((index, at)),
@@ -113,9 +111,7 @@ impl ChardevV1 {
     fn poll(&self, until: Nanos) -> Result<(), PinsError> {
         let [Some(a), b] = [self.sense.first(), self.sense.get(1)] else { return Ok(()) };
         let mut watched = [a, b.unwrap_or(a)].map(|line| PollFd::new(line.as_fd(), PollFlags::POLLIN));
-        readable(&mut watched, until)
-            .map(drop)
-            .map_err(|errno| while_running("ppoll", SENSE_LINES, &self.chip, errno.into()))
+        self.chip.edges_come(&mut watched, until).map(drop)
     }
 }
 
@@ -135,7 +131,7 @@ impl Pins for ChardevV1 {
         let after = monotonic();
         outcome.map(|()| Bracket { before, after }).map_err(|(part, error)| {
             let source = last_call(error.inner());
-            while_running("SET_LINE_VALUES", self.switches.title(part), &self.chip, source)
+            self.chip.failed("SET_LINE_VALUES", self.switches.title(part), source)
         })
     }
 
@@ -165,33 +161,29 @@ impl Pins for ChardevV1 {
     }
 
     fn sleep_until(&mut self, at: Nanos) -> Result<(), PinsError> {
-        while_sleeping(&self.chip, sleep_until(at, &mut self.margin))
+        self.chip.sleep_until(at)
     }
 
     fn rest_until(&mut self, at: Nanos) -> Result<(), PinsError> {
-        while_sleeping(&self.chip, rest_until(at, &mut self.margin))
+        self.chip.rest_until(at)
     }
 
     fn rest_before_edge(&mut self, at: Nanos) -> Result<(), PinsError> {
-        while_sleeping(&self.chip, rest_before(at, &mut self.margin))
+        self.chip.rest_before_edge(at)
     }
 
     fn levels(&mut self) -> Result<Levels, PinsError> {
-        let mut levels = Levels { a: true, b: true };
+        let mut high = [true; 2];
         for line in &self.sense {
-            let high = line
-                .is_high()
-                .map_err(|error| while_running("GET_LINE_VALUES", &line.title, &self.chip, error))?;
-            match line.node {
-                Node::A => levels.a = high,
-                Node::B => levels.b = high,
-            }
+            let level = line.is_high();
+            high[line.node.index()] =
+                level.map_err(|error| self.chip.failed("GET_LINE_VALUES", &line.title, error))?;
         }
-        Ok(levels)
+        Ok(Levels { a: high[0], b: high[1] })
     }
 
     fn particulars(&self) -> Particulars<'_> {
-        Particulars { spin_margin: Some(self.margin.get()), blind_spots: &self.blind_spots }
+        Particulars { spin_margin: Some(self.chip.spin_margin()), blind_spots: &self.blind_spots }
     }
 }
 

@@ -1,7 +1,6 @@
 //! What a refusal of the kernel means to the person at the board: which call, which line, the likely cause.
 
 use super::chips::LineListing;
-use crate::pins::PinsError;
 use gpiocdev_uapi::v2;
 use nix::errno::Errno;
 use nix::unistd::{Gid, Group};
@@ -195,7 +194,7 @@ impl fmt::Display for Instead {
 }
 
 /// The likely cause and the remedy by the error number alone.
-fn hint(errno: i32) -> &'static str {
+pub(super) fn hint(errno: i32) -> &'static str {
     match Errno::from_raw(errno) {
         Errno::EINVAL => {
             "the kernel refuses a flag: older than 5.10 (use backend \"chardev-v1\"), or the controller lacks it"
@@ -209,27 +208,8 @@ fn hint(errno: i32) -> &'static str {
 }
 
 /// Whether `errno` says that the chip itself has disappeared.
-fn is_gone(errno: i32) -> bool {
+pub(super) fn is_gone(errno: i32) -> bool {
     matches!(Errno::from_raw(errno), Errno::ENODEV | Errno::ENXIO | Errno::ENOENT)
-}
-
-/// A failed call on an open request: the chip gone, or a failure with what is known without looking anything up.
-pub(in crate::pins) fn while_running(
-    call: &'static str,
-    line: &str,
-    chip: &str,
-    source: io::Error,
-) -> PinsError {
-    let errno = source.raw_os_error().unwrap_or_default();
-    if is_gone(errno) {
-        return PinsError::Gone { chip: chip.to_owned(), call, line: line.to_owned() };
-    }
-    PinsError::Call { call, line: line.to_owned(), source, hint: hint(errno) }
-}
-
-/// What came of sleeping, which fails only if the system is at fault.
-pub(in crate::pins) fn while_sleeping(chip: &str, outcome: Result<(), Errno>) -> Result<(), PinsError> {
-    outcome.map_err(|errno| while_running("clock_nanosleep", "CLOCK_MONOTONIC", chip, errno.into()))
 }
 
 /// The name of the group that owns a device node, its number if it has no name; `None` for root's.
@@ -299,14 +279,7 @@ mod tests {
     }
 
     #[test]
-    fn the_disappearance_of_a_chip_is_told_from_other_failures() {
-        let error =
-            while_running("GET_VALUES", "sense", "gpiochip0", io::Error::from_raw_os_error(libc::ENODEV));
-        let expected = "the GPIO chip gpiochip0 is gone, says GET_VALUES on sense: its driver was unbound, or the board \
-                        unplugged";
-        assert!(matches!(error, PinsError::Gone { .. }) && error.to_string() == expected, "{error}");
-        let error = while_running("SET_VALUES", "c1", "gpiochip0", io::Error::from_raw_os_error(libc::EIO));
-        assert!(matches!(error, PinsError::Call { call: "SET_VALUES", .. }), "{error}");
+    fn a_chip_that_is_not_there_may_come_back() {
         let missing = ChardevError::NoChip { wanted: "x".into(), present: ChipTitles(Vec::new()) };
         assert!(missing.is_gone());
         assert!(!ChardevError::Wiring("x".into()).is_gone());
