@@ -33,6 +33,8 @@ pub(super) const CHANGES_KEPT: usize = 16;
 /// A simulated call is never shorter than this share of its usual duration: above 0, so that time never goes back, and far
 /// below the jitter of any scene.
 pub(super) const SHORTEST_CALL: f64 = 0.1;
+/// Where in its slot a line moves, from .. to, if a scene does not say it.
+pub(super) const MIDDLE_OF_SLOT: [f64; 2] = [0.5; 2];
 /// Events that the kernel keeps for each line of a request (drivers/gpio/gpiolib-cdev.c).
 pub(super) const EVENTS_A_LINE: usize = 16;
 /// Nor more than this of a request (the same).
@@ -59,6 +61,15 @@ pub(super) const FSR_402_NEWTON_OHM: f64 = 13_346.46;
 pub(super) const PEAK_NEWTON: f64 = 10.0;
 /// From one press of it to the next, seconds: unhurried.
 pub(super) const PERIOD_SECONDS: f64 = 2.0;
+/// When a press begins, as a share of the period from .. to; as it rises it falls again, so that the latest, slowest and
+/// longest one, 0.25 + 0.2 + 0.3 + 0.2, still ends within its period. These four are guesses.
+pub(super) const PRESS_BEGINS: [f64; 2] = [0.05, 0.25];
+/// How long it rises, and falls, likewise.
+pub(super) const PRESS_RISES: [f64; 2] = [0.06, 0.2];
+/// How long it is held, likewise.
+pub(super) const PRESS_HOLDS: [f64; 2] = [0.1, 0.3];
+/// How strong it is, as a share of the strongest.
+pub(super) const PRESS_FORCE: [f64; 2] = [0.1, 1.0];
 /// How long a sensor that changes is held constant, seconds: short against a discharge, whose integral is then that of a
 /// ramp to 1e-4 (test `a_ramp_is_integrated`).
 pub(super) const SAMPLE_SECONDS: f64 = 50e-6;

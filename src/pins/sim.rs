@@ -41,8 +41,8 @@ struct Pace {
     started_ns: i64,
 }
 
-/// A board on the bench of the imagination. Instants inside are virtual ns since its construction; those that are
-/// handed out are later by the epoch.
+/// A simulated board. Inside, instants are virtual ns since its construction; those that are handed out are later by the
+/// epoch.
 #[derive(Debug, Clone)]
 pub struct SimPins {
     now_ns: i64,

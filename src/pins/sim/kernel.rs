@@ -12,7 +12,7 @@ use rand_chacha::ChaCha8Rng;
 use rand_distr::Exp1;
 use std::collections::VecDeque;
 
-/// The way of the edges. Nothing allocates after construction.
+/// Edges on their way from the pin to the program. Nothing allocates after construction.
 #[derive(Debug, Clone)]
 pub(super) struct Events {
     queue: VecDeque<Edge>,

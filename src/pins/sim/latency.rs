@@ -1,7 +1,7 @@
 //! How long things take on a computer that does other things as well, drawn in ns.
 
 use super::scene::{CallsScene, DelayScene};
-use crate::pins::limits::SHORTEST_CALL;
+use crate::pins::limits::{MIDDLE_OF_SLOT, SHORTEST_CALL};
 use crate::units::Seconds;
 use rand::{Rng, RngExt};
 use rand_distr::{Exp1, StandardNormal};
@@ -60,7 +60,7 @@ impl CallsScene {
         let pause_ns = tail_ns(self.tail_probability, self.tail_mean, rng);
         let pause_before = if pause_ns > 0.0 { rng.random_range(0..=lines as u32) as usize } else { 0 };
         let (fixed_ns, slot_ns) = (ns(self.fixed), ns(self.per_line));
-        let moves_at = self.moves_at.unwrap_or([0.5; 2]);
+        let moves_at = self.moves_at.unwrap_or(MIDDLE_OF_SLOT);
         Call { fixed_ns, slot_ns, moves_at, scale, pause_ns, pause_before, lines }
     }
 }

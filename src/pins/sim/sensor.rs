@@ -1,7 +1,8 @@
 //! What is connected in a sensor's place: R_x as a function of time.
 
 use crate::pins::limits::{
-    FSR_402_NEWTON_OHM, PEAK_NEWTON, PERIOD_SECONDS, TREMOR_HZ, TREMOR_SHARE, UNTOUCHED_OHM,
+    FSR_402_NEWTON_OHM, PEAK_NEWTON, PERIOD_SECONDS, PRESS_BEGINS, PRESS_FORCE, PRESS_HOLDS, PRESS_RISES,
+    TREMOR_HZ, TREMOR_SHARE, UNTOUCHED_OHM,
 };
 use crate::units::{Hertz, Newton, NewtonOhm, Ohm, Seconds};
 use rand::{RngExt, SeedableRng};
@@ -162,13 +163,13 @@ impl Source {
     /// Each press has a block of the generator of its own, so that any instant can be asked for.
     fn press(&mut self, index: u64, peak: f64, period: f64) -> Press {
         self.rng.set_word_pos(u128::from(index) * 16);
-        let mut between = |low: f64, high: f64| low + (high - low) * self.rng.random::<f64>();
+        let mut between = |[low, high]: [f64; 2]| low + (high - low) * self.rng.random::<f64>();
         Press {
             index,
-            begin: between(0.05, 0.25) * period,
-            rise: between(0.06, 0.2) * period,
-            hold: between(0.1, 0.3) * period,
-            force: between(0.1, 1.0) * peak,
+            begin: between(PRESS_BEGINS) * period,
+            rise: between(PRESS_RISES) * period,
+            hold: between(PRESS_HOLDS) * period,
+            force: between(PRESS_FORCE) * peak,
         }
     }
 }

@@ -2,7 +2,7 @@
 
 use super::{Kind, NodeScene, Scene, SceneError, Threshold, line_named};
 use crate::pins::MAX_CHANNELS;
-use crate::pins::limits::{EVENTS_A_LINE, MOST_EVENTS};
+use crate::pins::limits::MOST_EVENTS;
 use crate::pins::sim::sensor::Sensor;
 use crate::units::{Quantity, Seconds};
 use std::path::Path;
@@ -188,8 +188,7 @@ impl Scene {
                 &[("fixed", &calls.fixed), ("per-line", &calls.per_line), ("jitter", &calls.jitter)];
             check.all(NOT_NEGATIVE, "calls", values);
             check.tail("calls", calls.tail_probability, calls.tail_mean);
-            let [from, to] = calls.moves_at.unwrap_or([0.5; 2]);
-            let is_ordered = 0.0 <= from && from <= to && to <= 1.0;
+            let is_ordered = calls.moves_at.is_none_or(|[from, to]| 0.0 <= from && from <= to && to <= 1.0);
             check.demand(is_ordered, "calls.moves-at", "is [from, to] with 0 <= from <= to <= 1");
         }
         let reads = self.reads.unwrap_or_default();
@@ -199,9 +198,8 @@ impl Scene {
 
     fn check_effects(&self, check: &mut Check) {
         let events = self.events.unwrap_or_default();
-        let buffer = events.buffer.unwrap_or(EVENTS_A_LINE as u32);
-        let otherwise = format!("the kernel allows 1 to {MOST_EVENTS} events");
-        check.demand((1..=MOST_EVENTS).contains(&buffer), "events.buffer", otherwise);
+        let is_kept = events.buffer.is_none_or(|buffer| (1..=MOST_EVENTS).contains(&buffer));
+        check.demand(is_kept, "events.buffer", format!("the kernel allows 1 to {MOST_EVENTS} events"));
         check.all(PROBABILITY, "events", &[("lost", &events.lost), ("coalesced", &events.coalesced)]);
         let is_whole = events.coalesced.is_some() == events.bounce.is_some();
         check.demand(is_whole, "events.bounce", "and coalesced belong together: name both or neither");
