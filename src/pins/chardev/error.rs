@@ -9,7 +9,7 @@ use std::io;
 use std::os::unix::fs::MetadataExt;
 use std::path::Path;
 
-/// Why chips, lines or requests could not be had. Errors after that are [`PinsError`].
+/// Why chips, lines or requests could not be had. Errors after that are [`PinsError`](crate::pins::PinsError).
 #[derive(Debug, thiserror::Error)]
 pub enum ChardevError {
     /// A kernel call failed.
