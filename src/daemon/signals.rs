@@ -1,6 +1,4 @@
-//! Signals as a descriptor to poll.
-//!
-//! For: SIGTERM and SIGINT (end), SIGHUP (reload). Must not know: what either means.
+//! Signals as a descriptor to poll: SIGTERM and SIGINT ask for the end, SIGHUP for a reload.
 
 use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM};
 use signal_hook::{flag, low_level};

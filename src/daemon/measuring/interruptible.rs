@@ -1,14 +1,10 @@
-//! For: waits that end when the thread is to stop, and meanwhile give signs of life, however long a discharge takes. Must
-//! not know: what is waited for.
+//! Pins whose waits end when the thread is to stop, and meanwhile give signs of life, however long a discharge takes.
 
-use super::Shared;
+use super::{NAP, Shared};
 use crate::config::backend::AnyPins;
 use crate::pins::{Armed, Bracket, Drives, Edge, Levels, Particulars, Pins, PinsError};
 use crate::units::Nanos;
 use std::sync::Arc;
-
-/// The longest wait without a look at whether to stop.
-const NAP: Nanos = Nanos(100_000_000);
 
 /// Pins whose waits fail with [`PinsError::Stopped`] when the thread is to stop.
 pub(super) struct Interruptible {
