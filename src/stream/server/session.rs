@@ -100,17 +100,22 @@ impl Session {
         lost
     }
 
-    /// Drops the oldest reading or discharge; what was announced before it is still due to those after it. Returns whether
-    /// it was wanted: 0 or 1.
+    /// Drops the oldest reading or discharge; what was announced around it is still due to those after it. Returns 1 if it
+    /// was wanted, else 0.
     fn drop_oldest(&mut self) -> u64 {
-        while let Some(oldest) = self.queue.pop_front() {
+        let mut lost = None;
+        while let Some(oldest) = self.queue.front() {
             match oldest.content {
-                Content::Version => self.version_due = Some(oldest),
-                Content::Tape => self.tape_due = Some(oldest),
-                _ => return u64::from(self.subscription.wants(&oldest.content)),
+                Content::Version => self.version_due = self.queue.pop_front(),
+                Content::Tape => self.tape_due = self.queue.pop_front(),
+                Content::Reading(_) | Content::Discharge(_) if lost.is_some() => break,
+                Content::Reading(_) | Content::Discharge(_) => {
+                    lost = Some(u64::from(self.subscription.wants(&oldest.content)));
+                    self.queue.pop_front();
+                }
             }
         }
-        0
+        lost.unwrap_or(0)
     }
 
     /// Readings (or, if `raw`, discharges) were lost to everybody before they could be published. Of which

@@ -1,12 +1,11 @@
 //! What the server says: VERSION, READING, STATS, ERROR and the lines of a tape.
 
-use super::number::{is_unknown, seconds, uncertainty, value};
-use super::{PROTO_MAJOR, PROTO_MINOR};
+use super::number::{is_unknown, uncertainty, value};
+use super::{PROTO_MAJOR, PROTO_MINOR, StatsLine};
 use crate::reading::{Measured, Reading, Status};
 use crate::stream::tape::{DischargeLine, Header};
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
-use std::collections::BTreeMap;
 
 /// A line of the server, read.
 #[derive(Debug, Clone, PartialEq)]
@@ -235,76 +234,6 @@ impl ReadingLine {
     }
 }
 
-/// STATS: figures of the server and of the instrument behind it.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(tag = "class", rename = "STATS")]
-pub struct StatsLine {
-    /// How many are connected.
-    pub clients: u64,
-    /// Readings that were published.
-    pub published: u64,
-    /// Lines that clients have lost, summed over the clients.
-    pub lost: u64,
-    /// What the daemon tells.
-    #[serde(flatten)]
-    pub instrument: InstrumentStats,
-}
-
-/// What the daemon tells of its instrument in STATS.
-#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
-pub struct InstrumentStats {
-    /// The backend of `[gpio]`.
-    pub backend: String,
-    /// How readings are estimated.
-    pub method: String,
-    /// Whether the GPIO lines can be used at present.
-    pub gpio_works: bool,
-    /// Since the daemon was started, s.
-    #[serde(serialize_with = "seconds")]
-    pub uptime_s: f64,
-    /// Cycles of the instrument.
-    pub cycles: u64,
-    /// Readings of every status.
-    pub readings: u64,
-    /// Readings with a number.
-    pub ok: u64,
-    /// Readings above what the deadline resolves.
-    pub open: u64,
-    /// Readings that cannot be told from a short circuit.
-    pub short: u64,
-    /// Readings without a number, by the name of the fault.
-    pub faults: BTreeMap<String, u64>,
-    /// What on the board the faults look like, for people.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub hint: Option<String>,
-    /// The resistance of a leak beside the sensors, ohm.
-    #[serde(serialize_with = "uncertainty", skip_serializing_if = "is_unknown")]
-    pub leak_ohm: Option<f64>,
-    /// Discharges that were tried again.
-    pub retried: u64,
-    /// Whether the latency offset has been found or was given.
-    pub offset_known: bool,
-    /// The latency offset d, ns.
-    #[serde(serialize_with = "value", skip_serializing_if = "is_unknown")]
-    pub offset_ns: Option<f64>,
-    /// 1 sigma, ns.
-    #[serde(serialize_with = "uncertainty", skip_serializing_if = "is_unknown")]
-    pub offset_u_ns: Option<f64>,
-    /// The resistance of a driven pin, ohm.
-    #[serde(serialize_with = "value", skip_serializing_if = "is_unknown")]
-    pub r_o_ohm: Option<f64>,
-    /// 1 sigma, ohm.
-    #[serde(serialize_with = "uncertainty", skip_serializing_if = "is_unknown")]
-    pub r_o_u_ohm: Option<f64>,
-    /// How long before a planned switch the thread stops sleeping, ns.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub spin_margin_ns: Option<u64>,
-    /// How many things the backend cannot see.
-    pub blind_spots: u64,
-    /// Each wish of `[realtime]`, and what became of it, for people.
-    pub realtime: BTreeMap<String, String>,
-}
-
 /// ERROR: what was wrong with a request, or what was lost, and what to do.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(tag = "class", rename = "ERROR")]
@@ -359,145 +288,4 @@ impl ErrorLine {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::reading::{Branch, Fault, Method, Suspect};
-    use crate::stream::wire::to_line;
-    use crate::units::Nanos;
-
-    const TIME: &str = "2026-11-21T03:40:00.123456789Z";
-
-    fn reading(status: Status) -> Reading {
-        Reading {
-            channel: 0,
-            seq: 1041,
-            at: Nanos(81_234_567_890),
-            status,
-            suspect: None,
-            method: Method::Cerm,
-            duration: Nanos(18_230_400),
-        }
-    }
-
-    fn line(message: &impl Serialize) -> String {
-        String::from_utf8(to_line(message)).unwrap()
-    }
-
-    fn written(status: Status) -> String {
-        line(&ReadingLine::new(&reading(status), "thumb", TIME.to_owned()))
-    }
-
-    fn ok() -> Status {
-        let r_ohm = Measured { value: 2841.3, u: Some(1.2) };
-        let f_n = Some(Measured { value: 4.697, u: Some(0.002) });
-        Status::Ok { branch: Branch::Direct, r_ohm, f_n }
-    }
-
-    #[test]
-    fn the_lines_of_the_protocol_byte_by_byte() {
-        assert_eq!(
-            written(ok()),
-            "{\"class\":\"READING\",\"channel\":\"thumb\",\"seq\":1041,\"time\":\"2026-11-21T03:40:00.123456789Z\",\
-             \"t_mono_ns\":81234567890,\"status\":\"ok\",\"r_ohm\":2841.3,\"r_u_ohm\":1.2,\"f_n\":4.697,\
-             \"f_u_n\":0.002,\"method\":\"cerm\",\"branch\":\"direct\",\"duration_us\":18230,\"lost\":0}\n"
-        );
-        let head = "{\"class\":\"READING\",\"channel\":\"thumb\",\"seq\":1041,\
-                    \"time\":\"2026-11-21T03:40:00.123456789Z\",\"t_mono_ns\":81234567890,\"status\":";
-        assert_eq!(
-            written(Status::Open { r_min_ohm: 1.9e6, f_max_n: Some(0.007) }),
-            format!(
-                "{head}\"open\",\"r_min_ohm\":1900000,\"f_max_n\":0.007,\"duration_us\":18230,\"lost\":0}}\n"
-            )
-        );
-        assert_eq!(
-            written(Status::Short { r_max_ohm: 4.5, f_min_n: None }),
-            format!("{head}\"short\",\"r_max_ohm\":4.5,\"duration_us\":18230,\"lost\":0}}\n")
-        );
-        assert_eq!(
-            written(Status::Fault(Fault::MissedEdge)),
-            format!("{head}\"fault\",\"fault\":\"missed-edge\",\"lost\":0}}\n")
-        );
-        let suspected =
-            Reading { suspect: Some(Suspect::SecondOpen), ..reading(Status::Fault(Fault::NoCalibration)) };
-        assert_eq!(
-            line(&ReadingLine::new(&suspected, "thumb", TIME.to_owned())),
-            format!(
-                "{head}\"fault\",\"fault\":\"no-calibration\",\"hint\":\"nothing falls in a discharge through Rc2; look at \
-                 the wire from sink-c2 through Rc2 to node A (series calibration: to Rc1)\",\"lost\":0}}\n"
-            )
-        );
-    }
-
-    #[test]
-    fn version_byte_by_byte() {
-        assert_eq!(
-            line(&VersionLine::new(&[ChannelInfo { id: "thumb".into(), unit: Unit::Newton }])),
-            format!(
-                "{{\"class\":\"VERSION\",\"proto_major\":1,\"proto_minor\":0,\"release\":\"{}\",\
-                 \"channels\":[{{\"id\":\"thumb\",\"unit\":\"N\"}}]}}\n",
-                env!("CARGO_PKG_VERSION")
-            )
-        );
-    }
-
-    #[test]
-    fn a_loss_is_a_number_and_a_later_code_is_no_mistake() {
-        let lost = ErrorLine::lost(17);
-        assert_eq!(
-            line(&lost),
-            "{\"class\":\"ERROR\",\"code\":\"lost\",\"message\":\"17 lines of the tape were lost here: read faster\",\
-             \"lost\":17}\n"
-        );
-        assert_eq!(ServerMessage::parse(line(&lost).as_bytes()).unwrap(), ServerMessage::Error(lost));
-        let later = ServerMessage::parse(br#"{"class":"ERROR","code":"new","message":"of a later release"}"#);
-        assert_eq!(
-            later.unwrap(),
-            ServerMessage::Error(ErrorLine::new(ErrorCode::Other, "of a later release"))
-        );
-    }
-
-    #[test]
-    fn stats_are_read_back() {
-        let instrument = InstrumentStats {
-            uptime_s: 12.5,
-            faults: [("missed-edge".to_owned(), 2)].into(),
-            offset_ns: Some(8012.3),
-            ..InstrumentStats::default()
-        };
-        let stats = StatsLine { clients: 1, published: 7, lost: 0, instrument };
-        let text = line(&stats);
-        assert!(
-            text.starts_with("{\"class\":\"STATS\",\"clients\":1,\"published\":7,\"lost\":0,\"backend\""),
-            "{text}"
-        );
-        assert_eq!(ServerMessage::parse(text.as_bytes()).unwrap(), ServerMessage::Stats(Box::new(stats)));
-    }
-
-    #[test]
-    fn readings_are_read_back() {
-        let ServerMessage::Reading(line) = ServerMessage::parse(written(ok()).as_bytes()).unwrap() else {
-            panic!("not a reading");
-        };
-        assert_eq!((line.status, line.seq, line.lost), (StatusName::Ok, 1041, 0));
-        assert_eq!(
-            (line.r_ohm, line.r_u_ohm, line.f_n, line.f_u_n),
-            (Some(2841.3), Some(1.2), Some(4.697), Some(0.002))
-        );
-        assert_eq!((line.duration_us, line.r_min_ohm, line.fault), (Some(18230), None, None));
-    }
-
-    #[test]
-    fn unknown_fields_and_classes_pass_wrong_types_do_not() {
-        let text = written(ok());
-        let with = |from: &str, to: &str| ServerMessage::parse(text.replace(from, to).as_bytes());
-        assert!(with("\"lost\":0", "\"lost\":0,\"new\":{\"a\":1}").is_ok());
-        assert!(with("\"lost\":0", "\"lost\":\"0\"").is_err());
-        assert!(with("2841.3", "\"2841.3\"").is_err());
-        assert!(with("\"status\":\"ok\"", "\"status\":\"fine\"").is_err());
-        let other = ServerMessage::parse(br#"{"class":"NEW","x":1}"#).unwrap();
-        assert_eq!(other, ServerMessage::Other { class: "NEW".into() });
-        assert!(ServerMessage::parse(b"{}").is_err());
-        assert!(ServerMessage::parse(b"[1]").is_err());
-        assert!(ServerMessage::parse(b"\xff").is_err());
-    }
-}
+mod tests;

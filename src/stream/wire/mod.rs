@@ -22,16 +22,18 @@ mod message;
 mod number;
 mod request;
 mod split;
+mod stats;
 
 pub use super::limits::{MAX_LINE_BYTES, PROTO_MAJOR, PROTO_MINOR};
 pub use message::{
-    ChannelInfo, ErrorCode, ErrorLine, InstrumentStats, ReadingLine, ServerMessage, StatsLine, StatusName,
-    Unit, UnreadableLine, VersionLine,
+    ChannelInfo, ErrorCode, ErrorLine, ReadingLine, ServerMessage, StatusName, Unit, UnreadableLine,
+    VersionLine,
 };
 #[cfg(feature = "programs")]
 pub(crate) use request::excerpt;
 pub use request::{Request, Watch};
 pub use split::{LineSplitter, LineTooLong};
+pub use stats::{InstrumentStats, StatsLine};
 
 use serde::Serialize;
 
