@@ -12,7 +12,7 @@ use crate::instrument::settings::Settings;
 use crate::instrument::stats::Stats;
 use crate::instrument::{Instrument, Message};
 use crate::pins::realtime::{self, Realtime};
-use crate::pins::{Armed, Bracket, Drives, Edge, Levels, Pins, PinsError};
+use crate::pins::{Pins, PinsError};
 use crate::units::Nanos;
 use interruptible::Interruptible;
 use nix::sys::eventfd::{EfdFlags, EventFd};
@@ -154,11 +154,9 @@ impl Worker {
         // Rights are the thread's own, and held as long as it lives.
         let realtime = Realtime::request(&self.config.realtime);
         self.send(Update::Realtime(realtime.report()));
-        let is_open = pins.is_some();
-        let pins = pins.unwrap_or_else(|| Box::new(Closed));
         let mut instrument =
             Instrument::new(Interruptible { pins, shared: Arc::clone(&self.shared) }, settings);
-        if !is_open {
+        if instrument.pins().pins.is_none() {
             self.reopen(&mut instrument);
         }
         let mut stats_due = Nanos::ZERO;
@@ -198,7 +196,7 @@ impl Worker {
     /// Opens the pins again until that works or the thread is to stop. What was learned stays.
     fn reopen(&mut self, instrument: &mut Instrument<Interruptible>) {
         // The old pins go first: a line has one holder at a time.
-        instrument.pins().pins = Box::new(Closed);
+        instrument.pins().pins = None;
         loop {
             for _ in 0..NAPS_TO_REOPEN {
                 if self.shared.is_stopped() {
@@ -209,7 +207,7 @@ impl Worker {
             let now = instrument.pins().now();
             match backend::open(&self.config, now) {
                 Ok(pins) => {
-                    instrument.pins().pins = pins;
+                    instrument.pins().pins = Some(pins);
                     return;
                 }
                 Err(error) => self.complain(error.to_string(), Update::NotOpened(error)),
@@ -249,34 +247,6 @@ impl Worker {
             // It fails only when the counter would overflow: then it is readable anyway.
             let _ = self.shared.wake.write(1);
         }
-    }
-}
-
-/// Stands in while there are no pins.
-struct Closed;
-
-fn closed() -> PinsError {
-    PinsError::Gone { chip: "of before".to_owned(), call: "open", line: "it".to_owned() }
-}
-
-impl Pins for Closed {
-    fn now(&mut self) -> Nanos {
-        super::monotonic()
-    }
-    fn drive(&mut self, _on: Drives) -> Result<Bracket, PinsError> {
-        Err(closed())
-    }
-    fn arm(&mut self) -> Result<Armed, PinsError> {
-        Err(closed())
-    }
-    fn edge(&mut self, _until: Nanos) -> Result<Option<Edge>, PinsError> {
-        Err(closed())
-    }
-    fn sleep_until(&mut self, _at: Nanos) -> Result<(), PinsError> {
-        Err(closed())
-    }
-    fn levels(&mut self) -> Result<Levels, PinsError> {
-        Err(closed())
     }
 }
 

@@ -1,5 +1,6 @@
 use super::*;
 use crate::pins::sim::{Scene, SimPins};
+use crate::pins::{Armed, Bracket, Drives, Edge, Levels};
 use std::sync::atomic::AtomicU32;
 
 const CONFIG: &str = "[circuit]\nkind = \"two-capacitor\"\nc-a = \"2.2 uF\"\nc-b = \"680 nF\"\nv-th = \"1.1 V\"\n\

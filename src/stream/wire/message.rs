@@ -113,7 +113,7 @@ impl VersionLine {
 }
 
 /// The state of a reading, without its numbers.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum StatusName {
     /// `r_ohm` is there.
@@ -123,11 +123,12 @@ pub enum StatusName {
     /// `r_max_ohm` is there.
     Short,
     /// `fault` is there.
+    #[default]
     Fault,
 }
 
 /// READING. Absent means unknown.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 #[serde(tag = "class", rename = "READING")]
 pub struct ReadingLine {
     /// The id of the channel.
@@ -191,21 +192,8 @@ impl ReadingLine {
             seq: reading.seq,
             time,
             t_mono_ns: reading.at.0,
-            status: StatusName::Fault,
-            r_ohm: None,
-            r_u_ohm: None,
-            f_n: None,
-            f_u_n: None,
-            r_min_ohm: None,
-            f_max_n: None,
-            r_max_ohm: None,
-            f_min_n: None,
-            fault: None,
-            hint: None,
-            method: None,
-            branch: None,
             duration_us: Some((reading.duration.0.max(0).unsigned_abs() + 500) / 1000),
-            lost: 0,
+            ..ReadingLine::default()
         };
         let parts = |measured: Option<Measured>| (measured.map(|m| m.value), measured.and_then(|m| m.u));
         match reading.status {
@@ -225,6 +213,7 @@ impl ReadingLine {
                 (line.r_max_ohm, line.f_min_n) = (Some(r_max_ohm), f_min_n);
             }
             Status::Fault(fault) => {
+                line.status = StatusName::Fault;
                 line.fault = Some(fault.as_str().to_owned());
                 line.hint = reading.suspect.map(|suspect| suspect.as_str().to_owned());
                 line.duration_us = None;
