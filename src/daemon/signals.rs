@@ -31,9 +31,7 @@ impl Signals {
     /// # Errors
     /// The system refuses a descriptor or a handler.
     pub fn new() -> io::Result<Signals> {
-        let (woken, waker) = UnixStream::pair()?;
-        woken.set_nonblocking(true)?;
-        let signals = Signals { woken, end: Arc::default(), reload: Arc::default() };
+        let (signals, StopHandle { waker, .. }) = Signals::from_handle()?;
         for (signal, asked) in [(SIGTERM, &signals.end), (SIGINT, &signals.end), (SIGHUP, &signals.reload)] {
             // The flag first: handlers run in the order of their registration.
             flag::register(signal, Arc::clone(asked))?;

@@ -65,10 +65,8 @@ pub enum ClientError {
 /// A connection to a running daemon. Calls wait, at most as long as the time-out.
 #[derive(Debug)]
 pub struct Client {
-    socket: UnixStream,
-    input: LineSplitter,
+    lines: Lines,
     version: VersionLine,
-    timeout: Duration,
 }
 
 impl Client {
@@ -80,14 +78,13 @@ impl Client {
         let socket = UnixStream::connect(path).map_err(|error| explain(path, error))?;
         socket.set_read_timeout(Some(timeout))?;
         socket.set_write_timeout(Some(timeout))?;
-        let version =
-            VersionLine { proto_major: 0, proto_minor: 0, release: String::new(), channels: Vec::new() };
-        let mut client = Client { socket, input: LineSplitter::default(), version, timeout };
-        match client.message()?.ok_or(ClientError::Closed)? {
+        let mut lines = Lines { socket, input: LineSplitter::default(), timeout };
+        let first = lines.next()?.ok_or(ClientError::Closed)?;
+        match ServerMessage::parse(&first)? {
             ServerMessage::Version(version) if version.proto_major != PROTO_MAJOR => {
                 Err(ClientError::OtherProtocol(version.proto_major))
             }
-            ServerMessage::Version(_) => Ok(client),
+            ServerMessage::Version(version) => Ok(Client { lines, version }),
             ServerMessage::Error(ErrorLine { message, .. }) => Err(ClientError::Refused(message)),
             _ => Err(UnreadableLine::new("the first line is no VERSION").into()),
         }
@@ -98,8 +95,8 @@ impl Client {
     /// # Errors
     /// The system refuses the time-out.
     pub fn set_timeout(&mut self, timeout: Duration) -> Result<(), ClientError> {
-        self.socket.set_read_timeout(Some(timeout))?;
-        self.timeout = timeout;
+        self.lines.socket.set_read_timeout(Some(timeout))?;
+        self.lines.timeout = timeout;
         Ok(())
     }
 
@@ -113,7 +110,7 @@ impl Client {
     /// # Errors
     /// [`ClientError::Closed`] or [`ClientError::TimedOut`].
     pub fn request(&mut self, request: &Request) -> Result<(), ClientError> {
-        self.socket.write_all(&request.to_line()).map_err(|error| self.failed(error))
+        self.lines.socket.write_all(&request.to_line()).map_err(|error| self.lines.failed(error))
     }
 
     /// The next line, as it came. `None`: the server has closed the connection; a last line without a newline is
@@ -122,21 +119,7 @@ impl Client {
     /// # Errors
     /// [`ClientError::TimedOut`]: nothing is lost, the call may be repeated.
     pub fn line(&mut self) -> Result<Option<Vec<u8>>, ClientError> {
-        let mut chunk = [0; 16 * 1024];
-        loop {
-            match self.input.next_line() {
-                Some(Ok(line)) => return Ok(Some(line)),
-                Some(Err(LineTooLong)) => return Err(UnreadableLine::new("a line that never ends").into()),
-                None => {}
-            }
-            match self.socket.read(&mut chunk) {
-                Ok(0) => return Ok(None),
-                Ok(length) => self.input.feed(&chunk[..length]),
-                Err(error) if error.kind() == io::ErrorKind::Interrupted => {}
-                Err(error) if error.kind() == io::ErrorKind::ConnectionReset => return Ok(None),
-                Err(error) => return Err(self.failed(error)),
-            }
-        }
+        self.lines.next()
     }
 
     /// The next line, read. `None`: the server has closed the connection.
@@ -158,6 +141,34 @@ impl Client {
             self.version.clone_from(version);
         }
         Ok(message)
+    }
+}
+
+/// The socket as lines.
+#[derive(Debug)]
+struct Lines {
+    socket: UnixStream,
+    input: LineSplitter,
+    timeout: Duration,
+}
+
+impl Lines {
+    fn next(&mut self) -> Result<Option<Vec<u8>>, ClientError> {
+        let mut chunk = [0; 16 * 1024];
+        loop {
+            match self.input.next_line() {
+                Some(Ok(line)) => return Ok(Some(line)),
+                Some(Err(LineTooLong)) => return Err(UnreadableLine::new("a line that never ends").into()),
+                None => {}
+            }
+            match self.socket.read(&mut chunk) {
+                Ok(0) => return Ok(None),
+                Ok(length) => self.input.feed(&chunk[..length]),
+                Err(error) if error.kind() == io::ErrorKind::Interrupted => {}
+                Err(error) if error.kind() == io::ErrorKind::ConnectionReset => return Ok(None),
+                Err(error) => return Err(self.failed(error)),
+            }
+        }
     }
 
     fn failed(&self, error: io::Error) -> ClientError {

@@ -2,7 +2,9 @@
 //!
 //! Each line is made once and shared. A client is a queue of such lines, a subscription and at most one answer that it has
 //! not read yet. The kernel's buffer of each socket is kept small. So a client that never reads costs a bounded amount of
-//! memory and no time; when its queue is full, it loses its oldest reading and the next one it gets says how many.
+//! memory and no time; when its queue is full, it loses its oldest reading and the next one it gets says how many. That is,
+//! with the default [`Limits`]: 8 KiB for the queue, 64 KiB for an unfinished request, one answer, and 32 KiB in the kernel;
+//! the lines that queues share are the last 1024 readings and as many discharges, whatever the number of clients.
 //!
 //! One thread drives it: poll the descriptor of the [`Server`] for input beside whatever else there is, and call
 //! [`turn`](Server::turn) whenever it is ready, something was published, or [`wake_at`](Server::wake_at) has come.
