@@ -83,7 +83,7 @@ impl Measuring {
             watched: AtomicBool::new(true),
             wake: EventFd::from_flags(EfdFlags::EFD_CLOEXEC | EfdFlags::EFD_NONBLOCK)?,
         });
-        let worker = Worker { shared: Arc::clone(&shared), sender, config, said: String::new() };
+        let worker = Worker { shared: Arc::clone(&shared), sender, config, said: None };
         let thread = thread::Builder::new()
             .name("cermd-measure".to_owned())
             .spawn(move || worker.run(pins, settings))?;
@@ -145,8 +145,8 @@ struct Worker {
     shared: Arc<Shared>,
     sender: Producer<Update>,
     config: Config,
-    /// What was said last about pins that do not work; empty while they do.
-    said: String,
+    /// What was said last about pins that do not work; `None` while they do.
+    said: Option<String>,
 }
 
 impl Worker {
@@ -179,8 +179,8 @@ impl Worker {
                 self.send(Update::Stats(instrument.stats()));
                 self.reopen(&mut instrument);
             }
-            if !self.said.is_empty() && instrument.stats().cycles > cycles_before {
-                self.said.clear();
+            if self.said.is_some() && instrument.stats().cycles > cycles_before {
+                self.said = None;
                 self.send(Update::Recovered);
             }
             let now = instrument.pins().now();
@@ -220,23 +220,21 @@ impl Worker {
 
     /// Says why the pins do not work, unless that was said last: the same reason every second would fill the log.
     fn complain(&mut self, why: String, update: Update) {
-        if why != self.said {
-            self.said = why;
+        if self.said.as_ref() != Some(&why) {
+            self.said = Some(why);
             self.send(update);
         }
     }
 
     fn send(&mut self, update: Update) {
-        let lost = match update {
-            Update::Message(Message::Reading(_)) => Some(&self.shared.lost_readings),
-            Update::Message(Message::Discharge { .. }) => Some(&self.shared.lost_discharges),
-            _ => None,
-        };
-        // Discharges wait for the reading that they lead to.
-        let is_urgent = match update {
-            Update::Message(Message::Discharge { .. }) => false,
-            Update::Message(Message::Reading(_)) => self.shared.watched.load(Ordering::Relaxed),
-            _ => true,
+        let shared = &self.shared;
+        let (lost, is_urgent) = match update {
+            Update::Message(Message::Reading(_)) => {
+                (Some(&shared.lost_readings), shared.watched.load(Ordering::Relaxed))
+            }
+            // It waits for the reading that it leads to.
+            Update::Message(Message::Discharge { .. }) => (Some(&shared.lost_discharges), false),
+            _ => (None, true),
         };
         if self.sender.push(update).is_err() {
             if let Some(counter) = lost {
@@ -245,7 +243,7 @@ impl Worker {
         }
         if is_urgent {
             // It fails only when the counter would overflow: then it is readable anyway.
-            let _ = self.shared.wake.write(1);
+            let _ = shared.wake.write(1);
         }
     }
 }
