@@ -102,7 +102,7 @@ impl Server {
         self.clients.len()
     }
 
-    /// Whether any client wants the lines of [`publish_raw`](Server::publish_raw). If not, spare the formatting.
+    /// Whether any client wants the lines of [`publish_discharge`](Server::publish_discharge).
     pub fn wants_raw(&self) -> bool {
         self.clients.values().any(|client| client.session.wants_raw())
     }
