@@ -13,9 +13,8 @@ use super::stream::{Next, Stream};
 use super::terminal::{Line, Style, Terminal};
 use crate::ctl::cli;
 use crate::daemon::{Daemon, DaemonError, Loaded, Signals, StopHandle, monotonic};
-use crate::stream::wire::{Request, ServerMessage};
+use crate::stream::wire::{Request, ServerMessage, StatsLine};
 use board::Board;
-use serde_json::{Map, Value};
 use std::path::Path;
 use std::thread::{self, JoinHandle};
 use std::time::{Duration, Instant};
@@ -91,7 +90,7 @@ impl Show {
     }
 
     /// Until the time is over; what the daemon then says of itself.
-    fn go_on(&mut self, interrupt: &Interrupt) -> Result<Map<String, Value>, CtlError> {
+    fn go_on(&mut self, interrupt: &Interrupt) -> Result<StatsLine, CtlError> {
         let mut asked = None;
         loop {
             if asked.is_none() && (interrupt.is_set() || Instant::now() >= self.until) {
@@ -99,7 +98,7 @@ impl Show {
                 asked = Some(Instant::now());
             }
             match self.stream.next()? {
-                Next::Line(_, ServerMessage::Stats(stats)) => return Ok(stats),
+                Next::Line(_, ServerMessage::Stats(stats)) => return Ok(*stats),
                 Next::Line(_, ServerMessage::Reading(reading)) if asked.is_none() => {
                     self.panel.feed(&reading);
                     self.tally.add(&reading);
@@ -136,7 +135,7 @@ impl Show {
         lines
     }
 
-    fn end(&mut self, board: &Board, stats: &Map<String, Value>) -> Result<(), CtlError> {
+    fn end(&mut self, board: &Board, stats: &StatsLine) -> Result<(), CtlError> {
         if self.terminal.is_live() {
             let lines = self.live_lines();
             self.terminal.draw(&lines)?;

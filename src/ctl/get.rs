@@ -31,8 +31,8 @@ pub fn run(arguments: &cli::Get) -> Result<(), CtlError> {
                 }
             }
             // The stream brings it.
-            Next::Line(_, ServerMessage::Error { code, .. }) if code == ErrorCode::NoReading.as_str() => {}
-            Next::Line(_, ServerMessage::Error { message, .. }) => return Err(CtlError::Refused(message)),
+            Next::Line(_, ServerMessage::Error(error)) if error.code == ErrorCode::NoReading => {}
+            Next::Line(_, ServerMessage::Error(error)) => return Err(CtlError::Refused(error.message)),
             Next::Line(..) | Next::Quiet => {}
             Next::Ended => return Err(ClientError::Closed.into()),
         }

@@ -59,17 +59,21 @@ impl<'a> Recording<'a> {
     fn go_on(&mut self, stream: &mut Stream, interrupt: &Interrupt) -> Result<(), CtlError> {
         while !self.is_over(interrupt) {
             match stream.next()? {
-                Next::Line(_, ServerMessage::Error { code, message }) if code == ErrorCode::Lost.as_str() => {
-                    self.lose(&message);
+                Next::Line(_, ServerMessage::Error(error)) if error.code == ErrorCode::Lost => {
+                    self.lost += error.lost.unwrap_or(1);
                 }
-                Next::Line(_, ServerMessage::Error { message, .. }) => {
-                    return Err(CtlError::Refused(message));
+                Next::Line(_, ServerMessage::Error(error)) => {
+                    return Err(CtlError::Refused(error.message));
                 }
                 Next::Line(line, ServerMessage::Reading(reading)) if !self.arguments.raw => {
                     self.reading(&line, &reading)?;
                 }
-                Next::Line(line, ServerMessage::Other { class }) if self.arguments.raw => {
-                    self.of_tape(&line, &class)?;
+                Next::Line(line, ServerMessage::Tape(header)) if self.arguments.raw => {
+                    self.tape(&line, *header)?;
+                }
+                Next::Line(line, ServerMessage::Discharge(_)) if self.header.is_some() => {
+                    self.count += 1;
+                    self.write(&String::from_utf8_lossy(&line))?;
                 }
                 Next::Line(..) | Next::Quiet => {}
                 Next::Ended => return Err(CtlError::Ended("cermd closed the connection")),
@@ -97,36 +101,17 @@ impl<'a> Recording<'a> {
         }
     }
 
-    /// A header, or a discharge under it. A daemon that has just found its latency offset sends a second header: the
-    /// first one stays, for this tape holds the discharges that the offset was found from.
-    fn of_tape(&mut self, line: &[u8], class: &str) -> Result<(), CtlError> {
-        let text = String::from_utf8_lossy(line);
-        match (class, &self.header) {
-            ("TAPE", None) => {
-                let header = Header::parse(&text);
-                self.header =
-                    Some(header.map_err(|_| CtlError::Ended("cermd sent a header of another release"))?);
-                self.write(&text)
+    /// A daemon that has just found its latency offset sends a second header: the first one stays, for this tape holds the
+    /// discharges that the offset was found from.
+    fn tape(&mut self, line: &[u8], header: Header) -> Result<(), CtlError> {
+        match &self.header {
+            None => {
+                self.header = Some(header);
+                self.write(&String::from_utf8_lossy(line))
             }
-            ("TAPE", Some(header)) => {
-                let same = Header::parse(&text).is_ok_and(|mut new| {
-                    new.offset_ns = header.offset_ns;
-                    new == *header
-                });
-                if same { Ok(()) } else { Err(CtlError::Ended("the configuration of cermd has changed")) }
-            }
-            ("DISCHARGE", Some(_)) => {
-                self.count += 1;
-                self.write(&text)
-            }
-            _ => Ok(()),
+            Some(first) if *first == (Header { offset_ns: first.offset_ns, ..header }) => Ok(()),
+            Some(_) => Err(CtlError::Ended("the configuration of cermd has changed")),
         }
-    }
-
-    /// "N lines of the tape were lost here".
-    fn lose(&mut self, message: &str) {
-        let digits: String = message.chars().take_while(char::is_ascii_digit).collect();
-        self.lost += digits.parse().unwrap_or(1);
     }
 
     /// One line in one call, so that a process that is killed leaves no half line.

@@ -8,7 +8,7 @@ use super::text::measured;
 use super::{CtlError, print};
 use crate::ctl::cli;
 use crate::stream::client::ClientError;
-use crate::stream::wire::{Request, ServerMessage};
+use crate::stream::wire::{Request, ServerMessage, StatsLine};
 use serde_json::{Map, Value};
 use std::path::Path;
 use std::time::{Duration, Instant};
@@ -18,22 +18,25 @@ const PATIENCE: Duration = Duration::from_secs(2);
 
 /// Prints.
 pub fn run(arguments: &cli::Stats) -> Result<(), CtlError> {
-    let (line, stats) = ask(&arguments.connection.socket)?;
+    let (line, _) = ask(&arguments.connection.socket)?;
     if arguments.json {
         return print(&(String::from_utf8_lossy(&line) + "\n"));
     }
+    // As fields, whatever they are: a later release has more.
+    let mut stats: Map<String, Value> = serde_json::from_slice(&line).unwrap_or_default();
+    stats.remove("class");
     print(&table(&stats, Terminal::new().unicode()))
 }
 
-/// The line of STATS as it came, and its fields.
-pub fn ask(socket: &Path) -> Result<(Vec<u8>, Map<String, Value>), CtlError> {
+/// The line of STATS as it came, and what it says.
+pub fn ask(socket: &Path) -> Result<(Vec<u8>, StatsLine), CtlError> {
     let mut stream = Stream::connect(socket, &[])?;
     stream.request(&Request::Stats)?;
     let since = Instant::now();
     loop {
         match stream.next()? {
-            Next::Line(line, ServerMessage::Stats(stats)) => return Ok((line, stats)),
-            Next::Line(_, ServerMessage::Error { message, .. }) => return Err(CtlError::Refused(message)),
+            Next::Line(line, ServerMessage::Stats(stats)) => return Ok((line, *stats)),
+            Next::Line(_, ServerMessage::Error(error)) => return Err(CtlError::Refused(error.message)),
             Next::Line(..) | Next::Quiet => {}
             Next::Ended => return Err(ClientError::Closed.into()),
         }

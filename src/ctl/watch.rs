@@ -98,8 +98,8 @@ impl<'a> View<'a> {
                 }
                 // The channels have changed.
                 Next::Line(_, ServerMessage::Version(version)) => self.restart(&version),
-                Next::Line(_, ServerMessage::Error { message, .. }) => {
-                    return Err(CtlError::Refused(message));
+                Next::Line(_, ServerMessage::Error(error)) => {
+                    return Err(CtlError::Refused(error.message));
                 }
                 Next::Line(..) => {}
                 Next::Quiet => self.redraw()?,

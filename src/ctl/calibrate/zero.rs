@@ -13,7 +13,6 @@ use crate::ctl::stream::{Next, Stream};
 use crate::ctl::text::measured;
 use crate::estimate::fit;
 use crate::reading::{Fault, Method};
-use crate::stream::tape::Header;
 use crate::stream::wire::ServerMessage;
 use std::time::{Duration, Instant};
 
@@ -78,19 +77,15 @@ fn tape(stream: &mut Stream, count: u64) -> Result<String, CtlError> {
     let mut since = Instant::now();
     while of_sensor < count {
         let (line, message) = next(stream, &mut since, "discharge")?;
-        let ServerMessage::Other { class } = &message else {
-            refuse(&message)?;
-            continue;
-        };
-        let text = String::from_utf8_lossy(&line);
-        match (class.as_str(), &header) {
+        refuse(&message)?;
+        match (message, &header) {
             // A later one tells an offset that was found meanwhile: what is before it does not count.
-            ("TAPE", _) => {
-                header = Header::parse(&text).ok();
+            (ServerMessage::Tape(found), _) => {
+                header = Some(found);
                 (lines, is_calibrated, of_sensor) = (String::new(), [false; 2], 0);
             }
-            ("DISCHARGE", Some(header)) => {
-                let Ok(entry) = header.parse_discharge(1, &text) else { continue };
+            (ServerMessage::Discharge(discharge), Some(header)) => {
+                let Ok(entry) = header.entry(&discharge) else { continue };
                 match (entry.record.through.channel(), entry.record.switch) {
                     (Some(_), _) if is_calibrated != [true; 2] => continue,
                     (Some(_), _) => of_sensor += 1,
@@ -104,7 +99,7 @@ fn tape(stream: &mut Stream, count: u64) -> Result<String, CtlError> {
             _ => continue,
         }
         since = Instant::now();
-        lines.push_str(&text);
+        lines.push_str(&String::from_utf8_lossy(&line));
         lines.push('\n');
     }
     Ok(lines)
@@ -130,7 +125,7 @@ fn next(
 
 fn refuse(message: &ServerMessage) -> Result<(), CtlError> {
     match message {
-        ServerMessage::Error { message, .. } => Err(CtlError::Refused(message.clone())),
+        ServerMessage::Error(error) => Err(CtlError::Refused(error.message.clone())),
         _ => Ok(()),
     }
 }

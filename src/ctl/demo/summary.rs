@@ -7,9 +7,8 @@ use super::super::terminal::{Line, Style};
 use super::super::text::{measured, rough};
 use super::board::Board;
 use crate::pins::sim::SimPins;
-use crate::stream::wire::{ReadingLine, StatusName};
+use crate::stream::wire::{ReadingLine, StatsLine, StatusName};
 use crate::units::Nanos;
-use serde_json::{Map, Value};
 use std::collections::BTreeMap;
 
 /// What to do next.
@@ -69,13 +68,15 @@ impl Tally {
     }
 
     /// The last lines of the demo.
-    pub fn summary(&self, board: &Board, stats: &Map<String, Value>, unicode: bool) -> Vec<Line> {
+    pub fn summary(&self, board: &Board, stats: &StatsLine, unicode: bool) -> Vec<Line> {
+        let stats = &stats.instrument;
+        let is_sought = !stats.offset_known;
         let mut lines = vec![Line::default(), self.counts()];
         lines.extend(self.fault_names());
         lines.extend(found(
             "latency offset",
-            stats,
-            ["offset_ns", "offset_u_ns"],
+            is_sought,
+            [stats.offset_ns, stats.offset_u_ns],
             1e-3,
             "us",
             board.latency_ns(),
@@ -83,8 +84,8 @@ impl Tally {
         ));
         lines.extend(found(
             "pin resistance",
-            stats,
-            ["r_o_ohm", "r_o_u_ohm"],
+            is_sought,
+            [stats.r_o_ohm, stats.r_o_u_ohm],
             1.0,
             "ohm",
             board.r_o_ohm(),
@@ -155,19 +156,17 @@ fn row(name: &str) -> Line {
 /// What the instrument has found, and the truth; nothing for a method that does not look for it.
 fn found(
     name: &str,
-    stats: &Map<String, Value>,
-    [value, u]: [&str; 2],
+    is_sought: bool,
+    [value, u]: [Option<f64>; 2],
     scale: f64,
     unit: &str,
     truth: f64,
     unicode: bool,
 ) -> Option<Line> {
-    let number = |key: &str| stats.get(key).and_then(Value::as_f64).map(|value| value * scale);
     let truth = rough(truth * scale, unit);
-    if let (Some(value), Some(u)) = (number(value), number(u)) {
-        let found = measured(value, Some(u), unit, unicode);
+    if let (Some(value), Some(u)) = (value, u) {
+        let found = measured(value * scale, Some(u * scale), unit, unicode);
         return Some(row(name).add(Style::Plain, found).add(Style::Dim, format!(" found, {truth} true")));
     }
-    let is_sought = stats.get("offset_known") == Some(&Value::Bool(false));
     is_sought.then(|| row(name).add(Style::Dim, format!("still being looked for; {truth} true")))
 }
