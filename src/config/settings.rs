@@ -6,7 +6,7 @@ use crate::config;
 use crate::estimate::force::{Force, Table, TableError};
 use crate::instrument::settings::{Channel, OffsetSource, Settings};
 use crate::pins::Drives;
-use crate::stream::tape::{self, Header, TapeChannel, TapeCircuit, TapeForce};
+use crate::stream::tape::{Header, TapeChannel, TapeCircuit, TapeForce};
 use crate::units::Nanos;
 
 /// Why a configuration that passes its check still cannot be run.
@@ -66,11 +66,6 @@ impl Config {
     /// The header of what an instrument with this configuration records. An offset that is still to be found is absent.
     pub fn tape_header(&self, settings: &Settings) -> Header {
         let config = self;
-        let kind = match config.circuit.network {
-            Network::TwoCapacitor { .. } => tape::Kind::TwoCapacitor,
-            Network::OneCapacitor { .. } => tape::Kind::OneCapacitor,
-            Network::SeriesCalibration { .. } => tape::Kind::SeriesCalibration,
-        };
         let channel = |channel: &crate::config::Channel| TapeChannel {
             id: channel.id.clone(),
             zero_ohm: channel.zero_ohm,
@@ -83,7 +78,7 @@ impl Config {
                 Some(_) | None => None,
             },
         };
-        let circuit = TapeCircuit { kind, r_c1_ohm: config.circuit.r_c1.0, r_c2_ohm: config.circuit.r_c2.0 };
+        let circuit = TapeCircuit { kind: config.circuit.kind(), r_c1_ohm: config.circuit.r_c1.0, r_c2_ohm: config.circuit.r_c2.0 };
         let offset_ns = match settings.offset {
             OffsetSource::Given(d_ns) => Some(d_ns),
             OffsetSource::Auto => None,

@@ -8,7 +8,8 @@ use crate::estimate::force::Force;
 use crate::estimate::offset::{Offset, SplitCalibration};
 use crate::reading::{Branch, Fault, Method, Status};
 use crate::record::Through;
-use crate::stream::tape::{Entry, Header, Kind, TapeError, TapeForce};
+use crate::circuit::Kind;
+use crate::stream::tape::{Entry, Header, TapeError, TapeForce};
 use serde::Serialize;
 
 /// What is said about one x discharge.

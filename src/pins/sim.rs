@@ -29,8 +29,9 @@ pub mod scene;
 pub mod sensor;
 mod truth;
 
+pub use crate::circuit::Kind;
 pub use network::{Charge, Circuit, Crossings, exact_discharge};
-pub use scene::{Kind, Scene, SceneError};
+pub use scene::{Scene, SceneError};
 pub use sensor::Sensor;
 pub use truth::Truth;
 

@@ -10,6 +10,7 @@
 //! {"class":"DISCHARGE","seq":3,"channel":"thumb","through":"x","switch":{"at_ns":74700,"on_ns":74950,"to":"c2"},"a_ns":911000,"b_ns":1742000}
 //! ```
 
+use crate::circuit::Kind;
 use crate::estimate::offset;
 use crate::record::{Record, Switch, Through};
 use crate::units::Nanos;
@@ -54,18 +55,6 @@ pub struct TapeCircuit {
     pub r_c1_ohm: f64,
     /// Rc2, ohm.
     pub r_c2_ohm: f64,
-}
-
-/// How the calibration resistors are wired.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum Kind {
-    /// Two capacitors, Fig. 1(c).
-    TwoCapacitor,
-    /// One capacitor, Fig. 1(a).
-    OneCapacitor,
-    /// One capacitor, Rc1 and Rc2 in series, Fig. 1(b).
-    SeriesCalibration,
 }
 
 /// A sensor of a tape.
@@ -187,7 +176,7 @@ impl Header {
     /// R_1 and R_2 of the [ratio](crate::estimate::method), ohm.
     pub fn r_ohm(&self) -> [f64; 2] {
         let TapeCircuit { kind, r_c1_ohm, r_c2_ohm } = self.circuit;
-        [r_c1_ohm, if kind == Kind::SeriesCalibration { r_c1_ohm + r_c2_ohm } else { r_c2_ohm }]
+        kind.known([r_c1_ohm, r_c2_ohm])
     }
 
     /// Reads the first line of a tape.
