@@ -78,7 +78,11 @@ impl Config {
                 Some(_) | None => None,
             },
         };
-        let circuit = TapeCircuit { kind: config.circuit.kind(), r_c1_ohm: config.circuit.r_c1.0, r_c2_ohm: config.circuit.r_c2.0 };
+        let circuit = TapeCircuit {
+            kind: config.circuit.kind(),
+            r_c1_ohm: config.circuit.r_c1.0,
+            r_c2_ohm: config.circuit.r_c2.0,
+        };
         let offset_ns = match settings.offset {
             OffsetSource::Given(d_ns) => Some(d_ns),
             OffsetSource::Auto => None,

@@ -3,12 +3,12 @@
 //! For: `cermctl estimate`: for every x discharge one line, from the most recent calibration discharges before it.
 //! Must not know: where the lines come from or go to.
 
+use crate::circuit::Kind;
 use crate::estimate::Estimator;
 use crate::estimate::force::Force;
 use crate::estimate::offset::{Offset, SplitCalibration};
 use crate::reading::{Branch, Fault, Method, Status};
 use crate::record::Through;
-use crate::circuit::Kind;
 use crate::stream::tape::{Entry, Header, TapeError, TapeForce};
 use serde::Serialize;
 

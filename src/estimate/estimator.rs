@@ -5,7 +5,7 @@
 
 use crate::estimate::method::tracked::{self, Observed, Solution};
 use crate::estimate::method::{Number, Times, cerm, dual, qerm, tcdic, tpcm};
-use crate::estimate::motion::Seen;
+use crate::estimate::motion::Evidence;
 use crate::estimate::noise::{Covariance, Judgement, Noise};
 use crate::estimate::offset::Offset;
 use crate::estimate::tracker::Tracker;
@@ -15,8 +15,8 @@ use crate::units::Nanos;
 use covariances::Covariances;
 
 mod covariances;
+mod evidence;
 mod leakage;
-mod seen;
 mod status;
 
 /// Two crossings that disagree by more sigma than this cannot both be right.
@@ -187,26 +187,26 @@ impl Estimator {
     /// The fault that keeps it from being a number; [`Fault::LatencyOutlier`] if its crossings contradict each other.
     pub fn estimate(&self, record: &Record) -> Result<Estimate, Fault> {
         match self.look(record)? {
-            (_, seen) if seen.contradicts => Err(Fault::LatencyOutlier),
+            (_, evidence) if evidence.contradicts => Err(Fault::LatencyOutlier),
             (estimate, _) => Ok(estimate),
         }
     }
 
     /// The same, contradictions left to who knows the sensor's motion.
-    fn look(&self, record: &Record) -> Result<(Estimate, Seen), Fault> {
+    fn look(&self, record: &Record) -> Result<(Estimate, Evidence), Fault> {
         if let Some(tracker) = self.tracker().filter(|_| self.method == Method::Tracked) {
             let solution = tracked::solve(tracker, &self.observed(record)?)?;
             let r_ohm = Measured { value: solution.r_ohm, u: Some(solution.variance.sqrt()) };
-            return Ok((Estimate { branch: solution.branch, r_ohm }, solution.seen));
+            return Ok((Estimate { branch: solution.branch, r_ohm }, solution.evidence));
         }
         let (times, branch) = self.times(record)?;
-        let (ratio, seen) = self.ratio_seen(&times, branch, record.u_switch_ns);
+        let (ratio, evidence) = self.ratio_and_evidence(&times, branch, record.u_switch_ns);
         let span = self.r2_ohm - self.r1_ohm;
         let r_ohm = self.r1_ohm + ratio.value * span;
         let u = ratio.u.map(|u| u * span);
         let sound = r_ohm.is_finite() && u.is_none_or(f64::is_finite);
         if sound {
-            Ok((Estimate { branch, r_ohm: Measured { value: r_ohm, u } }, seen))
+            Ok((Estimate { branch, r_ohm: Measured { value: r_ohm, u } }, evidence))
         } else {
             Err(Fault::Implausible)
         }
@@ -223,7 +223,7 @@ impl Estimator {
     }
 
     /// What an x discharge through `r_ohm` would tell, switched as given or not at all.
-    pub fn foresee(&self, r_ohm: f64, switch: Option<Switch>, u_switch_ns: f64) -> Option<Solution> {
+    pub fn predict_tracked(&self, r_ohm: f64, switch: Option<Switch>, u_switch_ns: f64) -> Option<Solution> {
         let switch = switch.map(|switch| (switch, self.ohm_after(switch)));
         tracked::predict(self.tracker()?, r_ohm, switch, u_switch_ns)
     }
@@ -271,7 +271,12 @@ impl Estimator {
         }
     }
 
-    fn ratio_seen(&self, times: &Times<f64>, branch: Branch, u_switch_ns: f64) -> (Measured, Seen) {
+    fn ratio_and_evidence(
+        &self,
+        times: &Times<f64>,
+        branch: Branch,
+        u_switch_ns: f64,
+    ) -> (Measured, Evidence) {
         let late = match branch {
             Branch::Direct => times.x,
             Branch::Inferred => times.c2,
@@ -280,7 +285,7 @@ impl Estimator {
         let variables = dual::variables(times);
         let ratio = self.ratio(&variables, branch);
         let u = covariance.as_ref().map(|covariance| covariance.of(&ratio.by).sqrt());
-        (Measured { value: ratio.value, u }, self.seen(&variables, branch, covariance.as_ref()))
+        (Measured { value: ratio.value, u }, self.evidence(&variables, branch, covariance.as_ref()))
     }
 
     fn ratio<T: Number>(&self, times: &Times<T>, branch: Branch) -> T {

@@ -37,7 +37,7 @@ const APART: f64 = 0.2;
 
 /// What a discharge tells of R_x, and when it was so. Times in ns since the start.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Seen {
+pub struct Evidence {
     /// When R_x was what the estimate says.
     pub at_ns: f64,
     /// What z'' and z'² have to be multiplied by, ns².
@@ -75,10 +75,10 @@ impl Pair {
     }
 }
 
-impl Seen {
+impl Evidence {
     /// An estimate that rests on one stretch of the discharge.
-    pub fn over(end_ns: f64) -> Seen {
-        Seen {
+    pub fn over(end_ns: f64) -> Evidence {
+        Evidence {
             at_ns: end_ns / 2.0,
             bend_ns2: end_ns * end_ns / 24.0,
             apart_ns2: 0.0,
@@ -89,7 +89,7 @@ impl Seen {
 
     /// An estimate that has `weights` (sum 1) on two stretches, which alone would say `r_ohm`; `u_ohm` is 1 sigma of the
     /// difference.
-    pub fn over_two(end_ns: [f64; 2], weights: [f64; 2], r_ohm: [f64; 2], u_ohm: f64) -> Seen {
+    pub fn over_two(end_ns: [f64; 2], weights: [f64; 2], r_ohm: [f64; 2], u_ohm: f64) -> Evidence {
         let sum = |of: &dyn Fn(f64) -> f64| weights[0] * of(end_ns[0]) + weights[1] * of(end_ns[1]);
         let at_ns = sum(&|end| end / 2.0);
         let apart_ns2 = sum(&|end| (end / 2.0 - at_ns).powi(2));
@@ -98,7 +98,7 @@ impl Seen {
         // Not `>`: what cannot be compared is no agreement.
         let agrees = (r_ohm[1] - r_ohm[0]).abs() <= GATE * u_ohm;
         let pair = Pair { r_ohm, u_ohm, apart_s: is_apart.then_some(1e-9 * between_ns) };
-        Seen {
+        Evidence {
             at_ns,
             bend_ns2: (sum(&|end| end * end / 24.0) + apart_ns2 / 2.0).abs(),
             apart_ns2: apart_ns2.abs(),
@@ -109,8 +109,8 @@ impl Seen {
     }
 
     /// The same, with another word on whether the crossings disagree.
-    pub fn contradicting(self, contradicts: bool) -> Seen {
-        Seen { contradicts, ..self }
+    pub fn contradicting(self, contradicts: bool) -> Evidence {
+        Evidence { contradicts, ..self }
     }
 }
 
@@ -166,19 +166,19 @@ impl Motion {
         start: Nanos,
         [r_ohm, u_ohm]: [f64; 2],
         r_o_ohm: f64,
-        seen: &Seen,
+        evidence: &Evidence,
     ) -> Result<f64, Fault> {
         let through = |r_ohm: f64| (r_ohm + r_o_ohm).max(1e-3);
         let all_ohm = through(r_ohm);
-        let pair = seen.pair.map(|pair| pair.map(through, all_ohm));
+        let pair = evidence.pair.map(|pair| pair.map(through, all_ohm));
         let mut point = Point {
-            at: start + Nanos(seen.at_ns as i64),
+            at: start + Nanos(evidence.at_ns as i64),
             z: all_ohm.ln(),
             u: u_ohm / all_ohm,
             slope: pair.and_then(Pair::slope),
             trust: Trust::Sound,
         };
-        if seen.contradicts && !self.explains(&point) {
+        if evidence.contradicts && !self.explains(&point) {
             let Some(pair) = pair else { return Err(Fault::LatencyOutlier) };
             // Where the sensor was moving already, it moves still.
             self.unsettled |= !self.is_late_stamp(pair);
@@ -186,7 +186,7 @@ impl Motion {
             self.push(point);
             return Err(if self.unsettled { Fault::Unsettled } else { Fault::LatencyOutlier });
         }
-        self.settle(seen.contradicts);
+        self.settle(evidence.contradicts);
         self.forget_what_is_gone(&point);
         let is_sudden = self.is_sudden(&point);
         let hidden = if is_sudden { self.hidden(&point, pair) } else { 0.0 };
@@ -194,7 +194,7 @@ impl Motion {
             point.trust = Trust::Sudden;
         }
         self.push(point);
-        let error = self.error(seen, is_sudden).hypot(hidden);
+        let error = self.error(evidence, is_sudden).hypot(hidden);
         self.unsettled = error > LIMIT.max(NOISE * point.u);
         if self.unsettled { Err(Fault::Unsettled) } else { Ok(error * all_ohm) }
     }
@@ -326,7 +326,7 @@ impl Motion {
     }
 
     /// The predicted error of the last reading, 1 sigma, relative.
-    fn error(&self, seen: &Seen, is_sudden: bool) -> f64 {
+    fn error(&self, evidence: &Evidence, is_sudden: bool) -> f64 {
         let count = self.sound().count() as f64;
         let mean = self.sound().map(|point| point.z).sum::<f64>() / count;
         let spread = (self.sound().map(|point| (point.z - mean).powi(2)).sum::<f64>() / count).sqrt();
@@ -334,7 +334,7 @@ impl Motion {
             return 0.0;
         }
         let square = self.square_between(is_sudden, spread).max(self.square_inside());
-        1e-18 * square * (seen.bend_ns2 / spread + seen.bend_ns2 + seen.apart_ns2)
+        1e-18 * square * (evidence.bend_ns2 / spread + evidence.bend_ns2 + evidence.apart_ns2)
     }
 
     /// Mean square of the speed from reading to reading, less its noise, without the greatest, which may have been a step

@@ -34,6 +34,23 @@ impl Covariance {
         p * p * self.aa + q * q * self.bb + 2.0 * p * q * self.ab
     }
 
+    /// Its inverse in the nodes that were seen; nothing in the others. `None` if it has none.
+    pub fn inverse(&self, seen: [bool; 2]) -> Option<Covariance> {
+        let Covariance { aa, bb, ab } = *self;
+        let (determinant, adjugate) = match seen {
+            [true, true] => (aa * bb - ab * ab, Covariance { aa: bb, bb: aa, ab: -ab }),
+            [true, false] => (aa, Covariance { aa: 1.0, ..Covariance::default() }),
+            [false, true] => (bb, Covariance { bb: 1.0, ..Covariance::default() }),
+            [false, false] => return None,
+        };
+        (determinant > 0.0 && determinant.is_finite()).then(|| adjugate.scaled(1.0 / determinant))
+    }
+
+    /// Its product with a vector.
+    pub fn times(&self, v: [f64; 2]) -> [f64; 2] {
+        [self.aa * v[0] + self.ab * v[1], self.ab * v[0] + self.bb * v[1]]
+    }
+
     fn node(&self, node: usize) -> f64 {
         if node == 0 { self.aa } else { self.bb }
     }

@@ -70,7 +70,8 @@ fn rate(config: &Config, findings: &mut Findings) {
         let reason = format!("calibration and charging alone take {fastest:.3}, {:.1} Hz", 1.0 / fastest.0);
         findings.error("measure.rate-hz", reason, remedy);
     } else if rate * usual.0 > 1.0 {
-        let reason = format!("a cycle with the sensor at {} takes {usual:.3}", config.circuit.kind().second());
+        let reason =
+            format!("a cycle with the sensor at {} takes {usual:.3}", config.circuit.kind().second());
         findings.warning("measure.rate-hz", reason, remedy);
     }
 }
@@ -127,7 +128,9 @@ fn split_calibration(config: &Config, findings: &mut Findings) {
 fn predictions(config: &Config, findings: &mut Findings) {
     let circuit = &config.circuit;
     let nodes = if config.last_node() == Node::B { &Node::BOTH[..] } else { &[Node::A] };
-    for (key, name, r) in [("r-c1", "Rc1", circuit.r_c1), ("r-c2", config.circuit.kind().second(), circuit.r_second())] {
+    for (key, name, r) in
+        [("r-c1", "Rc1", circuit.r_c1), ("r-c2", config.circuit.kind().second(), circuit.r_second())]
+    {
         let times: Vec<String> = nodes
             .iter()
             .filter_map(|node| {

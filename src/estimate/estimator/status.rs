@@ -100,14 +100,14 @@ impl Estimator {
         if let Some(r_ohm) = self.beyond(record) {
             return open(r_ohm);
         }
-        let (estimate, seen) = match self.look(record) {
+        let (estimate, evidence) = match self.look(record) {
             Ok(found) => found,
             Err(fault) => return Status::Fault(fault),
         };
-        *at_ns = seen.at_ns;
+        *at_ns = evidence.at_ns;
         let Measured { value, u } = estimate.r_ohm;
         let r_o_ohm = self.offset().r_o();
-        let moved = u.map(|u| motion.judge(record.start, [value, u], r_o_ohm, &seen)).transpose();
+        let moved = u.map(|u| motion.judge(record.start, [value, u], r_o_ohm, &evidence)).transpose();
         let moved = match moved {
             Ok(moved) => moved.unwrap_or(0.0),
             Err(fault) => return Status::Fault(fault),

@@ -5,8 +5,8 @@
 //! and the tracked state, with all that these share. With a state known exactly the variance is the Cramer-Rao bound of
 //! the discharge.
 
-use crate::estimate::law::{Course, State};
-use crate::estimate::motion::Seen;
+use crate::estimate::law::{Route, State};
+use crate::estimate::motion::Evidence;
 use crate::estimate::noise::Covariance;
 use crate::estimate::tracker::{Tracker, bilinear, quadratic};
 use crate::reading::{Branch, Fault};
@@ -42,7 +42,7 @@ pub struct Solution {
     /// Whether the switch came before the last crossing.
     pub branch: Branch,
     /// When it was so, and whether both crossings say so.
-    pub seen: Seen,
+    pub evidence: Evidence,
 }
 
 /// Solves for R_x.
@@ -72,8 +72,8 @@ pub fn predict(
     switch: Option<(Switch, f64)>,
     u_switch_ns: f64,
 ) -> Option<Solution> {
-    let course = Course { first_ohm: r_ohm, switch };
-    let crossings = [0, 1].map(|node| Some(course.crossing(tracker.state(), node).ns));
+    let route = Route { first_ohm: r_ohm, switch };
+    let crossings = [0, 1].map(|node| Some(route.crossing(tracker.state(), node).ns));
     let observed = Observed { crossings, switch, u_switch_ns };
     let fit = Fit::new(tracker, &observed, r_ohm)?;
     Some(fit.solution(r_ohm, observed.branch(tracker.state())))
@@ -131,7 +131,7 @@ struct Fit {
     variance: f64,
     bound: f64,
     by_state: State,
-    seen: Seen,
+    evidence: Evidence,
 }
 
 impl Fit {
@@ -139,19 +139,12 @@ impl Fit {
         let state = tracker.state();
         // A switch after the last crossing has changed nothing.
         let switch = if observed.branch(state) == Branch::Inferred { observed.switch } else { None };
-        let course = Course { first_ohm: r_ohm, switch };
+        let route = Route { first_ohm: r_ohm, switch };
         let nodes = [0, 1].map(|node| {
             let seen = observed.crossings[node].is_some() && node < tracker.nodes();
-            (course.crossing(state, node), if seen { observed.crossings[node] } else { None })
+            (route.crossing(state, node), if seen { observed.crossings[node] } else { None })
         });
-        let mut noise = tracker.observation(&course, observed.u_switch_ns)?;
-        // What was not seen tells nothing.
-        for (node, (_, seen)) in nodes.iter().enumerate() {
-            if seen.is_none() {
-                let (aa, bb) = if node == 0 { (1e30, noise.bb) } else { (noise.aa, 1e30) };
-                noise = Covariance { aa, bb, ab: 0.0 };
-            }
-        }
+        let noise = tracker.observation(&route, observed.u_switch_ns)?;
         let rows = nodes.map(|(crossing, _)| crossing.by_state);
         let p = tracker.covariance();
         let all = Covariance {
@@ -159,48 +152,37 @@ impl Fit {
             bb: noise.bb + quadratic(p, &rows[1]),
             ab: noise.ab + bilinear(p, &rows[0], &rows[1]),
         };
+        let seen = nodes.map(|(_, seen)| seen.is_some());
+        let (inverse, alone) = (all.inverse(seen)?, noise.inverse(seen)?);
         let j = nodes.map(|(crossing, _)| crossing.by_first);
         let residual = nodes.map(|(crossing, seen)| seen.map_or(0.0, |seen| seen - crossing.ns));
-        let information = inner(&all, j, j)?;
-        let step = inner(&all, j, residual)? / information;
-        let weights = weights(&all, j)?.map(|weight| weight / information);
+        let information = inverse.of(j[0], j[1]);
+        let weights = inverse.times(j).map(|weight| weight / information);
+        let step = weights[0] * residual[0] + weights[1] * residual[1];
         let mut by_state = [0.0; 4];
         for (index, by) in by_state.iter_mut().enumerate() {
             *by = -(weights[0] * rows[0][index] + weights[1] * rows[1][index]);
         }
         let left = [residual[0] - j[0] * step, residual[1] - j[1] * step];
-        let seen = match nodes.map(|(_, seen)| seen.map(|ns| observed.end_ns(ns, state))) {
+        let evidence = match nodes.map(|(_, seen)| seen.map(|ns| observed.end_ns(ns, state))) {
             [Some(a), Some(b)] => {
-                let alone = [0, 1].map(|node| r_ohm + residual[node] / j[node]);
+                let by_node = [0, 1].map(|node| r_ohm + residual[node] / j[node]);
                 let u_ohm = all.of(1.0 / j[0], -1.0 / j[1]).sqrt();
-                Seen::over_two([a, b], [weights[0] * j[0], weights[1] * j[1]], alone, u_ohm)
+                Evidence::over_two([a, b], [weights[0] * j[0], weights[1] * j[1]], by_node, u_ohm)
             }
-            [a, b] => Seen::over(b.or(a)?),
+            [a, b] => Evidence::over(b.or(a)?),
         };
         Some(Fit {
             step,
             variance: 1.0 / information,
-            bound: 1.0 / inner(&noise, j, j)?,
+            bound: 1.0 / alone.of(j[0], j[1]),
             by_state,
-            seen: seen.contradicting(inner(&all, left, left)? > GATE * GATE),
+            evidence: evidence.contradicting(inverse.of(left[0], left[1]) > GATE * GATE),
         })
     }
 
     fn solution(&self, r_ohm: f64, branch: Branch) -> Solution {
-        let Fit { variance, bound, by_state, seen, .. } = *self;
-        Solution { r_ohm, variance, bound, by_state, branch, seen }
+        let Fit { variance, bound, by_state, evidence, .. } = *self;
+        Solution { r_ohm, variance, bound, by_state, branch, evidence }
     }
-}
-
-/// S^-1 v.
-fn weights(s: &Covariance, v: [f64; 2]) -> Option<[f64; 2]> {
-    let determinant = s.aa * s.bb - s.ab * s.ab;
-    (determinant > 0.0 && determinant.is_finite())
-        .then(|| [(s.bb * v[0] - s.ab * v[1]) / determinant, (s.aa * v[1] - s.ab * v[0]) / determinant])
-}
-
-/// u^T S^-1 v.
-fn inner(s: &Covariance, u: [f64; 2], v: [f64; 2]) -> Option<f64> {
-    let weights = weights(s, v)?;
-    Some(u[0] * weights[0] + u[1] * weights[1])
 }

@@ -54,10 +54,10 @@ impl Memory {
                 self.inferred = *branch == Branch::Inferred;
                 self.r_ohm = Some(r_ohm.value + zero_ohm);
                 let switch = record.and_then(|record| record.switch).filter(|_| self.inferred);
-                let foreseen = estimator.foresee(r_ohm.value + zero_ohm, switch, self.u_switch_ns);
-                self.dependence = foreseen.zip(estimator.tracker()).map(|(foreseen, tracker)| {
-                    let part = quadratic(tracker.covariance(), &foreseen.by_state);
-                    (foreseen.by_state, (foreseen.variance - part).max(0.0))
+                let predicted = estimator.predict_tracked(r_ohm.value + zero_ohm, switch, self.u_switch_ns);
+                self.dependence = predicted.zip(estimator.tracker()).map(|(predicted, tracker)| {
+                    let part = quadratic(tracker.covariance(), &predicted.by_state);
+                    (predicted.by_state, (predicted.variance - part).max(0.0))
                 });
             }
             // Where it is by now is known well enough for a plan.
@@ -193,11 +193,11 @@ impl Cycle {
         let deadline_ns = self.settings.deadline.as_ns();
         let limit = Switch { at_ns: deadline_ns, on_ns: deadline_ns, to: Through::C1 };
         let limit = (full_ns > deadline_ns).then_some(limit);
-        let full = self.estimator.foresee(r_ohm, limit, memory.u_switch_ns)?.variance;
+        let full = self.estimator.predict_tracked(r_ohm, limit, memory.u_switch_ns)?.variance;
         let at = |fraction: f64| {
             let at_ns = fraction * full_ns.min(deadline_ns);
             let switch = Switch { at_ns, on_ns: at_ns, to: self.settings.second() };
-            Some((at_ns, self.estimator.foresee(r_ohm, Some(switch), memory.u_switch_ns)?.variance))
+            Some((at_ns, self.estimator.predict_tracked(r_ohm, Some(switch), memory.u_switch_ns)?.variance))
         };
         let (at_ns, inferred) = FRACTIONS.into_iter().filter_map(at).min_by(|a, b| a.1.total_cmp(&b.1))?;
         (prefers_inferred(memory.inferred, full, inferred) && at_ns >= 1.0).then_some(Nanos(at_ns as i64))
@@ -217,15 +217,15 @@ impl Cycle {
             .max_by(|a, b| share(a).total_cmp(&share(b)));
         let (by_state, is_due) = match worst {
             Some(worst) => (worst.0, share(&worst) > SHARE),
-            None => (self.estimator.foresee(self.settings.r_ohm[0], None, 0.0)?.by_state, false),
+            None => (self.estimator.predict_tracked(self.settings.r_ohm[0], None, 0.0)?.by_state, false),
         };
         let is_doubted = tracker.is_doubted() || self.memory.iter().any(|memory| memory.outliers >= DOUBT);
         if !is_due && !is_doubted && self.idle_cycles < LONGEST_IDLE {
             return None;
         }
         let value = |kind: CalibrationKind| {
-            let course = tracker.planned(kind);
-            let discharge_ns = course.crossing(tracker.state(), self.settings.nodes() - 1).ns;
+            let route = tracker.planned(kind);
+            let discharge_ns = route.crossing(tracker.state(), self.settings.nodes() - 1).ns;
             let cost_ns = (self.settings.charge + self.settings.settle).as_ns() + discharge_ns;
             tracker.benefit(kind, &by_state).unwrap_or(0.0) / cost_ns
         };
