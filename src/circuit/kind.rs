@@ -36,6 +36,11 @@ impl Kind {
         }
     }
 
+    /// The node that a discharge crosses last.
+    pub fn last(self) -> Node {
+        if self == Kind::TwoCapacitor { Node::B } else { Node::A }
+    }
+
     /// R_1 and R_2, what the two calibration discharges run through, of Rc1 and Rc2, ohm.
     pub fn known(self, [r_c1, r_c2]: [f64; 2]) -> [f64; 2] {
         [r_c1, if self == Kind::SeriesCalibration { r_c1 + r_c2 } else { r_c2 }]

@@ -1,11 +1,10 @@
 //! From a checked configuration to what the instrument runs with.
 
 use super::Config;
-use crate::circuit::{Network, Node};
+use crate::circuit::Node;
 use crate::config;
 use crate::estimate::force::{Force, Table, TableError};
 use crate::instrument::settings::{Channel, OffsetSource, Settings};
-use crate::pins::Drives;
 use crate::stream::tape::{Header, TapeChannel, TapeCircuit, TapeForce};
 use crate::units::Nanos;
 
@@ -38,14 +37,9 @@ impl Config {
         });
         Ok(Settings {
             method: config.method(),
-            r_ohm,
-            series: matches!(circuit.network, Network::SeriesCalibration { .. }),
-            chargers: match circuit.network {
-                Network::TwoCapacitor { .. } => Drives::CHARGE,
-                _ => Drives::CHARGE_A,
-            },
+            kind: circuit.kind(),
+            r_c_ohm: [circuit.r_c1.0, circuit.r_c2.0],
             nominal: Nanos::from_seconds(circuit.crossing(Node::A, circuit.r_c1).unwrap_or_default().0),
-            last: config.last_node(),
             drain: config.drain_time(),
             charge: config.charge_time(),
             settle: config.settle_time(),

@@ -88,22 +88,22 @@ impl Evidence {
     }
 
     /// An estimate that has `weights` (sum 1) on two stretches, which alone would say `r_ohm`; `u_ohm` is 1 sigma of the
-    /// difference.
-    pub fn over_two(end_ns: [f64; 2], weights: [f64; 2], r_ohm: [f64; 2], u_ohm: f64) -> Evidence {
+    /// difference. Where that is not known, nothing contradicts.
+    pub fn over_two(end_ns: [f64; 2], weights: [f64; 2], r_ohm: [f64; 2], u_ohm: Option<f64>) -> Evidence {
         let sum = |of: &dyn Fn(f64) -> f64| weights[0] * of(end_ns[0]) + weights[1] * of(end_ns[1]);
         let at_ns = sum(&|end| end / 2.0);
         let apart_ns2 = sum(&|end| (end / 2.0 - at_ns).powi(2));
         let between_ns = (end_ns[1] - end_ns[0]) / 2.0;
         let is_apart = 2.0 * between_ns.abs() > APART * end_ns[0].max(end_ns[1]);
         // Not `>`: what cannot be compared is no agreement.
-        let agrees = (r_ohm[1] - r_ohm[0]).abs() <= GATE * u_ohm;
-        let pair = Pair { r_ohm, u_ohm, apart_s: is_apart.then_some(1e-9 * between_ns) };
+        let agrees = u_ohm.is_none_or(|u_ohm| (r_ohm[1] - r_ohm[0]).abs() <= GATE * u_ohm);
+        let apart_s = is_apart.then_some(1e-9 * between_ns);
         Evidence {
             at_ns,
             bend_ns2: (sum(&|end| end * end / 24.0) + apart_ns2 / 2.0).abs(),
             apart_ns2: apart_ns2.abs(),
             // One stretch that two crossings tell of cannot contradict itself by a change.
-            pair: (between_ns != 0.0).then_some(pair),
+            pair: u_ohm.filter(|_| between_ns != 0.0).map(|u_ohm| Pair { r_ohm, u_ohm, apart_s }),
             contradicts: !agrees,
         }
     }

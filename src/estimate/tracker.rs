@@ -330,7 +330,7 @@ impl Tracker {
         let gain = Gain::new(
             &self.covariance,
             &states,
-            &self.observation(&route, record.u_switch_ns)?,
+            &self.observation(&route, record.u_switch_ns.unwrap_or(0.0))?,
             self.seen(),
         )?;
         let normalised = gain.normalised(innovation);

@@ -18,6 +18,7 @@
 mod calls;
 mod plan;
 
+use crate::circuit::Kind;
 use crate::estimate::Estimator;
 use crate::estimate::leak::LeakTest;
 use crate::estimate::offset::{Offset, SplitCalibration};
@@ -25,7 +26,7 @@ use crate::instrument::diagnosis::Diagnosis;
 use crate::instrument::discharge::{Outcome, Plan};
 use crate::instrument::settings::{OffsetSource, Settings};
 use crate::instrument::stats::Stats;
-use crate::reading::{Branch, Fault, Method, Reading, Status};
+use crate::reading::{Branch, Fault, Reading, Status};
 use crate::record::CalibrationKind;
 use crate::record::{Record, Through};
 use crate::units::Nanos;
@@ -102,7 +103,7 @@ pub struct Cycle {
 impl Cycle {
     /// A cycle that has learned nothing yet.
     pub fn new(settings: Settings) -> Cycle {
-        let ([r1, r2], nodes, method) = (settings.r_ohm, settings.nodes(), settings.method);
+        let ([r1, r2], nodes, method) = (settings.r_ohm(), settings.nodes(), settings.method);
         let (estimator, split) = match settings.offset {
             _ if settings.tracked => (Estimator::tracked(method, r1, r2, nodes), None),
             OffsetSource::Given(d_ns) => (Estimator::new(method, r1, r2, nodes, Offset::given(d_ns)), None),
@@ -117,7 +118,12 @@ impl Cycle {
             memory: vec![Memory::default(); settings.channels.len()],
             calls: CallGate::default(),
             leak: LeakTest::default(),
-            diagnosis: Diagnosis::new(settings.r_ohm, settings.series, nodes, settings.nominal.as_ns()),
+            diagnosis: Diagnosis::new(
+                settings.r_ohm(),
+                settings.kind == Kind::SeriesCalibration,
+                nodes,
+                settings.nominal.as_ns(),
+            ),
             step: Step::Start,
             retries: 0,
             calibrations: 0,
@@ -230,7 +236,7 @@ impl Cycle {
     /// Takes the outcome of the discharge that [`Cycle::next`] asked for, `now` being the time; answers a reading when
     /// it was a sensor's.
     pub fn done(&mut self, outcome: &Outcome, now: Nanos) -> Option<Reading> {
-        self.ended_early = outcome.result.map_or(true, |record| record.waited_ns > 0.0);
+        self.ended_early = outcome.result.map_or(true, |record| record.waited_ns.is_some());
         let is_plain = matches!(self.step, Step::Calibrate(CalibrationKind::First | CalibrationKind::Second));
         if let (true, Some(call)) = (is_plain, outcome.start_call) {
             self.calls.add(call);
@@ -319,7 +325,7 @@ impl Cycle {
                 ((a_ns + b_ns) / 2.0, 2.0 * noise.of(0.5, 0.5))
             })
         });
-        self.leak.add(lost, self.settings.r_ohm[0], now);
+        self.leak.add(lost, self.settings.r_ohm()[0], now);
         self.estimator.set_leak(self.leak.likely_siemens());
         if self.leak.has_changed() {
             self.estimator.begin_anew();

@@ -162,7 +162,7 @@ pub struct Discharge {
     highest_seqno: u32,
     edges: u32,
     line_seqno: [u32; 2],
-    waited: Nanos,
+    waited: Option<Nanos>,
     charged: Option<Levels>,
     fault: Option<Fault>,
 }
@@ -183,7 +183,7 @@ impl Discharge {
             highest_seqno: 0,
             edges: 0,
             line_seqno: [0; 2],
-            waited: Nanos::ZERO,
+            waited: None,
             charged: None,
             fault: None,
         };
@@ -370,7 +370,7 @@ impl Discharge {
     }
 
     fn timed_out(&mut self, levels: Levels) -> Action {
-        self.waited = self.wait_until;
+        self.waited = Some(self.wait_until);
         let missed = |node: Node| self.crossings[node.index()].is_none() && !levels.of(node);
         // Of two edges that should have come, the last one alone may do.
         let any = missed(self.plan.last) || (missed(Node::A) && self.crossings[1].is_none());
@@ -395,7 +395,7 @@ impl Discharge {
         Record {
             through: self.plan.through,
             start: self.start.before,
-            second_ns: if is_pair { (self.start.width().as_ns() - single_ns).max(0.0) } else { 0.0 },
+            second_ns: is_pair.then(|| (self.start.width().as_ns() - single_ns).max(0.0)),
             switch: self.switch.map(|switch| Switch {
                 at_ns: since_entry(switch.released),
                 on_ns: since_entry(switch.sunk),
@@ -404,8 +404,8 @@ impl Discharge {
             a_ns,
             b_ns,
             // Anywhere in the middle half of its call, each of two lines.
-            u_switch_ns: single_ns / 2.0 / 6f64.sqrt(),
-            waited_ns: if self.waited == Nanos::ZERO { 0.0 } else { since_start(self.waited) },
+            u_switch_ns: Some(single_ns / 2.0 / 6f64.sqrt()),
+            waited_ns: self.waited.map(since_start),
         }
     }
 }

@@ -104,8 +104,8 @@ struct Line {
     channel: Option<String>,
     through: Resistor,
     /// The second of two resistors was sunk by then; absent: at the start.
-    #[serde(default, skip_serializing_if = "is_zero")]
-    second_ns: f64,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    second_ns: Option<f64>,
     #[serde(default, skip_serializing_if = "Option::is_none")]
     switch: Option<SwitchLine>,
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -230,7 +230,7 @@ impl Header {
                 .and_then(|index| self.channels.get(index))
                 .map(|c| c.id.clone()),
             through: record.through.into(),
-            second_ns: record.second_ns,
+            second_ns: record.second_ns.filter(|second_ns| *second_ns > 0.0),
             switch: record.switch.map(|s| SwitchLine { at_ns: s.at_ns, on_ns: s.on_ns, to: s.to.into() }),
             a_ns: finite(record.a_ns),
             b_ns: finite(record.b_ns),
@@ -267,8 +267,8 @@ impl Header {
             switch,
             a_ns: line.a_ns,
             b_ns: line.b_ns,
-            u_switch_ns: 0.0,
-            waited_ns: 0.0,
+            u_switch_ns: None,
+            waited_ns: None,
         };
         check_times(&record).map_err(at)?;
         Ok(Entry { seq: line.seq, record })
@@ -349,8 +349,8 @@ fn check_times(record: &Record) -> Result<(), String> {
             _ => {}
         }
     }
-    if !(0.0..=LONGEST_NS).contains(&record.second_ns) {
-        return Err(format!("second_ns is {}; it is 0 or a short time", record.second_ns));
+    if let Some(second_ns) = record.second_ns.filter(|second_ns| !(0.0..=LONGEST_NS).contains(second_ns)) {
+        return Err(format!("second_ns is {second_ns}; it is 0 or a short time"));
     }
     if record.switch.is_some_and(|switch| switch.on_ns < switch.at_ns) {
         return Err(

@@ -6,7 +6,7 @@ use super::Findings;
 use crate::circuit::Node;
 use crate::config::charge::Remembered;
 use crate::config::{Config, Offset};
-use crate::reading::Method;
+use crate::estimate::method::Switching;
 use crate::units::Seconds;
 
 /// A charge shorter than this part of the automatic one changes a reading by more than is planned, however noisy the board.
@@ -77,10 +77,12 @@ fn rate(config: &Config, findings: &mut Findings) {
 }
 
 fn switch(config: &Config, findings: &mut Findings) {
-    let latest = match config.method() {
-        Method::Cerm => ratio_b_to_a(config),
-        Method::Qerm => 1.0,
-        _ => return,
+    if config.method().rules().switching() != Switching::AtFraction {
+        return;
+    }
+    let latest = match (config.circuit.g(Node::A), config.circuit.g(config.last_node())) {
+        (Some(a), Some(last)) => last.0 / a.0,
+        _ => 1.0,
     };
     if config.switch_fraction() >= latest {
         findings.warning(
@@ -88,13 +90,6 @@ fn switch(config: &Config, findings: &mut Findings) {
             format!("the last crossing comes at {latest:.3} of T_xA, before the planned switch"),
             format!("{:.2}", 0.9 * latest),
         );
-    }
-}
-
-fn ratio_b_to_a(config: &Config) -> f64 {
-    match (config.circuit.g(Node::A), config.circuit.g(Node::B)) {
-        (Some(a), Some(b)) => b.0 / a.0,
-        _ => 1.0,
     }
 }
 

@@ -1,11 +1,10 @@
-//! Paths that current takes beside the resistors.
-//!
-//! For: refusing numbers where the law of the circuit does not hold, and saying how far off they may be where it nearly
-//! does. Must not know: how a leak was found.
+//! Paths that current takes beside the resistors: no number where the law of the circuit does not hold, a wider one where it
+//! nearly does.
 
-use super::{COVERAGE, Estimator, GATE};
+use super::Estimator;
 use crate::estimate::law::R_O;
 use crate::estimate::leak;
+use crate::estimate::limits::{BEYOND_NOISE, COVERAGE};
 use crate::reading::{Fault, Measured};
 
 /// No pin that sinks has a higher output resistance: 3.3 V would drive 16 mA.
@@ -31,7 +30,7 @@ impl Estimator {
         }
         let Some((at_zero_ohm, u_ohm, unknown_ohm)) = self.at_zero() else { return Ok(()) };
         let tolerance_ohm = TOLERANCE * self.r1_ohm * self.r2_ohm / (self.r2_ohm - self.r1_ohm);
-        let doubt_ohm = tolerance_ohm + GATE * u_ohm;
+        let doubt_ohm = tolerance_ohm + BEYOND_NOISE * u_ohm;
         if at_zero_ohm > HIGHEST_R_O + unknown_ohm + doubt_ohm {
             return Err(Fault::Leakage);
         }

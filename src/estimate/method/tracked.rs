@@ -5,17 +5,39 @@
 //! and the tracked state, with all that these share. With a state known exactly the variance is the Cramer-Rao bound of
 //! the discharge.
 
+use super::{Dual, Kind, Node, Rules, Scale, Switching, Times, tcdic, tpcm};
 use crate::estimate::law::{Route, State};
+use crate::estimate::limits::{BEYOND_NOISE, COVERAGE};
 use crate::estimate::motion::Evidence;
 use crate::estimate::noise::Covariance;
 use crate::estimate::tracker::{Tracker, bilinear, quadratic};
 use crate::reading::{Branch, Fault};
 use crate::record::Switch;
 
-/// Residuals of the two nodes that disagree by more sigma cannot both be right.
-const GATE: f64 = 5.0;
 /// Steps of Gauss and Newton; each squares the relative error, which is small from the start.
 const STEPS: usize = 4;
+
+/// The method. Until there is a state, both calibration discharges give readings in closed form.
+#[derive(Debug)]
+pub struct Tracked;
+
+impl Rules for Tracked {
+    fn circuits(&self) -> &'static [Kind] {
+        &[Kind::TwoCapacitor, Kind::OneCapacitor]
+    }
+
+    fn switching(&self) -> Switching {
+        Switching::WhereBest
+    }
+
+    fn ratio(&self, times: &Times<Dual>, _: Branch) -> Option<Dual> {
+        tcdic::ratio(times).or_else(|| tpcm::ratio(times, Node::A))
+    }
+
+    fn evidence(&self, times: &Times<Dual>, branch: Branch, scale: &Scale<'_>) -> Option<Evidence> {
+        tcdic::evidence(times, scale).or_else(|| tpcm::Tpcm.evidence(times, branch, scale))
+    }
+}
 
 /// An x discharge as it is used.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -79,9 +101,18 @@ pub fn predict(
     Some(fit.solution(r_ohm, observed.branch(tracker.state())))
 }
 
-/// The conductance 1/(R_x+Ro) of a discharge that was switched, and its uncertainty, siemens: what a resistance too high to
-/// be told from an open circuit is judged by. The law is linear in it.
-pub fn conductance(tracker: &Tracker, observed: &Observed) -> Option<(f64, f64)> {
+/// The lower bound of a resistance, ohm, that a discharge finished through R_1 or R_2 cannot tell from an open circuit.
+pub fn beyond(tracker: &Tracker, observed: &Observed) -> Option<f64> {
+    if observed.branch(tracker.state()) == Branch::Direct {
+        return None;
+    }
+    let (siemens, u) = conductance(tracker, observed)?;
+    let r_min_ohm = 1.0 / (siemens.max(0.0) + COVERAGE * u) - tracker.r_o_ohm().0;
+    (siemens <= COVERAGE * u && r_min_ohm > 0.0 && r_min_ohm.is_finite()).then_some(r_min_ohm)
+}
+
+/// The conductance 1/(R_x+Ro) of a discharge that was switched, and its uncertainty, siemens. The law is linear in it.
+fn conductance(tracker: &Tracker, observed: &Observed) -> Option<(f64, f64)> {
     // Where the linear law is evaluated does not matter; far away, where no crossing comes before the switch.
     let reference_ohm = 1e7;
     let through = reference_ohm + tracker.state()[crate::estimate::law::R_O];
@@ -168,7 +199,7 @@ impl Fit {
             [Some(a), Some(b)] => {
                 let by_node = [0, 1].map(|node| r_ohm + residual[node] / j[node]);
                 let u_ohm = all.of(1.0 / j[0], -1.0 / j[1]).sqrt();
-                Evidence::over_two([a, b], [weights[0] * j[0], weights[1] * j[1]], by_node, u_ohm)
+                Evidence::over_two([a, b], [weights[0] * j[0], weights[1] * j[1]], by_node, Some(u_ohm))
             }
             [a, b] => Evidence::over(b.or(a)?),
         };
@@ -177,7 +208,7 @@ impl Fit {
             variance: 1.0 / information,
             bound: 1.0 / alone.of(j[0], j[1]),
             by_state,
-            evidence: evidence.contradicting(inverse.of(left[0], left[1]) > GATE * GATE),
+            evidence: evidence.contradicting(inverse.of(left[0], left[1]) > BEYOND_NOISE * BEYOND_NOISE),
         })
     }
 

@@ -12,7 +12,7 @@ fn seen(t_ns: [f64; 2]) -> ([f64; 2], Evidence) {
     let r_ohm = weights[0] * alone[0] + weights[1] * alone[1];
     let u_ohm = SIGMA_NS * std::f64::consts::SQRT_2 / (G[0] + G[1]);
     let u_difference = SIGMA_NS * (1.0 / G[0]).hypot(1.0 / G[1]);
-    ([r_ohm, u_ohm], Evidence::over_two(t_ns, weights, alone, u_difference))
+    ([r_ohm, u_ohm], Evidence::over_two(t_ns, weights, alone, Some(u_difference)))
 }
 
 /// The crossings of a discharge from `start_s` on through a sensor that changes, in steps of 1 us.
@@ -165,7 +165,8 @@ fn nothing_makes_it_panic_or_answer_nan() {
             let mut motion = Motion::default();
             for index in 0..8 {
                 let at = Nanos(index / 2 * 1000);
-                let evidence = Evidence::over_two([end, 2.0 * end], [0.5, 0.5], [r_ohm, 2.0 * r_ohm], 1.0);
+                let evidence =
+                    Evidence::over_two([end, 2.0 * end], [0.5, 0.5], [r_ohm, 2.0 * r_ohm], Some(1.0));
                 if let Ok(added) = motion.judge(at, [r_ohm, 1.0], R_O, &evidence) {
                     assert!(added.is_finite() && added >= 0.0, "{r_ohm} {end} {added}");
                 }

@@ -41,12 +41,12 @@ impl Plant {
         Record {
             through,
             start: self.now,
-            second_ns: 0.0,
+            second_ns: None,
             switch,
             a_ns,
             b_ns,
-            u_switch_ns: 100.0,
-            waited_ns: 0.0,
+            u_switch_ns: Some(100.0),
+            waited_ns: None,
         }
     }
 

@@ -3,10 +3,11 @@
 //! For: full or switched, and when; which calibration discharge pays. Must not know: what came of it.
 
 use super::{
-    Branch, CalibrationKind, Cycle, Estimator, Fault, Method, Plan, Record, SplitCalibration, Status, Through,
+    Branch, CalibrationKind, Cycle, Estimator, Fault, Plan, Record, SplitCalibration, Status, Through,
 };
 use crate::estimate::Predicted;
 use crate::estimate::law::State;
+use crate::estimate::method::Switching;
 use crate::estimate::motion::Motion;
 use crate::estimate::tracker::quadratic;
 use crate::record::Switch;
@@ -45,7 +46,7 @@ impl Memory {
     /// Learns from a reading.
     pub fn take(&mut self, status: &Status, record: Option<Record>, zero_ohm: f64, estimator: &Estimator) {
         if let Some(record) = record {
-            self.u_switch_ns = record.u_switch_ns;
+            self.u_switch_ns = record.u_switch_ns.unwrap_or(0.0);
         }
         let is_outlier = matches!(status, Status::Fault(Fault::LatencyOutlier | Fault::Unsettled));
         self.outliers = if is_outlier { self.outliers.saturating_add(1) } else { 0 };
@@ -103,16 +104,17 @@ impl Cycle {
 
     pub(super) fn sensor_plan(&self, channel: usize) -> Plan {
         let settings = &self.settings;
-        let switch = match settings.method {
-            Method::Tpcm | Method::Tcdic => None,
-            Method::Cerm | Method::Qerm => self.switch_time(channel),
-            Method::Tracked => self.best_switch(channel),
+        let rules = settings.method.rules();
+        let switch = match rules.switching() {
+            Switching::Never => None,
+            Switching::AtFraction => self.switch_time(channel),
+            Switching::WhereBest => self.best_switch(channel),
         };
         // A switch must not make a discharge longer than the deadline does.
         let switch = switch.filter(|after| *after < settings.deadline);
-        let limit =
-            (settings.method == Method::Tracked && self.estimator.tracker().is_some()).then_some(Through::C1);
-        self.plan(settings.sensor(channel), switch.map(|after| (after, settings.second())), limit)
+        let is_limited = rules.switching() == Switching::WhereBest && self.estimator.tracker().is_some();
+        let limit = is_limited.then_some(Through::C1);
+        self.plan(rules.sensor(channel), switch.map(|after| (after, settings.second())), limit)
     }
 
     fn plan(&self, through: Through, switch: Option<(Nanos, Through)>, limit: Option<Through>) -> Plan {
@@ -121,8 +123,8 @@ impl Cycle {
             through,
             switch,
             limit,
-            chargers: settings.chargers,
-            last: settings.last,
+            chargers: settings.chargers(),
+            last: settings.last(),
             drain: if self.ended_early { settings.drain } else { Nanos::ZERO },
             charge: settings.charge,
             settle: settings.settle,
@@ -137,7 +139,7 @@ impl Cycle {
     /// make it later.
     fn split_time(&self) -> Option<Nanos> {
         let (c1, c2) = self.estimator.calibration()?;
-        let [r1, r2] = self.settings.r_ohm;
+        let [r1, r2] = self.settings.r_ohm();
         Some(Nanos((SplitCalibration::FRACTION * (c2[0] - c1[0]) / (r2 - r1) * r1) as i64))
     }
 
@@ -155,15 +157,14 @@ impl Cycle {
                 prefers_inferred(memory.inferred, direct, inferred)
             }),
         };
-        let a_ns = if settings.method == Method::Qerm { self.estimator.parallel_ns(x_ns)? } else { x_ns };
-        let after = settings.switch_fraction * (a_ns - d_ns);
+        let after = settings.switch_fraction * (self.estimator.x_discharge_ns(x_ns, 0)? - d_ns);
         (wanted && after >= 1.0).then_some(Nanos(after as i64))
     }
 
     /// When A is expected to cross in the next x discharge of a channel, and how well either branch would tell R_x.
     fn predicted(&self, channel: usize) -> Option<(f64, Option<Predicted>)> {
         let memory = &self.memory[channel];
-        let [r1, r2] = self.settings.r_ohm;
+        let [r1, r2] = self.settings.r_ohm();
         let ratio = (memory.r_ohm? - r1) / (r2 - r1);
         let (c1, c2) = self.estimator.calibration()?;
         let x_ns = c1[0] + ratio * (c2[0] - c1[0]);
@@ -217,7 +218,7 @@ impl Cycle {
             .max_by(|a, b| share(a).total_cmp(&share(b)));
         let (by_state, is_due) = match worst {
             Some(worst) => (worst.0, share(&worst) > SHARE),
-            None => (self.estimator.predict_tracked(self.settings.r_ohm[0], None, 0.0)?.by_state, false),
+            None => (self.estimator.predict_tracked(self.settings.r_ohm()[0], None, 0.0)?.by_state, false),
         };
         let is_doubted = tracker.is_doubted() || self.memory.iter().any(|memory| memory.outliers >= DOUBT);
         if !is_due && !is_doubted && self.idle_cycles < LONGEST_IDLE {
