@@ -6,7 +6,6 @@ use super::Loaded;
 use super::measuring::Report;
 use crate::config::{Backend, Config};
 use crate::instrument::Message;
-use crate::instrument::diagnosis::LEAKS;
 use crate::instrument::settings::Settings;
 use crate::instrument::stats::Stats;
 use crate::pins::realtime::{self, Outcome};
@@ -74,8 +73,9 @@ impl Board {
         if let (Some(siemens), false) = (stats.leak_siemens, self.leaks) {
             self.leaks = true;
             log::warn!(
-                "a leak of about {:.2}: readings are less certain by what it does to them; look for {LEAKS}",
-                Ohm(1.0 / siemens)
+                "a leak of about {:.2}: readings are less certain by what it does to them; {}",
+                Ohm(1.0 / siemens),
+                Suspect::Leak.look()
             );
         }
     }
@@ -142,7 +142,7 @@ pub fn stats(told: &Told, config: &Config, uptime: Nanos) -> impl FnMut(&mut Obj
             }
         });
         if let Some(suspect) = stats.suspect {
-            object.text("hint", suspect.as_str());
+            object.text("hint", &suspect.to_string());
         }
         object.number("leak_ohm", stats.leak_siemens.map(|siemens| 1.0 / siemens), 3);
         object.integer("retried", stats.retried);

@@ -18,7 +18,6 @@
 mod calls;
 mod plan;
 
-use crate::circuit::Kind;
 use crate::estimate::Estimator;
 use crate::estimate::leak::LeakTest;
 use crate::estimate::offset::{Offset, SplitCalibration};
@@ -118,12 +117,7 @@ impl Cycle {
             memory: vec![Memory::default(); settings.channels.len()],
             calls: CallGate::default(),
             leak: LeakTest::default(),
-            diagnosis: Diagnosis::new(
-                settings.r_ohm(),
-                settings.kind == Kind::SeriesCalibration,
-                nodes,
-                settings.nominal.as_ns(),
-            ),
+            diagnosis: Diagnosis::new(settings.board()),
             step: Step::Start,
             retries: 0,
             calibrations: 0,

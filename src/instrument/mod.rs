@@ -6,6 +6,7 @@
 pub mod cycle;
 pub mod diagnosis;
 pub mod discharge;
+pub mod limits;
 pub mod settings;
 pub mod stats;
 

@@ -2,6 +2,7 @@
 
 use crate::circuit::{Kind, Node};
 use crate::estimate::force::Force;
+use crate::instrument::diagnosis::Board;
 use crate::pins::Drives;
 use crate::reading::Method;
 use crate::record::Through;
@@ -84,6 +85,12 @@ impl Settings {
     /// How many nodes the method times.
     pub fn nodes(&self) -> usize {
         self.last().index() + 1
+    }
+
+    /// What is known of the board.
+    pub fn board(&self) -> Board {
+        let nodes = &Node::BOTH[..self.nodes()];
+        Board { kind: self.kind, nodes, r_ohm: self.r_ohm(), nominal_ns: self.nominal.as_ns() }
     }
 
     /// The discharge of R_2.

@@ -59,7 +59,7 @@ pub(crate) fn begin_reading(out: &mut Vec<u8>, reading: &Reading, channel: &str,
         Status::Fault(fault) => {
             object.text("fault", fault.as_str());
             if let Some(suspect) = reading.suspect {
-                object.text("hint", suspect.as_str());
+                object.text("hint", &suspect.to_string());
             }
         }
     }
