@@ -3,9 +3,8 @@
 use super::Config;
 use crate::circuit::Node;
 use crate::config;
-use crate::estimate::force::{Force, Table, TableError};
+use crate::estimate::force::{Table, TableError};
 use crate::instrument::settings::{Channel, OffsetSource, Settings};
-use crate::stream::tape::{Header, TapeChannel, TapeCircuit, TapeForce};
 use crate::units::Nanos;
 
 /// Why a configuration that passes its check still cannot be run.
@@ -29,10 +28,13 @@ impl Config {
     pub fn settings(&self) -> Result<Settings, SettingsError> {
         let config = self;
         let circuit = &config.circuit;
-        let r_ohm = [circuit.r_c1.0, circuit.r_second().0];
         let channels = config.channels.iter().map(|channel| {
-            let force = channel.force.as_ref().map(|force| load_force(config, force, r_ohm)).transpose();
-            let force = force.map_err(|source| SettingsError::Table { id: channel.id.clone(), source })?;
+            let force = channel.force.clone().map(|force| {
+                force
+                    .try_map(|file| Table::load(&config.path(&file)))
+                    .map_err(|source| SettingsError::Table { id: channel.id.clone(), source })
+            });
+            let force = force.transpose()?;
             Ok(Channel { id: channel.id.clone(), zero_ohm: channel.zero_ohm, force })
         });
         Ok(Settings {
@@ -56,42 +58,4 @@ impl Config {
             channels: channels.collect::<Result<_, _>>()?,
         })
     }
-
-    /// The header of what an instrument with this configuration records. An offset that is still to be found is absent.
-    pub fn tape_header(&self, settings: &Settings) -> Header {
-        let config = self;
-        let channel = |channel: &crate::config::Channel| TapeChannel {
-            id: channel.id.clone(),
-            zero_ohm: channel.zero_ohm,
-            force: match channel.force {
-                Some(crate::config::Force::Calibrated { fc1, fc2 }) => {
-                    Some(TapeForce::Pair { fc1_n: fc1.0, fc2_n: fc2.0 })
-                }
-                Some(crate::config::Force::Alpha(alpha)) => Some(TapeForce::Alpha { alpha_n_ohm: alpha.0 }),
-                // A tape gives the ohms; forces by a table or power law are for the configuration to tell.
-                Some(_) | None => None,
-            },
-        };
-        let circuit = TapeCircuit {
-            kind: config.circuit.kind(),
-            r_c1_ohm: config.circuit.r_c1.0,
-            r_c2_ohm: config.circuit.r_c2.0,
-        };
-        let offset_ns = match settings.offset {
-            OffsetSource::Given(d_ns) => Some(d_ns),
-            OffsetSource::Auto => None,
-        };
-        Header::new(circuit, offset_ns, config.channels.iter().map(channel).collect())
-    }
-}
-
-fn load_force(config: &Config, force: &config::Force, r_ohm: [f64; 2]) -> Result<Force, TableError> {
-    Ok(match force {
-        config::Force::Alpha(alpha) => Force::Alpha(alpha.0),
-        config::Force::Calibrated { fc1, fc2 } => Force::Pair { r_ohm, f_n: [fc1.0, fc2.0] },
-        config::Force::PowerLaw { at_1_kohm, exponent } => {
-            Force::Power { scale: at_1_kohm.0 * 1000f64.powf(*exponent), exponent: *exponent }
-        }
-        config::Force::Table(file) => Force::Table(Table::load(&config.path(file))?),
-    })
 }

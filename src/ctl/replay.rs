@@ -9,7 +9,7 @@ use crate::estimate::force::Force;
 use crate::estimate::offset::{Offset, SplitCalibration};
 use crate::reading::{Branch, Fault, Method, Status};
 use crate::record::Through;
-use crate::stream::tape::{Entry, Header, TapeError, TapeForce};
+use crate::stream::tape::{Entry, Header, TapeError};
 use serde::Serialize;
 
 /// What is said about one x discharge.
@@ -185,10 +185,7 @@ fn split_offset(
 
 fn line(estimator: &Estimator, header: &Header, channel: usize, entry: &Entry) -> Estimate {
     let channel = &header.channels[channel];
-    let force = channel.force.as_ref().map(|force| match force {
-        TapeForce::Pair { fc1_n, fc2_n } => Force::Pair { r_ohm: header.r_ohm(), f_n: [*fc1_n, *fc2_n] },
-        TapeForce::Alpha { alpha_n_ohm } => Force::Alpha(*alpha_n_ohm),
-    });
+    let force = channel.force.as_ref().map(Force::from);
     let status = estimator.status(&entry.record, channel.zero_ohm, force.as_ref());
     let mut line = Estimate {
         class: "ESTIMATE",

@@ -185,7 +185,7 @@ impl Daemon {
         };
         let mut server = Server::new(listener, &publish::channels(&loaded.settings), Limits::default())
             .map_err(system("epoll"))?;
-        server.set_tape_header(&publish::header(config, &loaded.settings, None));
+        server.set_tape_header(&publish::header(&loaded.settings, None));
         let measuring = start_measuring(Some(open(config)?), &loaded)?;
         log::info!("serving {} channel(s) on {place}", config.channels.len());
         let watchdog = sd_notify::watchdog_enabled();
@@ -280,7 +280,7 @@ impl Daemon {
     fn announce_tape_header(&mut self) {
         let stats = &self.told.stats;
         let found = stats.offset_is_known.then_some(stats.offset.d_ns);
-        self.server.set_tape_header(&publish::header(&self.loaded.config, &self.loaded.settings, found));
+        self.server.set_tape_header(&publish::header(&self.loaded.settings, found));
     }
 
     /// Reads the configuration again. The service manager waits for the second of two messages: sd_notify(3) on

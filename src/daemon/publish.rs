@@ -12,6 +12,7 @@ use crate::pins::realtime::{self, Outcome};
 use crate::reading::Suspect;
 use crate::reading::{Fault, Reading, Status};
 use crate::stream::server::Server;
+use crate::stream::tape::Header;
 use crate::stream::wire::{ChannelInfo, Object, Unit, UnixTime};
 use crate::units::{Nanos, Ohm};
 
@@ -25,10 +26,8 @@ pub fn channels(settings: &Settings) -> Vec<ChannelInfo> {
 }
 
 /// The header of a tape, as a line; `found`: the latency offset that a calibration has found, ns.
-pub fn header(config: &Config, settings: &Settings, found: Option<f64>) -> String {
-    let mut header = config.tape_header(settings);
-    header.offset_ns = header.offset_ns.or(found);
-    header.to_line() + "\n"
+pub fn header(settings: &Settings, found: Option<f64>) -> String {
+    Header::new(settings, found).to_line() + "\n"
 }
 
 /// What the measuring thread has told about itself.
@@ -90,7 +89,7 @@ pub fn report(server: &mut Server, told: &mut Told, loaded: &Loaded, report: Rep
         }
         Report::Message(Message::Discharge { seq, record }) => {
             if server.wants_raw() {
-                let line = loaded.config.tape_header(&loaded.settings).discharge_line(seq, &record) + "\n";
+                let line = Header::new(&loaded.settings, None).discharge_line(seq, &record) + "\n";
                 server.publish_raw(record.through.channel(), record.start, &line);
             }
         }

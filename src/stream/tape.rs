@@ -11,9 +11,11 @@
 //! ```
 
 use crate::circuit::Kind;
+use crate::estimate::force::Force;
 use crate::estimate::offset;
+use crate::instrument::settings::{Channel, OffsetSource, Settings};
 use crate::record::{Record, Switch, Through};
-use crate::units::Nanos;
+use crate::units::{Nanos, Newton, NewtonOhm};
 use serde::{Deserialize, Serialize};
 
 /// The protocol that this release writes; a tape of another major version is refused.
@@ -74,7 +76,7 @@ fn is_zero(value: &f64) -> bool {
     *value == 0.0
 }
 
-/// The characteristic of a sensor on a tape.
+/// The shape of a [`Force`] on a tape.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(
     untagged,
@@ -162,9 +164,25 @@ pub struct Entry {
 }
 
 impl Header {
-    /// A header of this release's protocol. `offset_ns`: `None` while it is not known.
-    pub fn new(circuit: TapeCircuit, offset_ns: Option<f64>, channels: Vec<TapeChannel>) -> Header {
-        Header { class: HeaderClass::Tape, proto_major: PROTO_MAJOR, circuit, offset_ns, channels }
+    /// Of what an instrument with these settings records. `found_ns`: the latency offset where it had to be found, and has
+    /// been.
+    pub fn new(settings: &Settings, found_ns: Option<f64>) -> Header {
+        let [r_c1_ohm, r_c2_ohm] = settings.r_c_ohm;
+        let channel = |channel: &Channel| TapeChannel {
+            id: channel.id.clone(),
+            zero_ohm: channel.zero_ohm,
+            force: channel.force.as_ref().and_then(TapeForce::of),
+        };
+        Header {
+            class: HeaderClass::Tape,
+            proto_major: PROTO_MAJOR,
+            circuit: TapeCircuit { kind: settings.kind, r_c1_ohm, r_c2_ohm },
+            offset_ns: match settings.offset {
+                OffsetSource::Given(d_ns) => Some(d_ns),
+                OffsetSource::Auto => found_ns,
+            },
+            channels: settings.channels.iter().map(channel).collect(),
+        }
     }
 
     /// As a line, without its end.
@@ -289,6 +307,26 @@ impl Header {
             _ => return Err("\"c12\" exists only in a circuit with series calibration".to_owned()),
         };
         Ok(through)
+    }
+}
+
+impl TapeForce {
+    /// A tape gives the ohms; forces by a table or a power law are for the configuration to tell.
+    fn of(force: &Force) -> Option<TapeForce> {
+        match force {
+            Force::Calibrated { fc1, fc2 } => Some(TapeForce::Pair { fc1_n: fc1.0, fc2_n: fc2.0 }),
+            Force::Alpha(alpha) => Some(TapeForce::Alpha { alpha_n_ohm: alpha.0 }),
+            Force::PowerLaw { .. } | Force::Table(_) => None,
+        }
+    }
+}
+
+impl From<&TapeForce> for Force {
+    fn from(force: &TapeForce) -> Force {
+        match *force {
+            TapeForce::Pair { fc1_n, fc2_n } => Force::Calibrated { fc1: Newton(fc1_n), fc2: Newton(fc2_n) },
+            TapeForce::Alpha { alpha_n_ohm } => Force::Alpha(NewtonOhm(alpha_n_ohm)),
+        }
     }
 }
 

@@ -10,7 +10,7 @@ use cermd::instrument::discharge::{Plan, run};
 use cermd::pins::sim::{Scene, Sensor, SimPins};
 use cermd::reading::Measured;
 use cermd::record::{Record, Through};
-use cermd::units::{Farad, Nanos, Ohm};
+use cermd::units::{Farad, Nanos, Newton, Ohm};
 use proptest::prelude::*;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
@@ -243,9 +243,9 @@ proptest! {
         let full = Times { c1, c2, x, switch: None, beside: None, d };
         let split = Times { x: [None, Some(switched)], switch: Some(Switched { at, on: at }), ..full };
         let f_n = [alpha / R_C1, alpha / R_C2];
-        let pair = Force::Pair { r_ohm: [R_C1, R_C2], f_n };
+        let pair = Force::Calibrated { fc1: Newton(f_n[0]), fc2: Newton(f_n[1]) };
         let force = |ratio: f64| {
-            pair.at(Measured { value: R_C1 + ratio * (R_C2 - R_C1), u: None }).unwrap().value
+            pair.at(Measured { value: R_C1 + ratio * (R_C2 - R_C1), u: None }, [R_C1, R_C2]).unwrap().value
         };
         let direct = full.x.map(|crossing| crossing.unwrap() - d);
         for (found, printed) in [

@@ -73,7 +73,8 @@ impl Estimator {
         if let Err(fault) = self.check_paths() {
             return Status::Fault(fault);
         }
-        let at_bound = |r_ohm: f64| force.and_then(|force| force.at_bound(r_ohm));
+        let known = [self.r1_ohm, self.r2_ohm];
+        let at_bound = |r_ohm: f64| force.and_then(|force| force.at_bound(r_ohm, known));
         let open = |r_ohm: f64| {
             let r_min_ohm = (r_ohm - zero_ohm).max(0.0);
             Status::Open { r_min_ohm, f_max_n: at_bound(r_min_ohm) }
@@ -119,7 +120,11 @@ impl Estimator {
                 Status::Short { r_max_ohm, f_min_n: at_bound(r_max_ohm) }
             }
             None if r_ohm.value <= 0.0 => Status::Fault(Fault::Implausible),
-            _ => Status::Ok { branch: estimate.branch, r_ohm, f_n: force.and_then(|force| force.at(r_ohm)) },
+            _ => Status::Ok {
+                branch: estimate.branch,
+                r_ohm,
+                f_n: force.and_then(|force| force.at(r_ohm, known)),
+            },
         }
     }
 }
