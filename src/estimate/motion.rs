@@ -17,23 +17,9 @@
 //! two stretches of one discharge give a slope each time, which no rhythm of readings can hide, and for a hand that
 //! trembles about a mean the root mean squares of value, slope and bend belong together as z'' = z'²/z.
 
+use crate::estimate::limits::{APART, BEYOND_NOISE, MOTION_POINTS, OPEN_LN, STATED, SUDDEN, UNSETTLED};
 use crate::reading::Fault;
 use crate::units::Nanos;
-
-/// Readings that are remembered.
-const POINTS: usize = 6;
-/// A reading whose predicted error is a larger share of it is no number.
-const LIMIT: f64 = 0.01;
-/// Noise does not reach so many sigma.
-const GATE: f64 = 5.0;
-/// But a predicted error below so many sigma is stated: the number is hardly worse for it.
-const NOISE: f64 = 3.0;
-/// What is so many times faster than everything before it was not to be expected.
-const SUDDEN: f64 = 3.0;
-/// How far above its lower bound an open sensor is taken to be, in ln, give or take as much.
-const OPEN: f64 = 0.7;
-/// Stretches that differ by a smaller share of the longer one tell no slope.
-const APART: f64 = 0.2;
 
 /// What a discharge tells of R_x, and when it was so. Times in ns since the start.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -96,7 +82,7 @@ impl Evidence {
         let between_ns = (end_ns[1] - end_ns[0]) / 2.0;
         let is_apart = 2.0 * between_ns.abs() > APART * end_ns[0].max(end_ns[1]);
         // Not `>`: what cannot be compared is no agreement.
-        let agrees = u_ohm.is_none_or(|u_ohm| (r_ohm[1] - r_ohm[0]).abs() <= GATE * u_ohm);
+        let agrees = u_ohm.is_none_or(|u_ohm| (r_ohm[1] - r_ohm[0]).abs() <= BEYOND_NOISE * u_ohm);
         let apart_s = is_apart.then_some(1e-9 * between_ns);
         Evidence {
             at_ns,
@@ -149,7 +135,7 @@ impl Point {
 /// The last readings of a sensor.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct Motion {
-    points: [Point; POINTS],
+    points: [Point; MOTION_POINTS],
     count: usize,
     unsettled: bool,
 }
@@ -190,12 +176,12 @@ impl Motion {
         self.forget_what_is_gone(&point);
         let is_sudden = self.is_sudden(&point);
         let hidden = if is_sudden { self.hidden(&point, pair) } else { 0.0 };
-        if hidden > LIMIT.max(NOISE * point.u) {
+        if hidden > UNSETTLED.max(STATED * point.u) {
             point.trust = Trust::Sudden;
         }
         self.push(point);
         let error = self.error(evidence, is_sudden).hypot(hidden);
-        self.unsettled = error > LIMIT.max(NOISE * point.u);
+        self.unsettled = error > UNSETTLED.max(STATED * point.u);
         if self.unsettled { Err(Fault::Unsettled) } else { Ok(error * all_ohm) }
     }
 
@@ -205,7 +191,7 @@ impl Motion {
         self.push(Point {
             at,
             z: (2.0 * r_min_ohm.max(1e-3)).ln(),
-            u: OPEN,
+            u: OPEN_LN,
             slope: None,
             trust: Trust::Sound,
         });
@@ -235,7 +221,7 @@ impl Motion {
     }
 
     fn push(&mut self, point: Point) {
-        if self.count == POINTS {
+        if self.count == MOTION_POINTS {
             self.points.rotate_left(1);
             self.count -= 1;
         }
@@ -264,8 +250,8 @@ impl Motion {
     fn forget_what_is_gone(&mut self, point: &Point) {
         let Some(rest) = self.points().iter().rposition(|point| point.trust != Trust::Sudden) else { return };
         let before = self.points[rest];
-        let is_known = before.trust == Trust::Sound && before.u < OPEN;
-        if is_known && (point.z - before.z).abs() <= GATE * point.u.hypot(before.u) {
+        let is_known = before.trust == Trust::Sound && before.u < OPEN_LN;
+        if is_known && (point.z - before.z).abs() <= BEYOND_NOISE * point.u.hypot(before.u) {
             self.count = rest + 1;
         }
     }
@@ -301,7 +287,7 @@ impl Motion {
     fn is_late_stamp(&self, pair: Pair) -> bool {
         let Some(last) = self.sound().next_back() else { return true };
         // Whatever is below what an open sensor has at least is early.
-        let doubt = (GATE * pair.u_ohm.hypot(last.u)).min(OPEN);
+        let doubt = (BEYOND_NOISE * pair.u_ohm.hypot(last.u)).min(OPEN_LN);
         let [a, b] = pair.r_ohm;
         let is_early = a.min(b) < last.z - doubt;
         let rises = b > a && a > last.z + doubt;
@@ -313,7 +299,8 @@ impl Motion {
         let Some(last) = self.sound().next_back() else { return false };
         let slopes = self.slopes().map(|[slope, u]| slope.abs() - 3.0 * u);
         let speed = second_greatest(self.speeds().map(f64::abs)).max(second_greatest(slopes));
-        let expected = SUDDEN * speed * (point.at - last.at).as_seconds() + GATE * point.u.hypot(last.u);
+        let expected =
+            SUDDEN * speed * (point.at - last.at).as_seconds() + BEYOND_NOISE * point.u.hypot(last.u);
         (point.z - last.z).abs() > expected
     }
 

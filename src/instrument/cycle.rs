@@ -23,6 +23,9 @@ use crate::estimate::leak::LeakTest;
 use crate::estimate::offset::{Offset, SplitCalibration};
 use crate::instrument::diagnosis::Diagnosis;
 use crate::instrument::discharge::{Outcome, Plan};
+use crate::instrument::limits::{
+    CALIBRATIONS_PER_CYCLE, FOLLOW_EVERY, MOST_CALIBRATIONS, MOST_OF_SENSOR, RETRIES, ROUNDS, WINDOW,
+};
 use crate::instrument::settings::{OffsetSource, Settings};
 use crate::instrument::stats::Stats;
 use crate::reading::{Branch, Fault, Reading, Status};
@@ -31,22 +34,6 @@ use crate::record::{Record, Through};
 use crate::units::Nanos;
 use calls::CallGate;
 use plan::Memory;
-
-/// A calibration discharge that came to nothing is taken again so many times, and a sensor's whose calls were interrupted.
-const RETRIES: u32 = 2;
-/// Discharges of one sensor in one cycle at the most.
-const MOST_OF_SENSOR: u32 = RETRIES + 1;
-/// Calibration discharges of one cycle at the most: of each kind, each of them taken again.
-const MOST_CALIBRATIONS: u32 = 3 * (RETRIES + 1);
-/// Rounds of split calibration after which the offset is put in force; from then on each round betters it at once.
-const ROUNDS: usize = 64;
-/// Rounds that the offset is the mean of, when there have been that many.
-const WINDOW: usize = 8 * ROUNDS;
-/// Once the offset is known well enough, one cycle in so many has a split discharge.
-const FOLLOW_EVERY: u64 = 8;
-/// Calibration discharges in one cycle of a tracked calibration at the most: more would take longer than the readings
-/// that they improve.
-const CALIBRATIONS_PER_CYCLE: u32 = 1;
 
 /// The longest that the share of one reading in a cycle can take, whatever is connected: every discharge taken as often as it
 /// may be, each of them drained, charged, waited for until its deadline, and finished through R_1 until another. What the

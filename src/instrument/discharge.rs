@@ -7,6 +7,7 @@
 mod run;
 
 use crate::circuit::Node;
+use crate::instrument::limits::LONGEST_PAUSE;
 #[cfg(doc)]
 use crate::pins::Pins;
 use crate::pins::{Armed, Bracket, Drives, Edge, Levels, later};
@@ -116,10 +117,6 @@ pub enum Event {
     /// The levels.
     Levels(Levels),
 }
-
-/// A charge that has been left alone for so much longer than was planned leaks away unlike the others. No call takes so
-/// long, only a preemption does.
-const LONGEST_PAUSE: Nanos = Nanos(2_000_000);
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Phase {

@@ -11,15 +11,13 @@ pub mod settings;
 pub mod stats;
 
 use crate::instrument::cycle::{Cycle, Next};
+use crate::instrument::limits::NAP;
 use crate::instrument::settings::Settings;
 use crate::instrument::stats::Stats;
 use crate::pins::{Drives, Pins, PinsError};
 use crate::reading::{Fault, Reading};
 use crate::record::Record;
 use crate::units::Nanos;
-
-/// The longest sleep of one step while waiting for the next cycle, so that the caller can tell its counters in between.
-const NAP: Nanos = Nanos(100_000_000);
 
 /// What comes out of the instrument.
 #[derive(Debug, Clone, Copy, PartialEq)]

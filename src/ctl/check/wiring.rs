@@ -6,7 +6,7 @@
 use super::info;
 use crate::circuit::{Kind, Node};
 use crate::config::{Config, Finding};
-use crate::estimate::leak;
+use crate::estimate::{leak, limits};
 use crate::instrument::diagnosis::Board;
 use crate::instrument::discharge::{self, Plan};
 use crate::pins::{Drives, Levels, Pins, PinsError};
@@ -177,7 +177,7 @@ impl<P: Pins> Bench<'_, P> {
                 let record = self.held_discharge(Through::C1, Nanos::from_seconds(timeout), hold)?;
                 Ok(record.ok().and_then(|record| record.a_ns))
             };
-            if let (Some(usual), Some(held)) = (fall(Nanos::ZERO)?, fall(leak::HOLD)?) {
+            if let (Some(usual), Some(held)) = (fall(Nanos::ZERO)?, fall(limits::LEAK_HOLD)?) {
                 siemens.push(leak::siemens_by(usual - held, r.0));
             }
         }

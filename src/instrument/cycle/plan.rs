@@ -10,22 +10,11 @@ use crate::estimate::law::State;
 use crate::estimate::method::Switching;
 use crate::estimate::motion::Motion;
 use crate::estimate::tracker::quadratic;
+use crate::instrument::limits::{
+    CALIBRATION_SHARE, HYSTERESIS, LONGEST_IDLE, OFFSET_SHARE, OUTLIERS_OF_DOUBT, SWITCH_FRACTIONS,
+};
 use crate::record::Switch;
 use crate::units::Nanos;
-
-/// The branch that is not in use must promise so much less variance, or the one in use stays: no chatter.
-const HYSTERESIS: f64 = 0.8;
-/// A calibration discharge pays when the calibration makes more than this share of a reading's variance.
-const SHARE: f64 = 0.15;
-/// A split discharge pays in each cycle while the offset makes more than this share of a switched reading's variance. Its
-/// error is the same in all readings: it is a tenth of the noise of one, and as much as the noise of a mean of a hundred.
-const OFFSET_SHARE: f64 = 0.01;
-/// So many cycles without a calibration discharge are too many: a drift would not be seen.
-const LONGEST_IDLE: u32 = 16;
-/// So many outliers in a row are no spikes: the calibration may be wrong, and is looked at in each cycle.
-const DOUBT: u32 = 2;
-/// Where a switch is considered, as fractions of the time in which the last node crosses.
-const FRACTIONS: [f64; 6] = [0.2, 0.35, 0.5, 0.65, 0.8, 0.9];
 
 /// What is remembered of a channel for the plan of its next discharge.
 #[derive(Debug, Clone, Copy, Default)]
@@ -99,7 +88,7 @@ impl Cycle {
     /// R_1 after a pause in which a leak would show.
     pub(super) fn held_plan(&self) -> Plan {
         let plan = self.calibration_plan(CalibrationKind::First);
-        Plan { settle: plan.settle + crate::estimate::leak::HOLD, ..plan }
+        Plan { settle: plan.settle + crate::estimate::limits::LEAK_HOLD, ..plan }
     }
 
     pub(super) fn sensor_plan(&self, channel: usize) -> Plan {
@@ -200,7 +189,8 @@ impl Cycle {
             let switch = Switch { at_ns, on_ns: at_ns, to: self.settings.second() };
             Some((at_ns, self.estimator.predict_tracked(r_ohm, Some(switch), memory.u_switch_ns)?.variance))
         };
-        let (at_ns, inferred) = FRACTIONS.into_iter().filter_map(at).min_by(|a, b| a.1.total_cmp(&b.1))?;
+        let (at_ns, inferred) =
+            SWITCH_FRACTIONS.into_iter().filter_map(at).min_by(|a, b| a.1.total_cmp(&b.1))?;
         (prefers_inferred(memory.inferred, full, inferred) && at_ns >= 1.0).then_some(Nanos(at_ns as i64))
     }
 
@@ -217,10 +207,11 @@ impl Cycle {
             .filter_map(|memory| memory.dependence)
             .max_by(|a, b| share(a).total_cmp(&share(b)));
         let (by_state, is_due) = match worst {
-            Some(worst) => (worst.0, share(&worst) > SHARE),
+            Some(worst) => (worst.0, share(&worst) > CALIBRATION_SHARE),
             None => (self.estimator.predict_tracked(self.settings.r_ohm()[0], None, 0.0)?.by_state, false),
         };
-        let is_doubted = tracker.is_doubted() || self.memory.iter().any(|memory| memory.outliers >= DOUBT);
+        let is_doubted =
+            tracker.is_doubted() || self.memory.iter().any(|memory| memory.outliers >= OUTLIERS_OF_DOUBT);
         if !is_due && !is_doubted && self.idle_cycles < LONGEST_IDLE {
             return None;
         }
