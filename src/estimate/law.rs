@@ -1,8 +1,5 @@
 //! When a node crosses, as a function of everything that it depends on.
 //!
-//! For: the crossing times of one discharge, with their partial derivatives, for tracking a calibration and for
-//! estimating by least squares. Must not know: voltages, capacitors, noise.
-//!
 //! A discharge through R (and from a switch on through N) advances by t/(R+Ro) in the time t; a node crosses when the
 //! sum reaches its g:
 //!

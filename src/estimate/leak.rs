@@ -1,8 +1,5 @@
 //! Leakage, by discharges that were held back.
 //!
-//! For: telling a leak from other capacitors, which discharges through two known resistors cannot. Must not know: how
-//! discharges are taken.
-//!
 //! While everything floats for the time h, a leak of conductance G takes G h off the way to the threshold. The discharge
 //! through R_1 that follows is shorter by G h (R_1+Ro) than one that begins at once. Nothing else does that but a dielectric
 //! that goes on taking charge in, as that of X7R does. A pull-up does nothing then, since the nodes are at V_DD already: it

@@ -1,8 +1,5 @@
 //! A sensor that changes while it is read: when a reading is right, by how much it is off, and what a contradiction means.
 //!
-//! For: an uncertainty that holds for a moving hand, and `unsettled` where no number does. Must not know: crossings,
-//! methods, or which discharges are taken.
-//!
 //! A discharge counts progress, so each crossing tells the *mean conductance* y = 1/(R_x+Ro) over its stretch of the
 //! discharge, from the start to that crossing (or to the switch, if that came first). While y changes steadily this mean
 //! is y in the middle of the stretch, and a weighted sum of two of them is y at the weighted mean of the middles: the

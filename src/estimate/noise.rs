@@ -1,7 +1,5 @@
 //! How noisy a crossing is, learned from the spread of the calibration discharges.
 //!
-//! For: the covariance of the two crossings of any discharge. Must not know: methods, or what time it is.
-//!
 //! A crossing is uncertain by a part that does not depend on the resistor (latency jitter, quantisation: eq. (4)) and
 //! a part proportional to it (trigger noise: eq. (7)), hence to the time T that the discharge takes:
 //!

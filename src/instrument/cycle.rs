@@ -1,8 +1,5 @@
 //! Which discharges a reading needs, in which order, and what each of them is planned to do.
 //!
-//! For: the calibration discharges, the split ones by which the offset is found, one x discharge per channel. Must not
-//! know: pins, clocks, clients.
-//!
 //! All channels share one pair of capacitors and one calibration. With a calibration of its own for each reading, a cycle
 //! is
 //!

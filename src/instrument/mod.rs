@@ -1,7 +1,8 @@
 //! Pins and cycle put together: the measuring loop, one step at a time.
 //!
-//! For: the daemon's measuring thread, and tests in virtual time. Must not know: threads, clients, signals. A step
-//! allocates nothing, but to report an error of the pins.
+//! For: which discharges in which order, each of them step by step, and what is wrong with the board; the daemon's measuring
+//! thread runs it, tests do in virtual time. Must not know: files, threads, clients. A step allocates nothing, but to report an
+//! error of the pins.
 
 pub mod cycle;
 pub mod diagnosis;

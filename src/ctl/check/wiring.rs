@@ -64,22 +64,19 @@ impl<P: Pins> Bench<'_, P> {
             _ => Through::C2,
         };
         let c1 = self.calibration(Through::C1)?;
+        // If nothing fell, the other resistor tells whether it is the resistor's wire or a node.
         let falls = c1.is_some_and(|record| record.crossings().iter().any(Option::is_some));
-        if falls && !self.stays_discharged()? {
+        if falls && (self.is_suspect(c1, None) || !self.stays_discharged()?) {
             return Ok(());
         }
         let c2 = self.calibration(second)?;
-        if let Some(suspect) =
-            self.board().suspect([c1, c2].map(|record| record.map(|record| record.crossings())))
-        {
-            let times = format!("through Rc1: {}; through {}: {}", times(c1), second_name(second), times(c2));
-            self.suspect(suspect, &format!("{} ({times})", suspect.seen()));
+        if self.is_suspect(c1, c2) {
             return Ok(());
         }
         let (Some(c1), Some(c2)) = (c1, c2) else { return Ok(()) };
         self.resistors(&c1, &c2);
         self.times(&c1, "Rc1", self.config.circuit.r_c1);
-        self.times(&c2, second_name(second), self.config.circuit.r_second());
+        self.times(&c2, self.config.circuit.kind().second(), self.config.circuit.r_second());
         self.leak()?;
         for channel in 0..self.config.channels.len() {
             self.sensor(channel, &c1, &c2)?;
@@ -106,6 +103,19 @@ impl<P: Pins> Bench<'_, P> {
             r_ohm: [circuit.r_c1.0, circuit.r_second().0],
             nominal_ns: nominal.0 * 1e9,
         }
+    }
+
+    /// Whether the discharges through known resistors show what is wrong with the board.
+    fn is_suspect(&mut self, c1: Option<Record>, c2: Option<Record>) -> bool {
+        let known = [c1, c2].map(|record| record.map(|record| record.crossings()));
+        let Some(suspect) = self.board().suspect(known) else { return false };
+        let names = ["Rc1", self.config.circuit.kind().second()];
+        let taken =
+            names.iter().zip([c1, c2]).filter_map(|(name, record)| record.map(|record| (name, record)));
+        let taken: Vec<String> =
+            taken.map(|(name, record)| format!("{} through {name}", times(&record))).collect();
+        self.suspect(suspect, &format!("{} ({})", suspect.seen(), taken.join("; ")));
+        true
     }
 
     /// An error that the rules for boards have found.
@@ -216,7 +226,7 @@ impl<P: Pins> Bench<'_, P> {
     fn calibration(&mut self, through: Through) -> Result<Option<Record>, PinsError> {
         let (key, name) = match through {
             Through::C1 => ("gpio.sink-c1", "Rc1"),
-            second => ("gpio.sink-c2", second_name(second)),
+            _ => ("gpio.sink-c2", self.config.circuit.kind().second()),
         };
         let timeout = PATIENCE * self.config.discharge(self.config.circuit.r_second()).0;
         let result = self.discharge(through, Nanos::from_seconds(timeout))?;
@@ -263,7 +273,7 @@ impl<P: Pins> Bench<'_, P> {
                 "Rc1 and Rc2 measured again; another path to ground",
             ));
         }
-        let [first, second] = [c1, c2].map(|record| times(Some(*record)));
+        let [first, second] = [c1, c2].map(times);
         self.findings.push(info(
             "wiring",
             format!("the nodes charge, hold, and fall in order: {first} through Rc1, {second} through Rc2"),
@@ -315,14 +325,10 @@ fn key(suspect: Suspect) -> &'static str {
 }
 
 /// The crossings of a discharge.
-fn times(record: Option<Record>) -> String {
-    let crossings = record.into_iter().flat_map(|record| record.crossings()).flatten();
+fn times(record: &Record) -> String {
+    let crossings = record.crossings().into_iter().flatten();
     let times: Vec<String> = crossings.map(|ns| format!("{:.3}", Seconds(ns * 1e-9))).collect();
     if times.is_empty() { "nothing".to_owned() } else { times.join(", ") }
-}
-
-fn second_name(through: Through) -> &'static str {
-    if through == Through::C12 { "Rc1 + Rc2" } else { "Rc2" }
 }
 
 fn fault_reason(fault: Fault, name: &str) -> String {

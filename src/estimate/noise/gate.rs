@@ -1,6 +1,4 @@
-//! How far from what is expected a value may be before it is called a spike.
-//!
-//! For: telling spikes from noise that was taken for too small. Must not know: what is measured.
+//! A gate for spikes that cannot be kept narrow by noise that was taken for too small.
 
 use crate::estimate::limits::{GATE_NARROWER, GATE_WIDER, GATE_WIDEST};
 

@@ -1,6 +1,4 @@
-//! How long the calls take that switch lines.
-//!
-//! For: telling an interrupted call from a usual one. Must not know: what is switched.
+//! How long the calls take that switch lines: an interrupted one is told from a usual one.
 
 use crate::estimate::noise::Gate;
 use crate::instrument::limits::{FIRST_CALLS, LONGER_CALL};

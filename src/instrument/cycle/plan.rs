@@ -1,6 +1,4 @@
-//! What the next discharge is planned to do.
-//!
-//! For: full or switched, and when; which calibration discharge pays. Must not know: what came of it.
+//! What the next discharge is planned to do: full or switched, and when; which calibration discharge pays.
 
 use super::{
     Branch, CalibrationKind, Cycle, Estimator, Fault, Plan, Record, SplitCalibration, Status, Through,
