@@ -2,7 +2,7 @@
 //!
 //! For: the flat table of the file as a [`Circuit`]. Must not know: whether its values make sense.
 
-use crate::circuit::{Circuit, NOMINAL_R_CHARGE, NOMINAL_R_O, NOMINAL_V_DD, NOMINAL_V_TH, Network};
+use crate::circuit::{Circuit, Kind, NOMINAL_R_CHARGE, NOMINAL_R_O, NOMINAL_V_DD, NOMINAL_V_TH, Network};
 use crate::units::{Farad, Ohm, Volt};
 use serde::Deserialize;
 use serde::de::{Deserializer, Error};
@@ -32,14 +32,6 @@ struct Table {
     /// Rp + Ro of a charger, nominal, 1 ohm to 100 Mohm. Default 220 ohm.
     #[serde(default = "r_charge")]
     r_charge: Ohm,
-}
-
-#[derive(Deserialize, Clone, Copy)]
-#[serde(rename_all = "kebab-case")]
-enum Kind {
-    TwoCapacitor,
-    OneCapacitor,
-    SeriesCalibration,
 }
 
 fn v_dd() -> Volt {

@@ -4,7 +4,6 @@
 //! Every value here is meaningful only for a configuration without error findings.
 
 use super::{Calibration, Config, Offset};
-use crate::circuit::Network;
 use crate::circuit::Node;
 use crate::reading::Method;
 use crate::units::{Nanos, Ohm, Seconds};
@@ -19,25 +18,17 @@ const SWITCH_FRACTION: f64 = 0.9;
 impl Config {
     /// The method to use.
     pub fn method(&self) -> Method {
-        self.measure.method.unwrap_or(match self.circuit.network {
-            Network::TwoCapacitor { .. } => Method::Cerm,
-            Network::SeriesCalibration { .. } => Method::Qerm,
-            Network::OneCapacitor { .. } => Method::Tpcm,
-        })
+        self.measure.method.unwrap_or(Method::best(self.circuit.kind()))
     }
 
     /// Whether the calibration is followed instead of taken anew for each reading.
     pub fn is_tracked(&self) -> bool {
-        self.method() == Method::Tracked || self.measure.calibration == Some(Calibration::Tracked)
+        self.method().is_tracked() || self.measure.calibration == Some(Calibration::Tracked)
     }
 
     /// The node whose crossing ends a discharge: B where the method times it.
     pub fn last_node(&self) -> Node {
-        match (self.method(), self.circuit.network) {
-            (Method::Tpcm | Method::Qerm, _) => Node::A,
-            (_, Network::TwoCapacitor { .. }) => Node::B,
-            _ => Node::A,
-        }
+        self.method().rules().last(self.circuit.kind())
     }
 
     /// How long to charge before each discharge.
@@ -64,8 +55,7 @@ impl Config {
 
     /// The latency offset.
     pub fn offset(&self) -> Offset {
-        let needed = matches!(self.method(), Method::Cerm | Method::Qerm);
-        let default = if needed { Offset::Auto } else { Offset::Fixed(Nanos::ZERO) };
+        let default = if self.method().needs_offset() { Offset::Auto } else { Offset::Fixed(Nanos::ZERO) };
         self.measure.offset.unwrap_or(default)
     }
 

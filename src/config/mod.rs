@@ -21,7 +21,7 @@ pub use check::{Finding, LARGEST_ZERO_OHM, Severity};
 pub use force::Force;
 pub use gpio::{Backend, Gpio, Line};
 pub use report::{Report, report};
-pub use settings::SettingsError;
+pub use settings::{SettingsError, tape_header};
 
 use crate::circuit::Circuit;
 use crate::pins::realtime::Wishes;

@@ -45,8 +45,9 @@ fn figure(method: Method, r_ohm: f64, measure: &str) -> (f64, f64, f64) {
             let record = last.take().filter(|record| ok && record.through.channel().is_some());
             if let Some(record) = record {
                 let estimator = instrument.cycle().estimator();
-                let foreseen = estimator.foresee(r_ohm, record.switch, record.u_switch_ns);
-                bounds.extend(foreseen.map(|foreseen| foreseen.bound));
+                let predicted =
+                    estimator.predict_tracked(r_ohm, record.switch, record.u_switch_ns.unwrap_or(0.0));
+                bounds.extend(predicted.map(|predicted| predicted.bound));
             }
         }
     }

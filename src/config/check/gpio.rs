@@ -2,7 +2,7 @@
 
 use super::Findings;
 use super::channels::key;
-use crate::circuit::Network;
+use crate::circuit::Kind;
 use crate::config::{Backend, Config, Gpio, Line};
 
 pub fn check(config: &Config, findings: &mut Findings) {
@@ -17,7 +17,7 @@ pub fn check(config: &Config, findings: &mut Findings) {
             "the chip's label, such as \"pinctrl-rp1\" (see `cermctl lines`)",
         );
     }
-    let two_nodes = matches!(config.circuit.network, Network::TwoCapacitor { .. });
+    let two_nodes = config.circuit.kind() == Kind::TwoCapacitor;
     missing_lines(&config.gpio, two_nodes, findings);
     chargers(&config.gpio, two_nodes, findings);
     for (index, channel) in config.channels.iter().enumerate() {

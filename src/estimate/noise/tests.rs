@@ -47,8 +47,8 @@ fn both_parts_of_the_noise_are_found() {
 
 #[test]
 fn nothing_is_said_before_the_warm_up() {
-    assert_eq!(learned(2, WARM_UP - 1, false).covariance([1e6, 1e6]), None);
-    assert!(learned(2, WARM_UP, false).covariance([1e6, 1e6]).is_some());
+    assert_eq!(learned(2, NOISE_WARM_UP - 1, false).covariance([1e6, 1e6]), None);
+    assert!(learned(2, NOISE_WARM_UP, false).covariance([1e6, 1e6]).is_some());
 }
 
 #[test]

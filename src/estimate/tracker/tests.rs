@@ -32,21 +32,21 @@ impl Plant {
             }
         };
         let first_ohm = if kind == CalibrationKind::Second { R[1] } else { R[0] };
-        let course = Course { first_ohm, switch: switch.map(|switch| (switch, R[1])) };
-        let late = course.late_ns(&self.state);
+        let route = Route { first_ohm, switch: switch.map(|switch| (switch, R[1])) };
+        let late = route.late_ns(&self.state);
         let [a_ns, b_ns] = [0, 1].map(|node| {
             let mut normal = || -> f64 { StandardNormal.sample(&mut self.rng) };
-            Some(course.crossing(&self.state, node).ns + 1500.0 * normal() + 5e-4 * late[node] * normal())
+            Some(route.crossing(&self.state, node).ns + 1500.0 * normal() + 5e-4 * late[node] * normal())
         });
         Record {
             through,
             start: self.now,
-            second_ns: 0.0,
+            second_ns: None,
             switch,
             a_ns,
             b_ns,
-            u_switch_ns: 100.0,
-            waited_ns: 0.0,
+            u_switch_ns: Some(100.0),
+            waited_ns: None,
         }
     }
 
