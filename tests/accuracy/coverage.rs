@@ -3,10 +3,10 @@
 //! Per scene, method and decade of R, 100 instruments with seeds of their own read a resistor of their own 100 times
 //! each, so that what is constant for one instrument (its offset, the phase of a common clock) varies over the sample.
 
+use crate::common::seed::rng;
 use crate::common::{Bench, Errors, read, settle};
 use cermd::reading::Method;
-use rand::{RngExt, SeedableRng};
-use rand_chacha::ChaCha8Rng;
+use rand::RngExt;
 use std::fmt::Write;
 
 const INSTRUMENTS: u64 = 100;
@@ -19,11 +19,11 @@ const BEFORE: usize = 30;
 fn readings(scene: &str, method: Method, decade: [f64; 2]) -> Errors {
     let mut all = Errors::default();
     for seed in 0..INSTRUMENTS {
-        let mut rng = ChaCha8Rng::seed_from_u64(seed);
-        let r_ohm = decade[0] * (decade[1] / decade[0]).powf(rng.random());
+        let r_ohm = decade[0] * (decade[1] / decade[0]).powf(rng(seed).random());
         let mut instrument = Bench::new(scene, method, r_ohm, seed, "deadline = \"400 ms\"").instrument();
         settle(&mut instrument);
         read(&mut instrument, BEFORE, |_| {});
+        all.next_board();
         read(&mut instrument, READINGS, |reading| all.add(reading, r_ohm));
     }
     all
@@ -44,13 +44,17 @@ fn check(scene: &str) {
             let all = readings(scene, method, decade);
             let upper = if is_quantised(scene, decade) { 1.0 } else { 0.97 };
             let row = format!(
-                "{:6} {:6}+ {:10.3} {:10.3} {:10.3} {:9.2}",
+                "{:6} {:6}+ {:10.3} {:10.3} {:10.3} {:9.2} {:.4} rms/u {:.4}",
                 method.as_str(),
                 decade[0],
                 all.sd(),
                 all.mean_u(),
                 all.coverage(),
-                all.inferred as f64 / all.count() as f64
+                all.inferred as f64 / all.count() as f64,
+                all.within_2u(),
+                all.by_board(|errors, us| errors.iter().zip(us).map(|(e, u)| (e / u).powi(2)).sum::<f64>()
+                    / errors.len() as f64)
+                    .sqrt()
             );
             writeln!(table, "{row}").unwrap();
             let missing = INSTRUMENTS as usize * READINGS - all.count();

@@ -1,6 +1,9 @@
 //! A bench: a scene, a configuration, and the instrument between them, in virtual time.
 #![allow(dead_code)] // Each test program uses its own part.
 
+pub mod chance;
+pub mod seed;
+
 use cermd::config::Config;
 use cermd::instrument::settings::Settings;
 use cermd::instrument::{Instrument, Message};
@@ -9,6 +12,7 @@ use cermd::pins::sim::{Kind, Scene, Sensor, SimPins};
 use cermd::reading::{Method, Reading, Status};
 use cermd::record::Record;
 use cermd::units::{Nanos, Ohm};
+use chance::{Figure, mean_of};
 
 /// What a test runs: a board by name, and what is changed on it and in the configuration.
 #[derive(Debug, Clone)]
@@ -70,7 +74,7 @@ impl Bench {
     /// What an instrument is made of.
     pub fn parts(&self) -> (SimPins, Settings) {
         let config = Config::parse(&self.config, "bench").unwrap();
-        (SimPins::new(&self.scene, Some(self.seed)), config.settings().unwrap())
+        (SimPins::new(&self.scene, Some(seed::seed(self.seed))), config.settings().unwrap())
     }
 }
 
@@ -136,6 +140,10 @@ pub fn records(instrument: &mut Instrument<SimPins>, count: usize) -> Vec<Record
     records
 }
 
+fn mean_square(values: &[f64]) -> f64 {
+    values.iter().map(|value| value * value).sum::<f64>() / values.len() as f64
+}
+
 /// Errors of readings against the truth.
 #[derive(Debug, Clone, Default)]
 pub struct Errors {
@@ -145,9 +153,50 @@ pub struct Errors {
     pub without_u: usize,
     /// States, of faults their names.
     pub not_ok: Vec<&'static str>,
+    /// Where the errors of each board begin.
+    boards: Vec<usize>,
 }
 
 impl Errors {
+    /// What is added from now on is of another board, whose errors have nothing to do with those before.
+    pub fn next_board(&mut self) {
+        self.boards.push(self.errors.len());
+    }
+
+    /// Adds the errors of another board.
+    pub fn add_board(&mut self, board: Errors) {
+        self.next_board();
+        self.errors.extend(board.errors);
+        self.us.extend(board.us);
+        self.not_ok.extend(board.not_ok);
+        self.inferred += board.inferred;
+        self.without_u += board.without_u;
+    }
+
+    /// The mean over boards of something of each, from its errors and its uncertainties.
+    pub fn by_board(&self, of: impl Fn(&[f64], &[f64]) -> f64) -> Figure {
+        let ends = self.boards.iter().skip(1).copied().chain([self.count()]);
+        let boards = self.boards.iter().zip(ends).filter(|(from, to)| *from < to);
+        mean_of(&boards.map(|(&from, to)| of(&self.errors[from..to], &self.us[from..to])).collect::<Vec<_>>())
+    }
+
+    /// The share of readings within two of their own sigma.
+    pub fn within_2u(&self) -> Figure {
+        self.by_board(|errors, us| {
+            let hits = errors.iter().zip(us).filter(|(error, u)| error.abs() <= 2.0 * **u).count();
+            hits as f64 / errors.len() as f64
+        })
+    }
+
+    /// The root mean square error, of what is predicted.
+    pub fn rms_ratio(&self, predicted: f64) -> Figure {
+        self.by_board(|errors, _| mean_square(errors)).sqrt().times(1.0 / predicted)
+    }
+
+    pub fn mean_error(&self) -> Figure {
+        self.by_board(|errors, _| errors.iter().sum::<f64>() / errors.len() as f64)
+    }
+
     pub fn add(&mut self, reading: &Reading, truth: f64) {
         match reading.status {
             Status::Ok { branch, r_ohm, .. } => {
