@@ -3,6 +3,7 @@
 //! Discharges of the `fpga-paper` board; "without clock" and "without noise" switch one of its two sources of error off.
 //! Every bound is four standard errors of a standard deviation from so many discharges, both sides. Seeds are fixed.
 
+use crate::common::seed;
 use cermd::circuit::Node;
 use cermd::estimate::force::Force;
 use cermd::estimate::method::{Times, cerm, tcdic, tpcm};
@@ -12,8 +13,7 @@ use cermd::reading::Measured;
 use cermd::record::{Record, Through};
 use cermd::units::{Farad, Nanos, Ohm};
 use proptest::prelude::*;
-use rand::{RngExt, SeedableRng};
-use rand_chacha::ChaCha8Rng;
+use rand::RngExt;
 
 const DISCHARGES: usize = 4000;
 /// Four standard errors of the standard deviation of so many normal values; of a ratio of two, sqrt(2) times as much.
@@ -73,8 +73,8 @@ fn assert_near(what: &str, found: f64, expected: f64, tolerance: f64) {
 #[test]
 fn quantisation_is_uniform_over_a_cycle_whatever_the_time_eq_4_and_5() {
     for low in [100.0, 400.0, 900.0] {
-        let mut pins = SimPins::new(&Scene { noise: None, ..board() }, Some(SEED));
-        let mut rng = ChaCha8Rng::seed_from_u64(SEED);
+        let mut pins = SimPins::new(&Scene { noise: None, ..board() }, Some(seed::seed(SEED)));
+        let mut rng = seed::rng(SEED);
         let lateness: Vec<f64> = (0..DISCHARGES)
             .map(|_| {
                 pins.connect(0, Sensor::Constant(Ohm(low + 100.0 * rng.random::<f64>())));
@@ -92,7 +92,7 @@ fn quantisation_is_uniform_over_a_cycle_whatever_the_time_eq_4_and_5() {
 #[test]
 fn trigger_noise_is_proportional_to_the_resistance_eq_7_and_8() {
     let c_t = 330e-9 * 22e-9 / 352e-9;
-    let mut pins = SimPins::new(&without_clock(), Some(SEED));
+    let mut pins = SimPins::new(&without_clock(), Some(seed::seed(SEED)));
     for r_x in [1000.0, R_C1, 5000.0, R_C2, 100e3] {
         pins.connect(0, Sensor::Constant(Ohm(r_x)));
         let times: Vec<f64> =
@@ -109,7 +109,7 @@ fn trigger_noise_is_proportional_to_the_resistance_eq_7_and_8() {
 
 /// Many cycles, the x discharge in full or switched at a fraction of T_xA.
 fn cycles(scene: &Scene, r_x: f64, fraction: Option<f64>) -> Vec<Times<f64>> {
-    let mut pins = SimPins::new(scene, Some(SEED));
+    let mut pins = SimPins::new(scene, Some(seed::seed(SEED)));
     pins.connect(0, Sensor::Constant(Ohm(r_x)));
     discharge(&mut pins, Through::X(0), None);
     let t_xa = pins.truth().crossing_ns(Node::A).unwrap();
@@ -226,7 +226,7 @@ fn force_of_eq_27(times: &Times<f64>, [xa, xb]: [f64; 2], [f_c1, f_c2]: [f64; 2]
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { failure_persistence: None, ..ProptestConfig::default() })]
+    #![proptest_config(seed::cases(256))]
 
     #[test]
     fn force_from_times_is_eq_27(

@@ -1,5 +1,6 @@
 //! Circuits at the edge of what the equations allow, and circuits that do not stay what they are.
 
+use crate::common::seed::rng;
 use crate::common::{Errors, read, settle};
 use crate::paper::{self, Noise, Parts, R_O, Times, V_DD};
 use crate::scenario::{Board, ByHand, Scenario, is_true, moments, rms, truth};
@@ -11,7 +12,7 @@ use cermd::pins::sim::scene::DriftScene;
 use cermd::pins::{Armed, Bracket, Drives, Edge, Levels, Pins, PinsError};
 use cermd::reading::{Measured, Method, Status};
 use cermd::units::{Nanos, Volt};
-use rand::{RngExt, SeedableRng};
+use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 use std::fmt::Write;
 
@@ -239,10 +240,7 @@ impl Pins for Restless {
 }
 
 fn restless_errors(board: &Board, method: Method, r_ohm: f64) -> Errors {
-    board.errors_with(method, r_ohm, 20, 100, |inner, seed| Restless {
-        inner,
-        rng: ChaCha8Rng::seed_from_u64(1000 + seed),
-    })
+    board.errors_with(method, r_ohm, 20, 100, |inner, seed| Restless { inner, rng: rng(1000 + seed) })
 }
 
 pub fn restless_supply() -> Scenario {

@@ -1,8 +1,6 @@
 //! Made-up crossings whose noise is known.
 
 use super::*;
-use rand::SeedableRng;
-use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 
 const LATENCY: f64 = 1500.0;
@@ -10,7 +8,7 @@ const TRIGGER: f64 = 4e-4;
 
 /// Times with shared start jitter, latency jitter and trigger noise, a slow drift and some spikes.
 fn learned(seed: u64, count: usize, spikes: bool) -> Noise {
-    let mut rng = ChaCha8Rng::seed_from_u64(seed);
+    let mut rng = crate::seed::rng(seed);
     let mut normal = move || -> f64 { StandardNormal.sample(&mut rng) };
     let mut noise = Noise::new(1.0);
     for round in 0..count {
@@ -80,7 +78,7 @@ const C2: [f64; 2] = [6.2e6, 7.4e6];
 /// Each crossing late by itself by `own_ns` and `own` of its time, both together by `start_ns` and, as after a charge to another
 /// voltage, by `charge` of their times.
 fn with_shared(seed: u64, count: usize, own_ns: f64, own: f64, start_ns: f64, charge: f64) -> Noise {
-    let mut rng = ChaCha8Rng::seed_from_u64(seed);
+    let mut rng = crate::seed::rng(seed);
     let mut normal = move || -> f64 { StandardNormal.sample(&mut rng) };
     let mut noise = Noise::new(1.0);
     let mut crossings = |times: [f64; 2]| {

@@ -2,7 +2,6 @@
 
 use super::*;
 use crate::record::Switch;
-use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 
@@ -17,7 +16,7 @@ struct Plant {
 
 impl Plant {
     fn new(seed: u64) -> Plant {
-        Plant { rng: ChaCha8Rng::seed_from_u64(seed), state: TRUTH, now: Nanos::ZERO }
+        Plant { rng: crate::seed::rng(seed), state: TRUTH, now: Nanos::ZERO }
     }
 
     /// A calibration discharge, every 30 ms; jitter 1.5 us and trigger noise of both nodes.

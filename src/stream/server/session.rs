@@ -364,6 +364,8 @@ mod tests {
     }
 
     proptest! {
+        #![proptest_config(crate::seed::cases(256))]
+
         /// However little the kernel takes at a time: whole lines in order, and received + lost = published.
         #[test]
         fn every_reading_is_received_or_counted(

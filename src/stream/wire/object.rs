@@ -176,6 +176,8 @@ mod tests {
     }
 
     proptest! {
+        #![proptest_config(crate::seed::cases(256))]
+
         /// As if it were rounded, read and printed again.
         #[test]
         fn a_number_is_the_one_that_rounding_gives(value in -1e12f64..1e12, scale in -30i32..30, digits in 1usize..12) {

@@ -1,6 +1,6 @@
 //! Two sensors on one board, charges of any length, and wake-ups that come late.
 
-use crate::common::{Bench, Errors};
+use crate::common::{Bench, Errors, seed};
 use cermd::circuit::Node;
 use cermd::config::Config;
 use cermd::instrument::{Instrument, Message};
@@ -8,7 +8,6 @@ use cermd::pins::sim::{Scene, Sensor, SimPins};
 use cermd::pins::{Armed, Bracket, Drives, Edge, Levels, Pins, PinsError};
 use cermd::reading::{Method, Reading};
 use cermd::units::{Nanos, Ohm, Seconds};
-use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, Normal};
 
@@ -126,8 +125,8 @@ impl Board {
     fn pins(self, sensors: &[f64], seed: u64) -> Late {
         let scene = quiet(Bench::new("pi4", self.method, self.r_ohm, seed, "").scene);
         let sensors = sensors.iter().map(|r_ohm| Sensor::Constant(Ohm(*r_ohm))).collect();
-        let pins = SimPins::new(&scene.with_sensors(sensors).unwrap(), Some(seed));
-        Late { pins, rng: ChaCha8Rng::seed_from_u64(seed) }
+        let pins = SimPins::new(&scene.with_sensors(sensors).unwrap(), Some(seed::seed(seed)));
+        Late { pins, rng: seed::rng(seed) }
     }
 
     /// Readings of the second channel, after those of another resistance on the first.
