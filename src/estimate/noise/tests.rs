@@ -95,9 +95,14 @@ fn with_shared(seed: u64, count: usize, own_ns: f64, own: f64, start_ns: f64, ch
 #[test]
 fn what_a_charge_does_to_both_crossings_goes_by_their_times() {
     let (own_ns, own, start_ns, charge) = (300.0, 1e-4, 500.0, 5e-4);
-    let noise = with_shared(4, 4000, own_ns, own, start_ns, charge);
+    // One of them is off by a tenth now and then, where it extrapolates.
+    let noises: Vec<Noise> =
+        (0..20).map(|seed| with_shared(seed, 4000, own_ns, own, start_ns, charge)).collect();
     for [a_ns, b_ns] in [[1e5, 1.2e5], C1, [3e6, 3.6e6], C2, [20e6, 24e6]] {
-        let found = noise.covariance([a_ns, b_ns]).unwrap();
+        let found: Vec<Covariance> =
+            noises.iter().map(|noise| noise.covariance([a_ns, b_ns]).unwrap()).collect();
+        let mean = |of: fn(&Covariance) -> f64| found.iter().map(of).sum::<f64>() / found.len() as f64;
+        let found = Covariance { aa: mean(|one| one.aa), bb: mean(|one| one.bb), ab: mean(|one| one.ab) };
         let shared = |one: f64, other: f64| start_ns.powi(2) + charge.powi(2) * one * other;
         let alone = |t: f64| own_ns.powi(2) + (own * t).powi(2);
         let truth = Covariance {
