@@ -18,6 +18,8 @@ pub const WITHIN_2U: f64 = 0.954_499_736;
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Figure {
     pub value: f64,
+    /// Its standard error.
+    pub u: f64,
     pub margin: f64,
 }
 
@@ -33,17 +35,21 @@ impl Figure {
     }
 
     pub fn times(self, factor: f64) -> Figure {
-        Figure { value: factor * self.value, margin: factor.abs() * self.margin }
+        Figure { value: factor * self.value, u: factor.abs() * self.u, margin: factor.abs() * self.margin }
     }
 
     /// Less another one that has nothing to do with it.
     pub fn less(self, other: Figure) -> Figure {
-        Figure { value: self.value - other.value, margin: self.margin.hypot(other.margin) }
+        Figure {
+            value: self.value - other.value,
+            u: self.u.hypot(other.u),
+            margin: self.margin.hypot(other.margin),
+        }
     }
 
     pub fn sqrt(self) -> Figure {
-        let [low, high] = [self.value - self.margin, self.value + self.margin].map(|x| x.max(0.0).sqrt());
-        Figure { value: self.value.sqrt(), margin: (high - low) / 2.0 }
+        let half = 0.5 / self.value.sqrt();
+        Figure { value: self.value.sqrt(), u: half * self.u, margin: half * self.margin }
     }
 }
 
@@ -60,7 +66,8 @@ pub fn mean_of(values: &[f64]) -> Figure {
     let count = values.len() as f64;
     let mean = values.iter().sum::<f64>() / count;
     let variance = values.iter().map(|value| (value - mean).powi(2)).sum::<f64>() / (count - 1.0);
-    Figure { value: mean, margin: student(values.len() - 1, FALSE_ALARM) * (variance / count).sqrt() }
+    let u = (variance / count).sqrt();
+    Figure { value: mean, u, margin: student(values.len() - 1, FALSE_ALARM) * u }
 }
 
 /// The root mean square of values that have nothing to do with each other.
@@ -72,6 +79,11 @@ pub fn rms_of(values: &[f64]) -> Figure {
 pub fn sd_of(values: &[f64]) -> Figure {
     let mean = values.iter().sum::<f64>() / values.len() as f64;
     rms_of(&values.iter().map(|value| value - mean).collect::<Vec<_>>())
+}
+
+/// How many standard errors a figure may be off whose standard error is known.
+pub fn sigmas() -> f64 {
+    student(1_000_000, FALSE_ALARM)
 }
 
 /// How many of `n` trials that have nothing to do with each other may come out, with a chance of `p` each: exact.

@@ -197,6 +197,13 @@ impl Errors {
         self.by_board(|errors, _| mean_square(errors)).sqrt().times(1.0 / predicted)
     }
 
+    /// The root mean square of errors in their own sigma.
+    pub fn pulls(&self) -> Figure {
+        let pulls =
+            |errors: &[f64], us: &[f64]| errors.iter().zip(us).map(|(e, u)| e / u).collect::<Vec<_>>();
+        self.by_board(|errors, us| mean_square(&pulls(errors, us))).sqrt()
+    }
+
     pub fn mean_error(&self) -> Figure {
         self.by_board(|errors, _| errors.iter().sum::<f64>() / errors.len() as f64)
     }

@@ -1,5 +1,6 @@
 //! Two sensors on one board, charges of any length, and wake-ups that come late.
 
+use crate::common::chance::{Figure, mean_of};
 use crate::common::{Bench, Errors, seed};
 use cermd::circuit::Node;
 use cermd::config::Config;
@@ -69,27 +70,18 @@ pub struct Found {
     /// Mean error of each instrument, ohm.
     means: Vec<f64>,
     pub mean_u: f64,
-    pub coverage: f64,
+    pub within_2u: Figure,
 }
 
 impl Found {
-    fn mean(&self) -> (f64, f64) {
-        let count = self.means.len() as f64;
-        let mean = self.means.iter().sum::<f64>() / count;
-        let variance = self.means.iter().map(|x| (x - mean).powi(2)).sum::<f64>() / (count - 1.0);
-        (mean, (variance / count).sqrt())
-    }
-
-    /// Mean error and its standard error, ohm, less that of another charge.
-    pub fn ohm_beyond(&self, other: &Found) -> (f64, f64) {
-        let ((here, u_here), (there, u_there)) = (self.mean(), other.mean());
-        (here - there, u_here.hypot(u_there))
+    /// Mean error, ohm, less that of another charge.
+    pub fn ohm_beyond(&self, other: &Found) -> Figure {
+        mean_of(&self.means).less(mean_of(&other.means))
     }
 
     /// The same in the stated uncertainty of a reading.
-    pub fn error_beyond(&self, other: &Found) -> (f64, f64) {
-        let (ohm, doubt) = self.ohm_beyond(other);
-        (ohm / self.mean_u, doubt / self.mean_u)
+    pub fn error_beyond(&self, other: &Found) -> Figure {
+        self.ohm_beyond(other).times(1.0 / self.mean_u)
     }
 }
 
@@ -141,10 +133,9 @@ impl Board {
             readings(&mut instrument, 1, BEFORE, |_| {});
             readings(&mut instrument, 1, READINGS, |reading| errors.add(reading, self.r_ohm));
             means.push(errors.mean());
-            all.errors.extend(errors.errors);
-            all.us.extend(errors.us);
+            all.add_board(errors);
         }
-        Found { means, mean_u: all.mean_u(), coverage: all.coverage() }
+        Found { means, mean_u: all.mean_u(), within_2u: all.within_2u() }
     }
 
     /// Readings per second of a sensor that is alone.
