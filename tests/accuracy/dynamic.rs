@@ -52,10 +52,14 @@ impl Seen {
 
     /// The mean of something over the readings that it is there for.
     fn mean(&self, of: impl Fn(&Result<f64, &'static str>) -> Option<f64>) -> Figure {
-        let blocks =
-            self.readings.chunks(BLOCK).map(|block| block.iter().filter_map(&of).collect::<Vec<_>>());
-        let blocks = blocks.filter(|block| !block.is_empty());
-        mean_of(&blocks.map(|block| block.iter().sum::<f64>() / block.len() as f64).collect::<Vec<_>>())
+        let values: Vec<Option<f64>> = self.readings.iter().map(of).collect();
+        let mean = |values: &[Option<f64>]| {
+            let count = values.iter().flatten().count();
+            (count > 0).then(|| values.iter().flatten().sum::<f64>() / count as f64)
+        };
+        let blocks: Vec<f64> = values.chunks(BLOCK).filter_map(mean).collect();
+        // Blocks have more numbers and fewer: the mean is that of all of them, its error that of the blocks.
+        Figure { value: mean(&values).unwrap_or(f64::NAN), ..mean_of(&blocks) }
     }
 
     fn share(&self, name: &str) -> Figure {
@@ -286,7 +290,7 @@ fn the_instant_of_a_ramp_is_right_for_direct_and_inferred_readings() {
         let (mut means, mut count) = (Vec::new(), 0.0);
         for seed in 0..8 * INSTRUMENTS {
             let mut bench = quiet(method, from, seed);
-            bench.config = bench.config.replace("[[channel]]", &format!("{measure}\n[[channel]]"));
+            bench.config.lines("measure", measure);
             let mut instrument = bench.instrument();
             settle(&mut instrument);
             rest(&mut instrument);

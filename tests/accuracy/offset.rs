@@ -3,7 +3,7 @@
 //! Whole instruments in virtual time; every seed is fixed.
 
 use crate::common::chance::{WITHIN_2U, mean_of, sd_of, share_is};
-use crate::common::{Bench, Errors, read, settle};
+use crate::common::{Bench, Errors, file_for, read, settle};
 use cermd::circuit::Node;
 use cermd::instrument::Message;
 use cermd::pins::sim::{Kind, Scene, Sensor};
@@ -23,11 +23,9 @@ fn late_stamps(r_ohm: f64, jitter: &str, measure: &str, seed: u64) -> Bench {
          [stamps]\nmean = \"8 us\"\njitter = \"{jitter}\"\n"
     );
     let scene = Scene::parse(&scene, Path::new("late-stamps")).unwrap();
-    let config = format!(
-        "[circuit]\nkind = \"two-capacitor\"\nc-a = \"10 uF\"\nc-b = \"0.68 uF\"\nr-c1 = \"2.32 kohm\"\nr-c2 = \"12.7 kohm\"\n\
-         [measure]\nmethod = \"cerm\"\nt-l = \"1 s\"\n{measure}\n\
-         [[channel]]\nid = \"x\"\n[mock]\nscene = \"late-stamps\"\n"
-    );
+    let circuit = "c-a = \"10 uF\"\nc-b = \"0.68 uF\"";
+    let mut config = file_for(Kind::TwoCapacitor, Method::Cerm, circuit, "late-stamps");
+    config.set("measure", "t-l", "1 s").lines("measure", measure);
     Bench { scene: scene.with_sensors(vec![Sensor::Constant(Ohm(r_ohm))]).unwrap(), config, seed }
 }
 

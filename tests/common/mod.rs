@@ -2,9 +2,9 @@
 #![allow(dead_code)] // Each test program uses its own part.
 
 pub mod chance;
+pub mod config;
 pub mod seed;
 
-use cermd::config::Config;
 use cermd::instrument::settings::Settings;
 use cermd::instrument::{Instrument, Message};
 use cermd::pins::Pins;
@@ -13,12 +13,13 @@ use cermd::reading::{Method, Reading, Status};
 use cermd::record::Record;
 use cermd::units::{Nanos, Ohm};
 use chance::{Figure, mean_of};
+use config::{ConfigFile, config};
 
 /// What a test runs: a board by name, and what is changed on it and in the configuration.
 #[derive(Debug, Clone)]
 pub struct Bench {
     pub scene: Scene,
-    pub config: String,
+    pub config: ConfigFile,
     pub seed: u64,
 }
 
@@ -33,18 +34,30 @@ pub fn kind_of(method: Method) -> Kind {
 pub fn circuit_of(name: &str, kind: Kind) -> &'static str {
     match (name, kind) {
         ("fpga-paper", Kind::TwoCapacitor) => {
-            "kind = \"two-capacitor\"\nc-a = \"330 nF\"\nc-b = \"22 nF\"\nv-th = \"1.4 V\"\nr-charge = \"120 ohm\""
+            "c-a = \"330 nF\"\nc-b = \"22 nF\"\nv-th = \"1.4 V\"\nr-charge = \"120 ohm\""
         }
-        ("fpga-paper", Kind::OneCapacitor) => "kind = \"one-capacitor\"\nc = \"20 nF\"\nv-th = \"1.4 V\"",
-        ("fpga-paper", Kind::SeriesCalibration) => {
-            "kind = \"series-calibration\"\nc = \"20 nF\"\nv-th = \"1.4 V\""
-        }
-        (_, Kind::TwoCapacitor) => {
-            "kind = \"two-capacitor\"\nc-a = \"2.2 uF\"\nc-b = \"680 nF\"\nv-th = \"1.1 V\""
-        }
-        (_, Kind::OneCapacitor) => "kind = \"one-capacitor\"\nc = \"470 nF\"\nv-th = \"1.1 V\"",
-        (_, Kind::SeriesCalibration) => "kind = \"series-calibration\"\nc = \"470 nF\"\nv-th = \"1.1 V\"",
+        ("fpga-paper", _) => "c = \"20 nF\"\nv-th = \"1.4 V\"",
+        (_, Kind::TwoCapacitor) => "c-a = \"2.2 uF\"\nc-b = \"680 nF\"\nv-th = \"1.1 V\"",
+        _ => "c = \"470 nF\"\nv-th = \"1.1 V\"",
     }
+}
+
+/// A file for one sensor, `x`, at the usual calibration resistors.
+pub fn file_for(kind: Kind, method: Method, circuit: &str, scene: &str) -> ConfigFile {
+    let kind = match kind {
+        Kind::TwoCapacitor => "two-capacitor",
+        Kind::OneCapacitor => "one-capacitor",
+        Kind::SeriesCalibration => "series-calibration",
+    };
+    config(|c| {
+        c.set("circuit", "kind", kind).set("circuit", "r-c1", "2.32 kohm").set(
+            "circuit",
+            "r-c2",
+            "12.7 kohm",
+        );
+        c.lines("circuit", circuit).set("measure", "method", method.as_str());
+        c.channel("x").set("mock", "scene", scene);
+    })
 }
 
 impl Bench {
@@ -56,13 +69,11 @@ impl Bench {
     pub fn with_kind(name: &str, kind: Kind, method: Method, r_ohm: f64, seed: u64, measure: &str) -> Bench {
         let scene = Scene::builtin(name).unwrap().with_kind(kind).unwrap();
         let scene = scene.with_sensors(vec![Sensor::Constant(Ohm(r_ohm))]).unwrap();
-        let resolution = if name == "fpga-paper" { "resolution = \"20 ns\"" } else { "" };
-        let config = format!(
-            "[circuit]\n{}\nr-c1 = \"2.32 kohm\"\nr-c2 = \"12.7 kohm\"\n[measure]\nmethod = \"{}\"\n{resolution}\n{measure}\n\
-             [[channel]]\nid = \"x\"\n[mock]\nscene = \"{name}\"\n",
-            circuit_of(name, kind),
-            method.as_str()
-        );
+        let mut config = file_for(kind, method, circuit_of(name, kind), name);
+        config.lines("measure", measure);
+        if name == "fpga-paper" {
+            config.set("measure", "resolution", "20 ns");
+        }
         Bench { scene, config, seed }
     }
 
@@ -73,8 +84,8 @@ impl Bench {
 
     /// What an instrument is made of.
     pub fn parts(&self) -> (SimPins, Settings) {
-        let config = Config::parse(&self.config, "bench").unwrap();
-        (SimPins::new(&self.scene, Some(seed::seed(self.seed))), config.settings().unwrap())
+        let settings = self.config.parse().settings().unwrap();
+        (SimPins::new(&self.scene, Some(seed::seed(self.seed))), settings)
     }
 }
 

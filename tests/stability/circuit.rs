@@ -6,7 +6,7 @@ use crate::paper::{self, Noise, Parts, R_O, Times, V_DD};
 use crate::scenario::{Board, ByHand, Scenario, is_true, moments, rms, truth};
 use crate::switching::PI4_NOISE;
 
-use cermd::config::{Config, Severity};
+use cermd::config::Severity;
 use cermd::pins::sim::SimPins;
 use cermd::pins::sim::scene::DriftScene;
 use cermd::pins::{Armed, Bracket, Drives, Edge, Levels, Pins, PinsError};
@@ -18,7 +18,7 @@ use std::fmt::Write;
 
 /// What the check of the configuration says about a key, if anything.
 fn finding(board: &Board, method: Method, key: &str) -> Option<Severity> {
-    let config = Config::parse(&board.bench(method, 1000.0, 0).config, "bench").unwrap();
+    let config = board.bench(method, 1000.0, 0).config.parse();
     config.check().iter().filter(|finding| finding.key == key).map(|finding| finding.severity).min()
 }
 

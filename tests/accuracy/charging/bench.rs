@@ -98,8 +98,7 @@ fn quiet(mut scene: Scene) -> Scene {
 
 impl Board {
     fn config(self, measure: &str) -> Config {
-        let bench = Bench::new("pi4", self.method, self.r_ohm, 0, measure);
-        Config::parse(&bench.config.replace("[mock]", "[[channel]]\nid = \"y\"\n[mock]"), "bench").unwrap()
+        Bench::new("pi4", self.method, self.r_ohm, 0, measure).config.channel("y").parse()
     }
 
     pub fn tau(self) -> Seconds {
@@ -141,7 +140,7 @@ impl Board {
     /// Readings per second of a sensor that is alone.
     pub fn rate_alone(self, taus: f64) -> f64 {
         let bench = Bench::new("pi4", self.method, self.r_ohm, 0, &self.charge(taus));
-        let settings = Config::parse(&bench.config, "bench").unwrap().settings().unwrap();
+        let settings = bench.config.parse().settings().unwrap();
         let mut instrument = Instrument::new(self.pins(&[self.r_ohm], 1), settings);
         until_known(&mut instrument);
         readings(&mut instrument, 0, BEFORE, |_| {});
