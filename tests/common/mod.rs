@@ -197,10 +197,12 @@ impl Errors {
 
     /// The share of readings within two of their own sigma.
     pub fn within_2u(&self) -> Figure {
-        self.by_board(|errors, us| {
+        let by_board = self.by_board(|errors, us| {
             let hits = errors.iter().zip(us).filter(|(error, u)| error.abs() <= 2.0 * **u).count();
             hits as f64 / errors.len() as f64
-        })
+        });
+        // Boards have more numbers and fewer: the share is that of all of them, its error that of the boards.
+        Figure { value: self.coverage(), ..by_board }
     }
 
     /// The root mean square error, of what is predicted.
