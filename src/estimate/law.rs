@@ -87,6 +87,8 @@ mod tests {
     use proptest::prelude::*;
 
     proptest! {
+        #![proptest_config(crate::seed::cases(256))]
+
         #[test]
         fn progress_at_the_crossing_is_g_and_derivatives_are_slopes(
             state in (100.0..2000.0f64, 1.05..2.0f64, 10.0..100.0f64, 0.0..20_000.0f64)

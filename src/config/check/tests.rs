@@ -331,6 +331,8 @@ fn sockets() {
 }
 
 proptest! {
+    #![proptest_config(crate::seed::cases(256))]
+
     /// Whatever passes can be planned with; whatever does not is refused without a panic.
     #[test]
     fn what_passes_can_be_planned(

@@ -73,6 +73,8 @@ fn close(estimate: Estimate, r: f64, r1: f64) -> Result<(), TestCaseError> {
 }
 
 proptest! {
+    #![proptest_config(crate::seed::cases(256))]
+
     #[test]
     fn every_equation_solves_the_law(bench in bench(), r in 10f64.ln()..1e6f64.ln(), fraction in 0.05..0.99f64, gap in 0.0..500.0f64) {
         let r = r.exp();

@@ -1,7 +1,6 @@
 use super::*;
 
 const KNOWN: [f64; 2] = [2320.0, 12_700.0];
-use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal, Uniform};
 
@@ -39,7 +38,7 @@ fn the_sensor_of_the_paper_is_found_again() {
 /// (value - truth) / u over many random sensors: its root mean square, and how many there were.
 fn pulls(mut draw: impl FnMut(&mut ChaCha8Rng) -> (f64, Measured)) -> f64 {
     const TIMES: usize = 2000;
-    let mut rng = ChaCha8Rng::seed_from_u64(402);
+    let mut rng = crate::seed::rng(402);
     let pull = |(truth, found): (f64, Measured)| (found.value - truth) / found.u.unwrap();
     let squares: f64 = (0..TIMES).map(|_| pull(draw(&mut rng)).powi(2)).sum();
     (squares / TIMES as f64).sqrt()
@@ -135,7 +134,7 @@ fn what_cannot_be_fitted_is_refused() {
 fn what_readings_share_is_in_the_uncertainty_of_their_mean() {
     assert_eq!(mean(&[]), None);
     assert_eq!(mean(&[2.0]), Some(Measured { value: 2.0, u: None }));
-    let mut rng = ChaCha8Rng::seed_from_u64(1);
+    let mut rng = crate::seed::rng(1);
     // 10 calibrations with 10 readings each: the shared part counts 10 times, not 100.
     let shared: Vec<f64> = (0..10).map(|_| normal(&mut rng)).collect();
     let readings: Vec<f64> = (0..100).map(|index| shared[index / 10] + 0.1 * normal(&mut rng)).collect();
