@@ -232,6 +232,8 @@ struct Weighed {
     own: Covariance,
     all: Covariance,
     inverse: Covariance,
+    /// What weights that were learned add to the variance.
+    learned: f64,
 }
 
 impl Weighed {
@@ -262,7 +264,9 @@ impl Weighed {
         let information = inverse.of(through_ns[0], through_ns[1]);
         let weights = inverse.times(through_ns).map(|weight| weight / information);
         let y = weights[0] * missing[0] + weights[1] * missing[1];
-        Some(Weighed { y, weights, through_ns, missing, rows, own, all, inverse })
+        let both = nodes.iter().all(Option::is_some);
+        let learned = if both { tracker.noise().of_learned_weights() } else { 1.0 };
+        Some(Weighed { y, weights, through_ns, missing, rows, own, all, inverse, learned })
     }
 
     fn fit(&self, state: &State, branch: Branch, nodes: &[Option<Equation>; 2]) -> Option<Fit> {
@@ -271,7 +275,7 @@ impl Weighed {
         let misfit = self.inverse.of(left[0], left[1]);
         // A late stamp that the other node is too noisy to refute is doubted as far as it may be one.
         let doubt = if misfit > DOUBT * DOUBT { misfit } else { 1.0 };
-        let u_siemens = (doubt / self.inverse.of(through[0], through[1])).sqrt();
+        let u_siemens = (doubt * self.learned / self.inverse.of(through[0], through[1])).sqrt();
         let own = self.own.inverse(nodes.map(|node| node.is_some()))?;
         let evidence = match nodes {
             [Some(_), Some(_)] => self.evidence_of_two(state[R_O]),
