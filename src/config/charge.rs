@@ -1,7 +1,6 @@
 //! How short a charge may be: until what it remembers of the discharge before it is small beside a reading's uncertainty.
 //!
-//! For: the automatic `charge-time`, and what the check says of a given one. Must not know: what is measured; everything
-//! here is predicted from nominal values.
+//! Everything here is predicted from nominal values.
 //!
 //! The error of a reading is linear in the depths D_j from which the charges of its discharges began ([`Circuit::charge_memory`]
 //! has the derivation), and its coefficients c_j add up to nothing, since what is common to all of them cancels. So depths
@@ -18,8 +17,7 @@
 //! to this at most.
 
 use super::Config;
-use crate::circuit::Node;
-use crate::circuit::{Circuit, Network};
+use crate::circuit::{Circuit, Network, Node};
 use crate::reading::Method;
 use crate::units::{Nanos, Ohm, Seconds};
 

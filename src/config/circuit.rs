@@ -1,6 +1,4 @@
-//! `[circuit]`: the parts on the board.
-//!
-//! For: the flat table of the file as a [`Circuit`]. Must not know: whether its values make sense.
+//! `[circuit]`: the parts on the board, from the flat table of the file to a [`Circuit`].
 
 use crate::circuit::{Circuit, NOMINAL_R_CHARGE, NOMINAL_R_O, NOMINAL_V_DD, NOMINAL_V_TH, Network};
 use crate::units::{Farad, Ohm, Volt};

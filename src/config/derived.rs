@@ -1,20 +1,12 @@
 //! What the configuration leaves open, derived from the circuit.
 //!
-//! For: the values that the instrument runs with. Must not know: whether they were given or derived, afterwards.
 //! Every value here is meaningful only for a configuration without error findings.
 
+use super::limits::{DEADLINE, DRAIN, SWITCH_FRACTION};
 use super::{Calibration, Config, Offset};
-use crate::circuit::Network;
-use crate::circuit::Node;
+use crate::circuit::{Network, Node};
 use crate::reading::Method;
 use crate::units::{Nanos, Ohm, Seconds};
-
-/// A derived deadline in discharges through the second calibration resistor.
-const DEADLINE_IN_SECOND_DISCHARGES: f64 = 5.0;
-/// A drain in predicted discharges through Rc1.
-const DRAIN: f64 = 1.2;
-/// The switch fraction that is used when none is given.
-const SWITCH_FRACTION: f64 = 0.9;
 
 impl Config {
     /// The method to use.
@@ -57,9 +49,9 @@ impl Config {
 
     /// The longest discharge through a sensor.
     pub fn deadline(&self) -> Nanos {
-        self.measure.deadline.unwrap_or_else(|| {
-            Nanos::from_seconds(DEADLINE_IN_SECOND_DISCHARGES * self.discharge(self.circuit.r_second()).0)
-        })
+        self.measure
+            .deadline
+            .unwrap_or_else(|| Nanos::from_seconds(DEADLINE * self.discharge(self.circuit.r_second()).0))
     }
 
     /// The latency offset.

@@ -1,6 +1,4 @@
-//! `force = { .. }`: how the resistance of a sensor becomes a force.
-//!
-//! For: the four ways to say it. Must not know: how the conversion is computed, or what a table file holds.
+//! `force = { .. }`: the four ways to say how the resistance of a sensor becomes a force.
 
 use crate::units::{Newton, NewtonOhm};
 use serde::Deserialize;

@@ -11,16 +11,19 @@ mod charge;
 mod check;
 mod circuit;
 mod derived;
+mod finding;
 mod force;
 mod gpio;
+mod limits;
 mod number;
-mod report;
+pub(crate) mod pairs;
 mod settings;
 
-pub use check::{Finding, LARGEST_ZERO_OHM, Severity};
+pub use finding::{Finding, Severity};
 pub use force::Force;
-pub use gpio::{Backend, Gpio, Line};
-pub use report::{Report, report};
+pub use gpio::{Backend, Gpio, LineName};
+pub use limits::LARGEST_ZERO_OHM;
+pub use pairs::PairsError;
 pub use settings::SettingsError;
 
 use crate::circuit::Circuit;
@@ -131,7 +134,7 @@ pub struct Channel {
     /// Its name in the stream, unique. Required.
     pub id: String,
     /// The line that sinks the sensor's far end. Required, except with the simulated circuit.
-    pub sink: Option<Line>,
+    pub sink: Option<LineName>,
     /// What the instrument reads with a short circuit in the sensor's place, ohm; subtracted. Default: 0.
     #[serde(default, deserialize_with = "number::number")]
     pub zero_ohm: f64,

@@ -1,9 +1,10 @@
 //! From a checked configuration to what the instrument runs with.
 
 use super::Config;
+use super::pairs::{self, PairsError};
 use crate::circuit::{Network, Node};
 use crate::config;
-use crate::estimate::force::{Force, Table, TableError};
+use crate::estimate::force::{Force, Table};
 use crate::instrument::settings::{Channel, OffsetSource, Settings};
 use crate::pins::Drives;
 use crate::stream::tape::{self, Header, TapeChannel, TapeCircuit, TapeForce};
@@ -18,7 +19,7 @@ pub enum SettingsError {
         /// The channel.
         id: String,
         /// Why.
-        source: TableError,
+        source: PairsError,
     },
 }
 
@@ -92,13 +93,16 @@ impl Config {
     }
 }
 
-fn load_force(config: &Config, force: &config::Force, r_ohm: [f64; 2]) -> Result<Force, TableError> {
+fn load_force(config: &Config, force: &config::Force, r_ohm: [f64; 2]) -> Result<Force, PairsError> {
     Ok(match force {
         config::Force::Alpha(alpha) => Force::Alpha(alpha.0),
         config::Force::Calibrated { fc1, fc2 } => Force::Pair { r_ohm, f_n: [fc1.0, fc2.0] },
         config::Force::PowerLaw { at_1_kohm, exponent } => {
             Force::Power { scale: at_1_kohm.0 * 1000f64.powf(*exponent), exponent: *exponent }
         }
-        config::Force::Table(file) => Force::Table(Table::load(&config.path(file))?),
+        config::Force::Table(file) => {
+            let pairs = pairs::load(&config.path(file))?.iter().map(|pair| (pair.r_ohm, pair.f_n)).collect();
+            Force::Table(Table::from_pairs(pairs)?)
+        }
     })
 }

@@ -1,18 +1,39 @@
 //! `cermctl record`: readings, or the timings they were made of, into a file.
 //!
-//! For: whole lines whatever ends the recording, and losses that are said. Must not know: what is done with the file.
-
-mod csv;
+//! Lines are whole whatever ends the recording, and losses are said.
 
 use super::CtlError;
 use super::interrupt::Interrupt;
 use super::stream::{Next, Stream, is_wanted};
 use crate::ctl::cli::{self, Format};
 use crate::stream::tape::Header;
-use crate::stream::wire::{ErrorCode, ReadingLine, ServerMessage};
+use crate::stream::wire::{ReadingLine, ServerMessage};
+use serde_json::{Map, Value};
 use std::fs::File;
 use std::io::{self, Write};
 use std::time::{Duration, Instant};
+
+/// The columns of CSV: fields of READING.
+const COLUMNS: [&str; 18] = [
+    "channel",
+    "seq",
+    "time",
+    "t_mono_ns",
+    "status",
+    "r_ohm",
+    "r_u_ohm",
+    "f_n",
+    "f_u_n",
+    "r_min_ohm",
+    "f_max_n",
+    "r_max_ohm",
+    "f_min_n",
+    "fault",
+    "method",
+    "branch",
+    "duration_us",
+    "lost",
+];
 
 /// Records until the time, the count or Ctrl-C.
 pub fn run(arguments: &cli::Record) -> Result<(), CtlError> {
@@ -51,7 +72,7 @@ impl<'a> Recording<'a> {
         let until = arguments.seconds.map(|seconds| Instant::now() + Duration::from_secs_f64(seconds));
         let mut recording = Recording { arguments, out, until, header: None, count: 0, lost: 0 };
         if !arguments.raw && arguments.format == Format::Csv {
-            recording.write(&csv::header())?;
+            recording.write(&csv_row(COLUMNS.map(str::to_owned)))?;
         }
         Ok(recording)
     }
@@ -59,12 +80,7 @@ impl<'a> Recording<'a> {
     fn go_on(&mut self, stream: &mut Stream, interrupt: &Interrupt) -> Result<(), CtlError> {
         while !self.is_over(interrupt) {
             match stream.next()? {
-                Next::Line(_, ServerMessage::Error { code, message }) if code == ErrorCode::Lost.as_str() => {
-                    self.lose(&message);
-                }
-                Next::Line(_, ServerMessage::Error { message, .. }) => {
-                    return Err(CtlError::Refused(message));
-                }
+                Next::Line(_, ServerMessage::Error { message, .. }) => self.lose(&message),
                 Next::Line(line, ServerMessage::Reading(reading)) if !self.arguments.raw => {
                     self.reading(&line, &reading)?;
                 }
@@ -84,7 +100,7 @@ impl<'a> Recording<'a> {
             || self.arguments.count.is_some_and(|count| self.count >= count)
     }
 
-    fn reading(&mut self, line: &[u8], reading: &ReadingLine) -> Result<(), CtlError> {
+    fn reading(&mut self, line: &str, reading: &ReadingLine) -> Result<(), CtlError> {
         // Measured before the daemon knew what is wanted.
         if !is_wanted(&self.arguments.channels, &reading.channel) {
             return Ok(());
@@ -92,24 +108,23 @@ impl<'a> Recording<'a> {
         self.count += 1;
         self.lost += reading.lost;
         match self.arguments.format {
-            Format::Ndjson => self.write(&String::from_utf8_lossy(line)),
-            Format::Csv => self.write(&csv::row(reading)),
+            Format::Ndjson => self.write(line),
+            Format::Csv => self.write(&csv_row(cells(line))),
         }
     }
 
     /// A header, or a discharge under it. A daemon that has just found its latency offset sends a second header: the
     /// first one stays, for this tape holds the discharges that the offset was found from.
-    fn of_tape(&mut self, line: &[u8], class: &str) -> Result<(), CtlError> {
-        let text = String::from_utf8_lossy(line);
+    fn of_tape(&mut self, line: &str, class: &str) -> Result<(), CtlError> {
         match (class, &self.header) {
             ("TAPE", None) => {
-                let header = Header::parse(&text);
+                let header = Header::parse(line);
                 self.header =
                     Some(header.map_err(|_| CtlError::Ended("cermd sent a header of another release"))?);
-                self.write(&text)
+                self.write(line)
             }
             ("TAPE", Some(header)) => {
-                let same = Header::parse(&text).is_ok_and(|mut new| {
+                let same = Header::parse(line).is_ok_and(|mut new| {
                     new.offset_ns = header.offset_ns;
                     new == *header
                 });
@@ -117,7 +132,7 @@ impl<'a> Recording<'a> {
             }
             ("DISCHARGE", Some(_)) => {
                 self.count += 1;
-                self.write(&text)
+                self.write(line)
             }
             _ => Ok(()),
         }
@@ -137,5 +152,35 @@ impl<'a> Recording<'a> {
             Some(path) => CtlError::File { path: path.clone(), source },
             None => CtlError::Output(source),
         })
+    }
+}
+
+/// The fields of a line in the order of the columns, as they were sent; what is not known is empty.
+fn cells(line: &str) -> [String; COLUMNS.len()] {
+    let fields: Map<String, Value> = serde_json::from_str(line).unwrap_or_default();
+    COLUMNS.map(|key| match fields.get(key) {
+        None => String::new(),
+        Some(Value::String(text)) => text.clone(),
+        Some(number) => number.to_string(),
+    })
+}
+
+fn csv_row(cells: [String; COLUMNS.len()]) -> String {
+    let mut writer = csv::WriterBuilder::new().from_writer(Vec::new());
+    // Memory takes whatever is written into it.
+    let _ = writer.write_record(&cells);
+    let row = String::from_utf8(writer.into_inner().unwrap_or_default()).unwrap_or_default();
+    row.trim_end().to_owned()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_row_has_a_cell_for_each_column_whatever_is_in_it() {
+        let row =
+            csv_row(cells(r#"{"class":"READING","channel":"a,\"b\"","r_ohm":2841.3,"lost":0,"new":1}"#));
+        assert_eq!(row, format!("\"a,\"\"b\"\"\",,,,,2841.3{}0", ",".repeat(12)));
     }
 }

@@ -1,7 +1,4 @@
-//! Estimating from a tape.
-//!
-//! For: `cermctl estimate`: for every x discharge one line, from the most recent calibration discharges before it.
-//! Must not know: where the lines come from or go to.
+//! Estimating from a tape: for every x discharge one line, from the most recent calibration discharges before it.
 
 use crate::estimate::Estimator;
 use crate::estimate::force::Force;
@@ -80,16 +77,22 @@ pub enum ReplayError {
 /// # Errors
 /// [`ReplayError`] with the line number, or what to do.
 pub fn estimate(text: &str, method: Method, offset: TapeOffset) -> Result<Vec<Estimate>, ReplayError> {
-    replay(text, method, offset, line)
+    let (header, entries) = parse(text)?;
+    replay(&header, &entries, method, offset, line)
 }
 
 /// The estimates of one channel as they are, ohm: no zero taken off, and below 0 too, where a reading says `short`; a
 /// fault for each discharge that gives none.
 ///
 /// # Errors
-/// As [`estimate`].
-pub fn signed_ohm(text: &str, method: Method, id: &str) -> Result<Vec<Result<f64, Fault>>, ReplayError> {
-    let signed = replay(text, method, TapeOffset::OfTape, |estimator, header, channel, entry| {
+/// The method does not belong to the circuit, or d is needed and not known.
+pub(crate) fn signed_ohm(
+    header: &Header,
+    entries: &[Entry],
+    method: Method,
+    id: &str,
+) -> Result<Vec<Result<f64, Fault>>, ReplayError> {
+    let signed = replay(header, entries, method, TapeOffset::OfTape, |estimator, header, channel, entry| {
         let is_wanted = header.channels[channel].id == id;
         is_wanted.then(|| estimator.estimate(&entry.record).map(|estimate| estimate.r_ohm.value))
     })?;
@@ -98,12 +101,12 @@ pub fn signed_ohm(text: &str, method: Method, id: &str) -> Result<Vec<Result<f64
 
 /// Calibrates with the calibration discharges of a tape, and asks `each` about those of sensors.
 fn replay<T>(
-    text: &str,
+    header: &Header,
+    entries: &[Entry],
     method: Method,
     offset: TapeOffset,
     mut each: impl FnMut(&Estimator, &Header, usize, &Entry) -> T,
 ) -> Result<Vec<T>, ReplayError> {
-    let (header, entries) = parse(text)?;
     let nodes = nodes_of(method, header.circuit.kind)?;
     let [r1, r2] = header.r_ohm();
     let new = |offset| Estimator::new(method, r1, r2, nodes, offset);
@@ -111,7 +114,7 @@ fn replay<T>(
         (TapeOffset::Given(d_ns), _) | (TapeOffset::OfTape, Some(d_ns)) => Offset::given(d_ns),
         // It cancels in the equations of these, or is part of what is tracked.
         _ if matches!(method, Method::Tpcm | Method::Tcdic | Method::Tracked) => Offset::default(),
-        _ => split_offset(new(Offset::default()), [r1, r2], nodes, &entries)
+        _ => split_offset(new(Offset::default()), [r1, r2], nodes, entries)
             .ok_or(ReplayError::Offset(method.as_str()))?,
     };
     let mut estimator = match method {
@@ -119,9 +122,9 @@ fn replay<T>(
         _ => new(offset),
     };
     let mut estimates = Vec::new();
-    for entry in &entries {
+    for entry in entries {
         match (entry.record.through.channel(), entry.record.switch) {
-            (Some(channel), _) => estimates.push(each(&estimator, &header, channel, entry)),
+            (Some(channel), _) => estimates.push(each(&estimator, header, channel, entry)),
             // The calibration in force stays when a discharge is of no use.
             (None, None) => drop(estimator.calibrate(&entry.record)),
             (None, Some(_)) if method == Method::Tracked => drop(estimator.calibrate(&entry.record)),

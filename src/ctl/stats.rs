@@ -1,46 +1,18 @@
 //! `cermctl stats`: what the daemon has counted and learned.
 //!
-//! For: STATS as a table for people. Must not know: which fields there are; names and units are in their keys.
+//! Names and units are in the keys of STATS, so that fields of later releases are shown, too.
 
-use super::stream::{Next, Stream};
+use super::stream::Stream;
 use super::terminal::Terminal;
 use super::text::measured;
 use super::{CtlError, print};
 use crate::ctl::cli;
-use crate::stream::client::ClientError;
-use crate::stream::wire::{Request, ServerMessage};
 use serde_json::{Map, Value};
-use std::path::Path;
-use std::time::{Duration, Instant};
-
-/// The daemon answers well within this.
-const PATIENCE: Duration = Duration::from_secs(2);
 
 /// Prints.
 pub fn run(arguments: &cli::Stats) -> Result<(), CtlError> {
-    let (line, stats) = ask(&arguments.connection.socket)?;
-    if arguments.json {
-        return print(&(String::from_utf8_lossy(&line) + "\n"));
-    }
-    print(&table(&stats, Terminal::new().unicode()))
-}
-
-/// The line of STATS as it came, and its fields.
-pub fn ask(socket: &Path) -> Result<(Vec<u8>, Map<String, Value>), CtlError> {
-    let mut stream = Stream::connect(socket, &[])?;
-    stream.request(&Request::Stats)?;
-    let since = Instant::now();
-    loop {
-        match stream.next()? {
-            Next::Line(line, ServerMessage::Stats(stats)) => return Ok((line, stats)),
-            Next::Line(_, ServerMessage::Error { message, .. }) => return Err(CtlError::Refused(message)),
-            Next::Line(..) | Next::Quiet => {}
-            Next::Ended => return Err(ClientError::Closed.into()),
-        }
-        if since.elapsed() > PATIENCE {
-            return Err(ClientError::TimedOut(PATIENCE).into());
-        }
-    }
+    let (line, stats) = Stream::connect(&arguments.connection.socket, &[])?.stats()?;
+    print(&(if arguments.json { line + "\n" } else { table(&stats, Terminal::new().unicode()) }))
 }
 
 /// The fields that are known, in the order in which a person asks; later releases have more.

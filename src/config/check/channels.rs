@@ -1,25 +1,11 @@
 //! `[[channel]]`: names that clients can tell apart, and characteristics that are physical.
 
 use super::Findings;
+use crate::config::limits::{ABSURD_ZERO_OHM, EXPONENTS, FORCES, LARGEST_ZERO_OHM, LONGEST_ID};
 use crate::config::{Channel, Force};
 use crate::pins::MAX_CHANNELS;
 use crate::units::Ohm;
 use std::fmt::Display;
-use std::ops::RangeInclusive;
-
-/// The longest name of a channel, bytes: the first line that a client gets has to hold all of them.
-const LONGEST_ID: usize = 64;
-/// Beyond this a zero is neither the difference of two pins nor a resistor that limits the sensor's current, ohm.
-pub const LARGEST_ZERO_OHM: f64 = 500.0;
-
-/// Beyond this it is a slip, ohm.
-const ABSURD_ZERO_OHM: f64 = 1e6;
-
-/// Forces outside these are slips of a prefix, newton.
-const FORCES: RangeInclusive<f64> = 1e-9..=1e9;
-
-/// Exponents outside these are no sensor's.
-const EXPONENTS: RangeInclusive<f64> = 0.01..=100.0;
 
 /// The name of a channel's key: by the channel's id, or by its number (from 1) where the id is unfit to print.
 pub fn key(index: usize, channel: &Channel, name: &str) -> String {

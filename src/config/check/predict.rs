@@ -3,17 +3,12 @@
 //! Runs only for a valid circuit, an available method, and settings that are right in themselves.
 
 use super::Findings;
-use crate::circuit::Network;
-use crate::circuit::Node;
+use crate::circuit::{Network, Node};
 use crate::config::charge::Remembered;
+use crate::config::limits::{SHORT_CHARGE, SHORTEST_PART};
 use crate::config::{Config, Offset};
 use crate::reading::Method;
 use crate::units::Seconds;
-
-/// A charge shorter than this part of the automatic one changes a reading by more than is planned, however noisy the board.
-const TOO_SHORT: f64 = 0.9;
-/// The parts of a split discharge have to be long against the system calls between them.
-const SHORTEST_PART: Seconds = Seconds(50e-6);
 
 pub fn check(config: &Config, findings: &mut Findings) {
     charge_time(config, findings);
@@ -36,7 +31,7 @@ fn second(config: &Config) -> &'static str {
 
 fn charge_time(config: &Config, findings: &mut Findings) {
     let (charge, shortest) = (Seconds::from(config.charge_time()), config.shortest_charge());
-    if charge.0 < TOO_SHORT * shortest.0 {
+    if charge.0 < SHORT_CHARGE * shortest.0 {
         findings.warning(
             "measure.charge-time",
             format!("{charge:.3} {}", remembers(config)),

@@ -1,7 +1,6 @@
 //! One value of a configuration file, changed in place.
 //!
-//! For: an edit that leaves every other byte, is checked before it counts, and is undone by the copy that is kept. Must
-//! not know: where the value comes from.
+//! Every other byte stays; the new file is checked before it counts, and the old one is kept.
 
 use super::{CalibrateError, CtlError};
 use crate::ctl::check;
@@ -64,9 +63,7 @@ fn replace(path: &Path, text: &str, stamp: &str) -> Result<PathBuf, CtlError> {
     new.write_all(text.as_bytes()).and_then(|()| new.as_file().sync_all()).map_err(&failed)?;
     let report = check::check(new.path());
     if !report.is_usable() {
-        let text = report.to_string();
-        let errors: Vec<&str> = text.lines().filter(|line| line.starts_with("error:")).collect();
-        return Err(CalibrateError::Unusable(errors.join("\n")).into());
+        return Err(CalibrateError::Unusable(report.errors()).into());
     }
     let old = fs::metadata(path).map_err(&failed)?;
     // Only root can give files away; for others the file becomes their own, as with any editor.

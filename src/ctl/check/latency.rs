@@ -1,6 +1,4 @@
-//! How late things come on this machine: wake-ups, and the stamps of crossings.
-//!
-//! For: a histogram as text, from some hundred waits and discharges. Must not know: which backend the pins belong to.
+//! How late things come on this machine: wake-ups, and the stamps of crossings, as histograms.
 
 use crate::circuit::Node;
 use crate::config::Config;

@@ -3,7 +3,6 @@
 //! For: charges, discharges and their times against what the configuration promises, each difference with what to look
 //! at on the board. Must not know: which backend the pins belong to.
 
-use super::info;
 use crate::circuit::Node;
 use crate::config::{Config, Finding};
 use crate::estimate::leak;
@@ -40,11 +39,11 @@ pub fn test<P: Pins>(pins: &mut P, config: &Config) -> Result<Vec<Finding>, Pins
 }
 
 fn error(key: impl Into<String>, reason: impl Into<String>, remedy: impl Into<String>) -> Finding {
-    super::error(key, reason).try_this(remedy)
+    Finding::error(key, reason).try_this(remedy)
 }
 
 fn warning(key: impl Into<String>, reason: impl Into<String>, remedy: impl Into<String>) -> Finding {
-    super::warning(key, reason).try_this(remedy)
+    Finding::warning(key, reason).try_this(remedy)
 }
 
 struct Bench<'a, P> {
@@ -336,7 +335,7 @@ impl<P: Pins> Bench<'_, P> {
             let crossings = [record.a_ns, record.b_ns].into_iter().flatten();
             crossings.map(|ns| format!("{:.3} ms", ns * 1e-6)).collect::<Vec<_>>().join(", ")
         };
-        self.findings.push(info(
+        self.findings.push(Finding::info(
             "wiring",
             format!(
                 "the nodes charge, hold, and fall in order: {} through Rc1, {} through Rc2",
@@ -362,7 +361,7 @@ impl<P: Pins> Bench<'_, P> {
             (Ok(_), (Some(t1), Some(t2), Some(x))) => {
                 let span = circuit.r_second().0 - circuit.r_c1.0;
                 let r = Ohm((circuit.r_c1.0 + span * (x - t1) / (t2 - t1)).max(0.0));
-                info(key, format!("the sensor is there and reads about {r:.3}"))
+                Finding::info(key, format!("the sensor is there and reads about {r:.3}"))
             }
             _ => warning(
                 key,
