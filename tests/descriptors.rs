@@ -2,7 +2,7 @@
 
 #![allow(clippy::unwrap_used, clippy::panic, reason = "a test that cannot go on has failed")]
 
-#[path = "protocol/bench.rs"]
+#[path = "programs/protocol/bench.rs"]
 #[allow(dead_code, reason = "shared with the tests of the protocol")]
 mod bench;
 

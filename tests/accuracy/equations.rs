@@ -2,7 +2,6 @@
 //!
 //! Discharges of the `fpga-paper` board; "without clock" and "without noise" switch one of its two sources of error off.
 //! Every bound is four standard errors of a standard deviation from so many discharges, both sides. Seeds are fixed.
-#![allow(clippy::unwrap_used, clippy::panic)] // A test that cannot be set up fails.
 
 use cermd::circuit::Node;
 use cermd::estimate::force::Force;

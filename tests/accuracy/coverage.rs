@@ -2,12 +2,9 @@
 //!
 //! Per scene, method and decade of R, 100 instruments with seeds of their own read a resistor of their own 100 times
 //! each, so that what is constant for one instrument (its offset, the phase of a common clock) varies over the sample.
-#![allow(clippy::unwrap_used, clippy::panic)] // A test that cannot be set up fails.
 
-mod common;
-
+use crate::common::{Bench, Errors, read, settle};
 use cermd::reading::Method;
-use common::{Bench, Errors, read, settle};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use std::fmt::Write;

@@ -1,12 +1,9 @@
 //! What a tracked calibration must show, on simulated boards in virtual time. Every seed is fixed.
-#![allow(clippy::unwrap_used, clippy::panic, reason = "a test that cannot be set up fails")]
 
-mod common;
-
+use crate::common::{Bench, Errors, read, settle};
 use cermd::pins::sim::scene::{DelayScene, DriftScene};
 use cermd::reading::{Fault, Method, Status};
 use cermd::units::{Seconds, Volt};
-use common::{Bench, Errors, read, settle};
 use std::fmt::Write;
 
 const INSTRUMENTS: u64 = 40;

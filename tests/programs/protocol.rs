@@ -3,10 +3,7 @@
 //! One thread plays the daemon's main loop and every client. Nothing here depends on time: a step is over when the
 //! server has nothing more to do.
 
-#![allow(clippy::unwrap_used, clippy::panic, reason = "a test that cannot go on has failed")]
-
-#[path = "protocol/bench.rs"]
-mod bench;
+pub mod bench;
 
 use bench::{Bench, Peer, channels, reading};
 use cermd::stream::client::{Client, ClientError};

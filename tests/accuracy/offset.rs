@@ -1,16 +1,13 @@
 //! The latency offset: what it does when it is left in, and that split calibration finds it.
 //!
 //! Whole instruments in virtual time; every seed is fixed.
-#![allow(clippy::unwrap_used, clippy::panic)] // A test that cannot be set up fails.
 
-mod common;
-
+use crate::common::{Bench, Errors, read, settle};
 use cermd::circuit::Node;
 use cermd::instrument::Message;
 use cermd::pins::sim::{Kind, Scene, Sensor};
 use cermd::reading::Method;
 use cermd::units::Ohm;
-use common::{Bench, Errors, read, settle};
 use std::path::Path;
 
 /// Lateness of every stamp, ns.

@@ -2,13 +2,8 @@
 //!
 //! No test depends on how fast anything is; every wait ends.
 
-#![allow(clippy::unwrap_used, clippy::panic, reason = "a test that cannot go on has failed")]
-
-#[path = "cermctl/daemon.rs"]
-mod daemon;
-#[path = "cermctl/errors.rs"]
+pub mod daemon;
 mod errors;
-#[path = "cermctl/tapes.rs"]
 mod tapes;
 
 use daemon::{Daemon, ctl, json_lines, lines_of, wait_until};

@@ -2,13 +2,7 @@
 //!
 //! The second process is this test binary again, told by an environment variable to serve.
 
-#![allow(clippy::unwrap_used, clippy::panic, reason = "a test that cannot go on has failed")]
-
-#[path = "protocol/bench.rs"]
-#[allow(dead_code, reason = "shared with the tests of the protocol")]
-mod bench;
-
-use bench::{TIME, channels, reading};
+use crate::protocol::bench::{TIME, channels, reading};
 use cermd::stream::client::Client;
 use cermd::stream::server::{Limits, ListenError, Listener, Server};
 use cermd::units::Nanos;
@@ -50,7 +44,7 @@ fn start(path: &Path) -> Killed {
     let mut command = Command::new(std::env::current_exe().unwrap());
     Killed(
         command
-            .args(["serve", "--exact", "--nocapture"])
+            .args(["processes::serve", "--exact", "--nocapture"])
             .env(SERVE, path)
             .stdout(Stdio::null())
             .spawn()
@@ -103,7 +97,7 @@ fn a_socket_passed_by_the_service_manager_is_served() {
     let listener = UnixListener::bind(&path).unwrap();
     // As sd_listen_fds(3) says: descriptor 3, the process named by its id.
     let mut command = Command::new("sh");
-    command.args(["-c", "LISTEN_PID=$$ LISTEN_FDS=1 exec \"$0\" serve --exact --nocapture 3<&0"]);
+    command.args(["-c", "LISTEN_PID=$$ LISTEN_FDS=1 exec \"$0\" processes::serve --exact --nocapture 3<&0"]);
     command.arg(std::env::current_exe().unwrap()).env(SERVE, "");
     let _server =
         Killed(command.stdin(Stdio::from(OwnedFd::from(listener))).stdout(Stdio::null()).spawn().unwrap());

@@ -2,9 +2,7 @@
 //!
 //! The voltages are those of Kirchhoff's laws, which know neither progress nor threshold times; what the estimators get
 //! are the instants at which they fall through the thresholds, late by d. A failing case prints itself.
-#![allow(clippy::unwrap_used, clippy::panic)] // A test that cannot be set up fails.
 
-#[path = "exact/circuits.rs"]
 mod circuits;
 
 use cermd::circuit::Network;

@@ -78,7 +78,7 @@ const HEAD: &str = "\
 
 Every figure of ours on this page is **simulated**, in virtual time, on the scene `fpga-paper`
 (`hw/scenes/fpga-paper.toml`); none was measured on hardware. The page is written by
-`UPDATE_DOCS=1 cargo test --test paper`, and the same test fails when it is out of date.
+`UPDATE_DOCS=1 cargo test --test accuracy paper`, and the same test fails when it is out of date.
 
 The set-up is that of section IV: a common clock of 50 MHz, 20 nF for TPCM, 330 nF / 22 nF for TCDIC and CERM, Rc 2320 and
 12700 ohm, 163.84 us of charge, 28 resistors, 500 readings of each. CERM finishes a discharge through Rc2 when T_xA is below

@@ -1,8 +1,7 @@
 //! The daemon as its users and the service manager see it: the real program, a simulated circuit, real signals.
 
-#![allow(clippy::unwrap_used, clippy::panic, reason = "a test that cannot go on has failed")]
-
-#[path = "daemon/process.rs"]
+mod crowd;
+mod killed;
 mod process;
 
 use nix::sys::signal::Signal;

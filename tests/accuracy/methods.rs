@@ -1,12 +1,9 @@
 //! Speed against accuracy: every method on the same simulated board.
 //!
-//! Writes `docs/methods.md` with `UPDATE_DOCS=1 cargo test --test methods`, and fails when it is out of date.
-#![allow(clippy::unwrap_used, clippy::panic)] // A test that cannot be set up fails.
+//! Writes `docs/methods.md` with `UPDATE_DOCS=1 cargo test --test accuracy methods`, and fails when it is out of date.
 
-mod common;
-
+use crate::common::{Bench, Errors, check_page, read, settle};
 use cermd::reading::Method;
-use common::{Bench, Errors, check_page, read, settle};
 use plotters::prelude::*;
 use std::fmt::Write;
 
@@ -19,7 +16,7 @@ const HEAD: &str = "# Methods, speed against accuracy
 Every figure on this page is **simulated**: scene `pi4` (2.2 uF / 680 nF, or 470 nF for the circuit with series calibration;
 Rc 2320 / 12700 ohm; latencies, noise and thresholds as `hw/scenes/pi4.toml` says, some of them assumed), no sensor but a
 constant resistor, 40 instruments with 100 readings each. The page is written by
-`UPDATE_DOCS=1 cargo test --test methods`, and the same test fails when it is out of date.
+`UPDATE_DOCS=1 cargo test --test accuracy methods`, and the same test fails when it is out of date.
 
 `error` is the root mean square of all errors, `u` that of the stated uncertainties (both 1 sigma), `within 2u` the share
 of readings that are off by less than two of their own sigma (95 % is honest). `time` is a whole cycle: charges,
@@ -123,5 +120,5 @@ fn the_page_is_up_to_date_and_tracking_pays() {
     if std::env::var_os("UPDATE_DOCS").is_some() {
         std::fs::write(CHART, chart(&at_equal_time)).unwrap();
     }
-    check_page("methods", "methods.md", &page);
+    check_page("accuracy methods", "methods.md", &page);
 }

@@ -1,6 +1,6 @@
 //! What is said when something is wrong: one sentence with a hint, and the exit status.
 
-use crate::daemon::{CONFIG, Daemon, ctl};
+use super::daemon::{CONFIG, Daemon, ctl};
 use std::fs;
 use std::os::unix::fs::PermissionsExt;
 use std::os::unix::net::{UnixListener, UnixStream};
@@ -86,7 +86,7 @@ fn an_instrument_that_has_not_measured_yet() {
         .spawn()
         .unwrap();
     // The socket is there before anybody listens.
-    crate::daemon::wait_until("cermd serves", || UnixStream::connect(&socket).is_ok());
+    super::daemon::wait_until("cermd serves", || UnixStream::connect(&socket).is_ok());
     let mut get = ctl(&["get", "--socket", socket.to_str().unwrap()]);
     let complaint = failure(&mut get, "-");
     slow.kill().unwrap();

@@ -1,14 +1,8 @@
 //! `cermctl calibrate` with the real programs: a daemon on a simulated board, answers on standard input, and a
 //! configuration file that changes after a yes and only then.
 
-#![allow(clippy::unwrap_used, clippy::panic, reason = "a test that cannot go on has failed")]
-
-#[path = "cermctl/daemon.rs"]
-#[allow(dead_code, reason = "shared with the tests of cermctl")]
-mod daemon;
-
+use crate::cermctl::daemon::{CONFIG, Daemon, ctl};
 use assert_cmd::Command;
-use daemon::{Daemon, ctl};
 use serde_json::Value;
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -120,7 +114,7 @@ fn a_sensor_is_no_short_circuit() {
     let error = String::from_utf8(command.assert().code(1).get_output().stderr.clone()).unwrap();
     assert!(error.contains("--channel; there is thumb, index"), "{error}");
     assert_eq!(config(&daemon), before);
-    let manual = include_str!("../docs/commissioning.md");
+    let manual = include_str!("../../docs/commissioning.md");
     assert!(manual.contains(&format!("A zero of more than {} ohm", cermd::config::LARGEST_ZERO_OHM)));
 }
 
@@ -163,7 +157,7 @@ struct Folder(tempfile::TempDir);
 impl Folder {
     fn new() -> Folder {
         let folder = Folder(tempfile::tempdir().unwrap());
-        let text = daemon::CONFIG.replace("scene.toml", "ideal").replace("[[channel]]\nid = \"index\"\n", "");
+        let text = CONFIG.replace("scene.toml", "ideal").replace("[[channel]]\nid = \"index\"\n", "");
         fs::write(folder.path("cermd.toml"), format!("# kept\n{text}# kept, too\n")).unwrap();
         fs::write(folder.path("weights.csv"), CSV).unwrap();
         folder

@@ -1,17 +1,14 @@
 //! The paper's own experiment on its own board, simulated: 28 resistors, 500 readings of each, three methods.
 //!
-//! `docs/accuracy-paper.md` is what comes out of it; `UPDATE_DOCS=1 cargo test --test paper` writes it anew. Nothing is tuned
+//! `docs/accuracy-paper.md` is what comes out of it; `UPDATE_DOCS=1 cargo test --test accuracy paper` writes it anew. Nothing is tuned
 //! per method, and every seed is fixed.
-#![allow(clippy::unwrap_used, clippy::panic)] // A test that cannot be set up fails.
 
-mod common;
-#[path = "paper/report.rs"]
 mod report;
 
+use crate::common::{Bench, Errors, check_page, read, settle};
 use cermd::pins::sim::{Kind, Sensor};
 use cermd::reading::Method;
 use cermd::units::{Farad, Ohm};
-use common::{Bench, Errors, check_page, read, settle};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use std::fmt::Write;
@@ -147,5 +144,5 @@ fn the_predicted_uncertainty_of_both_branches_is_right_within_10_percent() {
 #[test]
 fn the_report_is_up_to_date() {
     let report = report::write();
-    check_page("paper", "accuracy-paper.md", &report);
+    check_page("accuracy paper", "accuracy-paper.md", &report);
 }

@@ -1,12 +1,9 @@
 //! Whatever goes wrong below, what comes out above is a sound reading or a named fault.
 //!
-//! 100,000 readings as a rule; `CERMD_READINGS=1000000 cargo test --test faults` for a long run, `CERMD_SEED`
+//! 100,000 readings as a rule; `CERMD_READINGS=1000000 cargo test --test backends faults` for a long run, `CERMD_SEED`
 //! for another one.
 
-#![allow(clippy::unwrap_used, clippy::panic, reason = "a test that cannot go on has failed")]
-
-mod common;
-
+use crate::common::Bench;
 use cermd::estimate::force::Force;
 use cermd::instrument::cycle::longest_reading;
 use cermd::instrument::{Instrument, Message};
@@ -15,7 +12,6 @@ use cermd::pins::faulty::{Faulty, Injection};
 use cermd::pins::sim::SimPins;
 use cermd::reading::{Measured, Method, Reading, Status};
 use cermd::units::Nanos;
-use common::Bench;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 

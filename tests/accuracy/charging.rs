@@ -1,13 +1,9 @@
 //! How short a charge may be, in the simulated circuit and in virtual time, against what is predicted.
 //!
-//! Writes `docs/charging.md` with `UPDATE_DOCS=1 cargo test --test charging`, and fails when it is out of date.
-#![allow(clippy::unwrap_used, clippy::panic, reason = "a test that cannot be set up fails")]
+//! Writes `docs/charging.md` with `UPDATE_DOCS=1 cargo test --test accuracy charging`, and fails when it is out of date.
 
-#[path = "charging/bench.rs"]
 mod bench;
-#[path = "charging/circuit.rs"]
 mod circuit;
-mod common;
 
 use bench::{Board, Found, LONG_TAUS, NEIGHBOUR_OHM};
 use cermd::reading::Method;
@@ -24,7 +20,7 @@ const HEAD: &str = "# How short a charge may be
 
 Every figure on this page is **simulated**: scene `pi4` without its rare long delays (2.2 uF / 680 nF, or 470 nF for the circuit
 with series calibration; Rc 2320 / 12700 ohm), wake-ups from the charge 53 us late with a scatter of 5 us. Written by
-`UPDATE_DOCS=1 cargo test --test charging`; do not edit. The same test asserts what is said here.
+`UPDATE_DOCS=1 cargo test --test accuracy charging`; do not edit. The same test asserts what is said here.
 
 What an incomplete charge leaves missing is the same each time and cancels, but for what it remembers of the discharge before: how
 far that one took the capacitors. A discharge of a low resistance falls far below the threshold before the program has let go
@@ -78,7 +74,7 @@ fn the_page_is_up_to_date_and_the_error_is_as_predicted() {
         }
     }
     assert!(wrong.is_empty(), "seeds 0..{}\n{wrong}\n{page}", bench::INSTRUMENTS);
-    common::check_page("charging", "charging.md", &page);
+    crate::common::check_page("accuracy charging", "charging.md", &page);
 }
 
 /// At the automatic time, the error is within its share and u is true. Below it, the error is as predicted, where each

@@ -80,7 +80,6 @@ impl Daemon {
     }
 
     /// With changes to the scene.
-    #[allow(dead_code, reason = "not every test changes the scene")]
     pub fn start_in_scene(changes: &[(&str, &str)]) -> Daemon {
         Daemon::start_as(("", ""), changes)
     }

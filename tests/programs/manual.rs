@@ -1,8 +1,6 @@
 //! The man pages and shell completions in docs/ are those of the present command lines.
 //!
-//! `UPDATE=1 cargo test --test manual` writes them anew.
-
-#![allow(clippy::unwrap_used, clippy::panic, reason = "a test that cannot go on has failed")]
+//! `UPDATE=1 cargo test --test programs manual` writes them anew.
 
 use cermd::ctl::cli::{Cermctl, Cermd};
 use clap::CommandFactory;
@@ -46,9 +44,12 @@ fn compare(name: &str, write: impl Fn(&Path)) {
     write(fresh.path());
     let (kept, fresh) = (files(&kept), files(fresh.path()));
     let names = |files: &BTreeMap<String, String>| files.keys().cloned().collect::<Vec<_>>();
-    assert_eq!(names(&kept), names(&fresh), "docs/{name}: UPDATE=1 cargo test --test manual");
+    assert_eq!(names(&kept), names(&fresh), "docs/{name}: UPDATE=1 cargo test --test programs manual");
     for (file, text) in &fresh {
-        assert!(kept[file] == *text, "docs/{name}/{file} is out of date: UPDATE=1 cargo test --test manual");
+        assert!(
+            kept[file] == *text,
+            "docs/{name}/{file} is out of date: UPDATE=1 cargo test --test programs manual"
+        );
     }
 }
 

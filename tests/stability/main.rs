@@ -4,28 +4,18 @@
 //! seed is fixed. `docs/stability.md` is what comes out of it; `UPDATE_DOCS=1 cargo test --test stability` writes it anew.
 #![allow(clippy::unwrap_used, clippy::panic, reason = "a test that cannot be set up fails")]
 
-#[path = "stability/circuit.rs"]
 mod circuit;
+#[path = "../common/mod.rs"]
 mod common;
-#[path = "stability/disturbed.rs"]
 mod disturbed;
-#[path = "stability/events.rs"]
 mod events;
-#[path = "stability/failures.rs"]
 mod failures;
-#[path = "stability/interruptions.rs"]
 mod interruptions;
-#[path = "stability/leaks.rs"]
 mod leaks;
-#[path = "stability/noise.rs"]
 mod noise;
-#[path = "stability/paper.rs"]
 mod paper;
-#[path = "stability/scenario.rs"]
 mod scenario;
-#[path = "stability/states.rs"]
 mod states;
-#[path = "stability/switching.rs"]
 mod switching;
 
 use cermd::reading::Method;

@@ -1,14 +1,12 @@
 //! 500 clients at 100 readings a second, one of which does not read.
+//!
+//! How many clients a machine serves before one of them falls behind is a figure of that machine (`cargo bench --bench
+//! fanout`). What holds on any machine, however busy: each client can account for every reading.
 
-#![allow(clippy::unwrap_used, clippy::panic, reason = "a test that cannot go on has failed")]
-
-#[path = "daemon/process.rs"]
-mod process;
-
+use super::process::{Home, PATIENCE, config, until};
 use nix::errno::Errno;
 use nix::poll::{PollFd, PollFlags, PollTimeout, poll};
 use nix::sys::resource::{Resource, getrlimit, setrlimit};
-use process::{Home, PATIENCE, Stream, config};
 use serde_json::Value;
 use std::io::{ErrorKind, Read};
 use std::os::fd::AsFd;
@@ -20,18 +18,38 @@ const READINGS: u64 = 1250;
 /// What the resident memory of the daemon stays below, KiB.
 const MEMORY_KIB: u64 = 64 * 1024;
 
-/// A client that reads; the numbers of its readings must follow on.
+/// Accounts for readings: a gap between two of them is as long as the second one says.
+#[derive(Default)]
+struct Account {
+    last: Option<u64>,
+    lost: u64,
+}
+
+impl Account {
+    fn enter(&mut self, line: &Value) {
+        let (seq, lost) = (line["seq"].as_u64().unwrap(), line["lost"].as_u64().unwrap());
+        assert!(self.last.is_none_or(|last| seq == last + lost + 1), "after {:?}: {line}", self.last);
+        self.last = Some(seq);
+        self.lost += lost;
+    }
+
+    fn is_up_to(&self, seq: u64) -> bool {
+        self.last.is_some_and(|last| last >= seq)
+    }
+}
+
+/// A client that reads.
 struct Reader {
     socket: UnixStream,
     bytes: Vec<u8>,
-    last: Option<u64>,
+    account: Account,
 }
 
 impl Reader {
     fn new(home: &Home) -> Reader {
-        let socket = process::until("a connection", || UnixStream::connect(home.socket()).ok());
+        let socket = until("a connection", || UnixStream::connect(home.socket()).ok());
         socket.set_nonblocking(true).unwrap();
-        Reader { socket, bytes: Vec::new(), last: None }
+        Reader { socket, bytes: Vec::new(), account: Account::default() }
     }
 
     fn read(&mut self) {
@@ -49,34 +67,14 @@ impl Reader {
         for line in lines.split_inclusive(|&byte| byte == b'\n') {
             let line: Value = serde_json::from_slice(line).unwrap();
             if line["class"] == "READING" {
-                let seq = line["seq"].as_u64().unwrap();
-                assert!(self.last.is_none_or(|last| seq == last + 1), "after {:?}: {line}", self.last);
-                assert_eq!(line["lost"], 0, "{line}");
-                self.last = Some(seq);
+                self.account.enter(&line);
             }
         }
     }
 }
 
-/// Reads a stalled client's backlog up to a reading; answers how many it has lost, which must be all that it did not
-/// get.
-fn lost_by(stalled: &mut Stream, newest: u64) -> u64 {
-    let first = stalled.next_of("READING");
-    assert_eq!(first["lost"], 0, "{first}");
-    let (mut last, mut lost) = (first["seq"].as_u64().unwrap(), 0);
-    while last < newest {
-        let line = stalled.next_of("READING");
-        let seq = line["seq"].as_u64().unwrap();
-        let gap = line["lost"].as_u64().unwrap();
-        assert_eq!(seq, last + gap + 1, "{line}");
-        lost += gap;
-        last = seq;
-    }
-    lost
-}
-
 #[test]
-fn only_the_client_that_stalls_loses_readings() {
+fn every_client_accounts_for_every_reading() {
     let (soft, hard) = getrlimit(Resource::RLIMIT_NOFILE).unwrap();
     setrlimit(Resource::RLIMIT_NOFILE, soft.max(2048.min(hard)), hard).unwrap();
     let home = Home::new(&config(&["thumb"], "offset = \"8 us\"\nrate-hz = 100"));
@@ -85,7 +83,7 @@ fn only_the_client_that_stalls_loses_readings() {
     assert_eq!(stalled.next().unwrap()["class"], "VERSION");
     let mut readers: Vec<Reader> = (1..CLIENTS).map(|_| Reader::new(&home)).collect();
     let mut memory_kib = 0;
-    while readers.iter().any(|reader| reader.last.is_none_or(|last| last < READINGS)) {
+    while !readers.iter().all(|reader| reader.account.is_up_to(READINGS)) {
         let ready: Vec<bool> = {
             let mut fds: Vec<PollFd> =
                 readers.iter().map(|reader| PollFd::new(reader.socket.as_fd(), PollFlags::POLLIN)).collect();
@@ -100,13 +98,21 @@ fn only_the_client_that_stalls_loses_readings() {
         memory_kib = memory_kib.max(daemon.memory_kib("VmRSS"));
     }
 
-    let lost = lost_by(&mut stalled, READINGS);
-    assert!(lost > 0, "the stalled client was not stalled for long enough");
+    let mut account = Account::default();
+    while !account.is_up_to(READINGS) {
+        account.enter(&stalled.next_of("READING"));
+    }
+    assert!(account.lost > 0, "the stalled client was not stalled for long enough");
+    let lost_by_readers: u64 = readers.iter().map(|reader| reader.account.lost).sum();
     stalled.send(r#"{"class":"STATS"}"#);
     let stats = stalled.next_of("STATS");
-    assert_eq!((&stats["clients"], &stats["lost"]), (&CLIENTS.into(), &lost.into()), "{stats}");
+    assert_eq!(stats["clients"], CLIENTS, "{stats}");
+    // The readers do not read any more, and may lose some now.
+    assert!(stats["lost"].as_u64().unwrap() >= account.lost + lost_by_readers, "{stats}");
     println!(
-        "{CLIENTS} clients, {READINGS} readings: the stalled one lost {lost}; VmRSS at most {memory_kib} KiB"
+        "{CLIENTS} clients, {READINGS} readings: the stalled one lost {}, the others {lost_by_readers}; \
+         VmRSS at most {memory_kib} KiB",
+        account.lost
     );
     assert!(memory_kib < MEMORY_KIB, "{memory_kib} KiB");
 }

@@ -1,17 +1,14 @@
 //! A sensor that changes while it is read: oscillations, a press, steps, ramps and late stamps, in virtual time.
 //!
-//! `docs/dynamic.md` is what comes out of it; `UPDATE_DOCS=1 cargo test --test dynamic` writes it anew. Every seed is
+//! `docs/dynamic.md` is what comes out of it; `UPDATE_DOCS=1 cargo test --test accuracy dynamic` writes it anew. Every seed is
 //! fixed; every check has two sides.
-#![allow(clippy::unwrap_used, clippy::panic, reason = "a test that cannot be set up fails")]
 
-mod common;
-
+use crate::common::{Bench, check_page, read, rest, settle};
 use cermd::pins::Pins;
 use cermd::pins::sim::Sensor;
 use cermd::pins::sim::scene::DelayScene;
 use cermd::reading::{Method, Reading, Status};
 use cermd::units::{Hertz, Ohm, Seconds};
-use common::{Bench, check_page, read, rest, settle};
 use std::collections::BTreeMap;
 use std::f64::consts::{SQRT_2, TAU};
 use std::fmt::Write;
@@ -194,7 +191,7 @@ fn an_oscillation_is_read_with_its_second_order_stated_or_is_unsettled() {
     println!("{table}");
     assert!(wrong.is_empty(), "seeds 0..{INSTRUMENTS}\n{wrong}");
     let page = format!("{HEAD}{table}{TAIL}");
-    check_page("dynamic", "dynamic.md", &page);
+    check_page("accuracy dynamic", "dynamic.md", &page);
 }
 
 /// Force from that of 100 kohm to that of 1 kohm and back, again and again, each flank `flank` seconds long.
@@ -374,7 +371,7 @@ noise makes) is no number: the reading is `fault`, `unsettled`. So is a discharg
 a changing sensor makes them; if one late stamp would do, after readings that were at rest, it is `latency-outlier`.
 
 Everything below is **simulated**: board `pi4` without its rare late stamps, R_x = R (1 + 0.2 sin(2 pi f t)), 8
-instruments with 150 readings each. Written by `UPDATE_DOCS=1 cargo test --test dynamic`; do not edit. `predicted` is the
+instruments with 150 readings each. Written by `UPDATE_DOCS=1 cargo test --test accuracy dynamic`; do not edit. `predicted` is the
 second order of a full discharge (1 sigma), `u` the median of what is stated, noise included, `within 2u` the share of the
 numbers that are R_x at their instant within twice their own sigma. Empty: hardly a number is left.
 

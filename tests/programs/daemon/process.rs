@@ -1,11 +1,10 @@
 //! The real daemon as a child process, on a simulated circuit, in a directory of its own.
-#![allow(dead_code, reason = "each test program uses its own part")]
 
 use nix::sys::signal::{Signal, kill};
 use nix::unistd::Pid;
 use serde_json::Value;
 use std::fs::{self, File};
-use std::io::{BufRead, BufReader, Read};
+use std::io::{BufRead, BufReader};
 use std::os::unix::net::UnixStream;
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, ExitStatus, Stdio};
@@ -35,7 +34,7 @@ pub fn config(channels: &[&str], measure: &str) -> String {
 impl Home {
     pub fn new(config: &str) -> Home {
         let home = Home { directory: tempfile::tempdir().unwrap() };
-        let pi4 = include_str!("../../hw/scenes/pi4.toml");
+        let pi4 = include_str!("../../../hw/scenes/pi4.toml");
         let fast = pi4.replace("\"2.2 uF\"", "\"100 nF\"").replace("\"680 nF\"", "\"33 nF\"");
         fs::write(home.path().join("fast.toml"), fast).unwrap();
         home.configure(config);
@@ -130,10 +129,6 @@ impl Daemon {
         kill(Pid::from_raw(self.pid() as i32), signal).unwrap();
     }
 
-    pub fn is_running(&mut self) -> bool {
-        self.0.try_wait().unwrap().is_none()
-    }
-
     /// Waits for its end.
     pub fn end(mut self) -> ExitStatus {
         until("the end of the daemon", || self.0.try_wait().unwrap())
@@ -196,10 +191,6 @@ impl Stream {
     /// Reads to the end; how many lines there were.
     pub fn drain(&mut self) -> usize {
         std::iter::from_fn(|| self.next()).count()
-    }
-
-    pub fn read_raw(&mut self, bytes: &mut [u8]) {
-        self.0.read_exact(bytes).unwrap();
     }
 }
 

@@ -1,6 +1,6 @@
 //! `record --raw`, and `estimate` on good and bad tapes.
 
-use crate::daemon::{Daemon, ctl, json_lines, lines_of, wait_until};
+use super::daemon::{Daemon, ctl, json_lines, lines_of, wait_until};
 use serde_json::Value;
 
 const TAPE: &str = r#"{"class":"TAPE","proto_major":1,"circuit":{"kind":"two-capacitor","r_c1_ohm":2320,"r_c2_ohm":12700},"offset_ns":8000,"channels":[{"id":"thumb","force":{"fc1_n":5.75,"fc2_n":1.05}}]}

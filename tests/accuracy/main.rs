@@ -1,0 +1,14 @@
+//! What is measured against what is true: the equations, each method, and the uncertainty that is stated.
+#![allow(clippy::unwrap_used, clippy::panic, reason = "a test that cannot be set up fails")]
+
+mod charging;
+#[path = "../common/mod.rs"]
+mod common;
+mod coverage;
+mod dynamic;
+mod equations;
+mod exact;
+mod methods;
+mod offset;
+mod paper;
+mod tracked;

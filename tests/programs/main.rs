@@ -1,0 +1,9 @@
+//! The programs, the stream between them and their manual, as users, scripts and the service manager meet them.
+#![allow(clippy::unwrap_used, clippy::panic, reason = "a test that cannot go on has failed")]
+
+mod calibrate;
+mod cermctl;
+mod daemon;
+mod manual;
+mod processes;
+mod protocol;
