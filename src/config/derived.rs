@@ -3,8 +3,9 @@
 //! Every value here is meaningful only for a configuration without error findings.
 
 use super::limits::{DEADLINE, DRAIN, SWITCH_FRACTION};
-use super::{Calibration, Config, Offset};
+use super::{Calibration, Config};
 use crate::circuit::{Network, Node};
+use crate::instrument::settings::OffsetSource;
 use crate::reading::Method;
 use crate::units::{Nanos, Ohm, Seconds};
 
@@ -55,9 +56,9 @@ impl Config {
     }
 
     /// The latency offset.
-    pub fn offset(&self) -> Offset {
+    pub fn offset(&self) -> OffsetSource {
         let needed = matches!(self.method(), Method::Cerm | Method::Qerm);
-        let default = if needed { Offset::Auto } else { Offset::Fixed(Nanos::ZERO) };
+        let default = if needed { OffsetSource::Auto } else { OffsetSource::Given(0.0) };
         self.measure.offset.unwrap_or(default)
     }
 

@@ -27,6 +27,7 @@ pub use pairs::PairsError;
 pub use settings::SettingsError;
 
 use crate::circuit::Circuit;
+use crate::instrument::settings::OffsetSource;
 use crate::pins::realtime::Wishes;
 use crate::reading::Method;
 use crate::units::Nanos;
@@ -84,7 +85,8 @@ pub struct Measure {
     pub deadline: Option<Nanos>,
     /// The latency offset d of the crossings, 0 to 1 ms. Default: `auto` for `cerm` and `qerm`; in the other
     /// methods it cancels, and is 0.
-    pub offset: Option<Offset>,
+    #[serde(deserialize_with = "offset")]
+    pub offset: Option<OffsetSource>,
     /// Period of the clock that stamps crossings, 1 ns to 1 ms. Default: 1 ns, as Linux counts.
     pub resolution: Option<Nanos>,
     /// Where the calibration of `tpcm`, `tcdic` and `cerm` comes from; that of `tracked` is tracked. Default:
@@ -108,23 +110,8 @@ pub enum Calibration {
     Tracked,
 }
 
-/// Where the latency offset d comes from.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Offset {
-    /// Found by split calibration.
-    Auto,
-    /// Given.
-    Fixed(Nanos),
-}
-
-impl<'de> Deserialize<'de> for Offset {
-    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Offset, D::Error> {
-        let text = String::deserialize(deserializer)?;
-        if text == "auto" {
-            return Ok(Offset::Auto);
-        }
-        text.parse().map(Offset::Fixed).map_err(|error| de::Error::custom(format!("{error}; or \"auto\"")))
-    }
+fn offset<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Option<OffsetSource>, D::Error> {
+    String::deserialize(deserializer)?.parse().map(Some).map_err(de::Error::custom)
 }
 
 /// `[[channel]]`: one sensor.

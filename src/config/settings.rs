@@ -52,10 +52,7 @@ impl Config {
             settle: config.settle_time(),
             deadline: config.deadline(),
             period: config.measure.rate_hz.map(|hertz| Nanos::from_seconds(1.0 / hertz)),
-            offset: match config.offset() {
-                config::Offset::Auto => OffsetSource::Auto,
-                config::Offset::Fixed(d) => OffsetSource::Given(d.as_ns()),
-            },
+            offset: config.offset(),
             resolution: config.measure.resolution.unwrap_or(Nanos(1)),
             tracked: config.is_tracked(),
             t_l: config.measure.t_l,

@@ -88,7 +88,7 @@ fn everything_can_be_said() {
     assert_eq!(config.charge_time(), Nanos(3_000_000));
     assert_eq!(config.settle_time(), Nanos(50_000));
     assert_eq!(config.deadline(), Nanos(50_000_000));
-    assert_eq!(config.measure.offset, Some(Offset::Auto));
+    assert_eq!(config.measure.offset, Some(OffsetSource::Auto));
     assert_eq!(config.measure.t_l, Some(Nanos(616_000)));
     assert_eq!(config.switch_fraction(), 0.8);
     assert_eq!(config.channels[0].zero_ohm, 1.5);
@@ -105,7 +105,7 @@ fn silence_has_defaults() {
     assert_eq!(config.gpio, Gpio::default());
     assert_eq!(config.gpio.backend, Backend::Mock);
     assert_eq!(config.method(), Method::Cerm);
-    assert_eq!(config.offset(), Offset::Auto);
+    assert_eq!(config.offset(), OffsetSource::Auto);
     assert_eq!(config.settle_time(), Nanos::ZERO);
     assert_eq!(config.switch_fraction(), 0.9);
     assert_eq!(config.server.socket, Path::new("/run/cermd/cermd.sock"));
@@ -131,9 +131,9 @@ fn the_method_follows_the_circuit() {
         parse(&text)
     };
     assert_eq!(one("one-capacitor", "").method(), Method::Tpcm);
-    assert_eq!(one("one-capacitor", "").offset(), Offset::Fixed(Nanos::ZERO));
+    assert_eq!(one("one-capacitor", "").offset(), OffsetSource::Given(0.0));
     assert_eq!(one("series-calibration", "").method(), Method::Qerm);
-    assert_eq!(one("series-calibration", "").offset(), Offset::Auto);
+    assert_eq!(one("series-calibration", "").offset(), OffsetSource::Auto);
     assert_eq!(one("one-capacitor", "[measure]\nmethod = \"tracked\"").method(), Method::Tracked);
     // TPCM in the circuit with two capacitors times node A only, and so does its deadline.
     let tpcm = parse(&format!("{MINIMAL}[measure]\nmethod = \"tpcm\""));
@@ -149,7 +149,7 @@ fn other_forces_and_offsets() {
     let power = Force::PowerLaw { at_1_kohm: Newton(13.3), exponent: 1.05 };
     assert_eq!(with("{ at-1-kohm = \"13.3 N\", exponent = 1.05 }"), Some(power));
     let offset = parse(&format!("{MINIMAL}[measure]\noffset = \"8 us\"")).offset();
-    assert_eq!(offset, Offset::Fixed(Nanos(8_000)));
+    assert_eq!(offset, OffsetSource::Given(8_000.0));
 }
 
 #[test]

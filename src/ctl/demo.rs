@@ -15,7 +15,6 @@ use crate::stream::client::ClientError;
 use crate::stream::wire::ServerMessage;
 use board::Board;
 use console::style;
-use serde_json::{Map, Value};
 use std::path::Path;
 use std::thread::{self, JoinHandle};
 use std::time::{Duration, Instant};
@@ -34,12 +33,42 @@ pub fn run(arguments: &cli::Demo) -> Result<(), CtlError> {
     let socket = folder.path().join("socket");
     let board = Board::new(arguments, &socket)?;
     let daemon = Running::start(&board)?;
-    let mut show = Show::begin(&board, arguments.seconds, &socket)?;
-    let outcome = show.go_on(&interrupt);
+    let mut stream = Stream::connect(&socket, &[])?;
+    let screen = Screen::new(stream.version().channels.iter());
+    let mut screen = screen.with_history(arguments.seconds.min(HISTORY_S), SAY_AFTER, "simulated  ");
+    for line in board.introduction(arguments.seconds) {
+        screen.terminal.say(&line)?;
+    }
+    let mut tally = Tally::default();
+    let until = Instant::now() + Duration::from_secs_f64(arguments.seconds);
+    let is_over = || interrupt.is_set() || Instant::now() >= until;
+    let shown = show(&mut stream, &mut screen, &mut tally, is_over);
+    let stats = shown.and_then(|()| stream.stats());
     // What the daemon says of its end explains the failure of a client.
     daemon.stop()?;
-    let stats = outcome?;
-    show.end(&board, &stats)
+    let (_, stats) = stats?;
+    screen.redraw()?;
+    let summary = tally.summary(&board, &stats, screen.terminal.unicode());
+    summary.iter().try_for_each(|line| screen.terminal.say(line))
+}
+
+fn show(
+    stream: &mut Stream,
+    screen: &mut Screen,
+    tally: &mut Tally,
+    is_over: impl Fn() -> bool,
+) -> Result<(), CtlError> {
+    while !is_over() {
+        match stream.next()? {
+            Next::Line(_, ServerMessage::Reading(reading)) => {
+                tally.add(&reading);
+                screen.feed(&reading)?;
+            }
+            Next::Line(..) | Next::Quiet => {}
+            Next::Ended => return Err(ClientError::Closed.into()),
+        }
+    }
+    Ok(())
 }
 
 /// The daemon on its thread.
@@ -62,50 +91,6 @@ impl Running {
     fn stop(self) -> Result<(), CtlError> {
         self.handle.stop();
         Ok(self.thread.join().unwrap_or(Err(DaemonError::Died))?)
-    }
-}
-
-/// What is seen.
-struct Show {
-    screen: Screen,
-    stream: Stream,
-    tally: Tally,
-    until: Instant,
-}
-
-impl Show {
-    fn begin(board: &Board, seconds: f64, socket: &Path) -> Result<Show, CtlError> {
-        let stream = Stream::connect(socket, &[])?;
-        let screen = Screen::new(stream.version().channels.iter());
-        let mut screen = screen.with_history(seconds.min(HISTORY_S), SAY_AFTER, "simulated  ");
-        for line in board.introduction(seconds) {
-            screen.terminal.say(&line)?;
-        }
-        let until = Instant::now() + Duration::from_secs_f64(seconds);
-        Ok(Show { screen, stream, tally: Tally::default(), until })
-    }
-
-    /// Until the time is over; what the daemon then says of itself.
-    fn go_on(&mut self, interrupt: &Interrupt) -> Result<Map<String, Value>, CtlError> {
-        while !interrupt.is_set() && Instant::now() < self.until {
-            match self.stream.next()? {
-                Next::Line(_, ServerMessage::Reading(reading)) => {
-                    self.tally.add(&reading);
-                    self.screen.feed(&reading)?;
-                }
-                Next::Line(..) | Next::Quiet => {}
-                Next::Ended => return Err(ClientError::Closed.into()),
-            }
-        }
-        Ok(self.stream.stats()?.1)
-    }
-
-    fn end(&mut self, board: &Board, stats: &Map<String, Value>) -> Result<(), CtlError> {
-        self.screen.redraw()?;
-        for line in self.tally.summary(board, stats, self.screen.terminal.unicode()) {
-            self.screen.terminal.say(&line)?;
-        }
-        Ok(())
     }
 }
 

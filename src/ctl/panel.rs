@@ -91,16 +91,6 @@ impl Panel {
     }
 }
 
-/// A reading in words.
-#[derive(Default)]
-struct Words {
-    force: String,
-    /// The resistance, or the name of a fault.
-    ohms: String,
-    status: &'static str,
-    style: Style,
-}
-
 impl Row {
     fn feed(&mut self, reading: &ReadingLine) {
         let now = reading.t_mono_ns;
@@ -163,41 +153,32 @@ impl Row {
             .collect()
     }
 
-    fn words(&self, unicode: bool) -> Words {
-        let Some(reading) = &self.last else {
-            return Words { status: "waiting", style: Style::new().dim(), ..Words::default() };
-        };
+    /// Force, then resistance or the name of a fault, then the status and how it looks.
+    fn words(&self, unicode: bool) -> ([String; 2], &'static str, Style) {
+        let Some(reading) = &self.last else { return (Default::default(), "waiting", Style::new().dim()) };
         let value = |value: Option<f64>, u, unit| {
             value.map(|value| measured(value, u, unit, unicode)).unwrap_or_default()
         };
         let bound = |sign: &str, value: Option<f64>, unit| {
             value.map(|value| format!("{sign} {}", rough(value, unit))).unwrap_or_default()
         };
+        let style = Style::new();
         match reading.status {
-            StatusName::Ok => Words {
-                force: value(reading.f_n, reading.f_u_n, "N"),
-                ohms: value(reading.r_ohm, reading.r_u_ohm, "ohm"),
-                status: "ok",
-                style: Style::new().green(),
-            },
-            StatusName::Open => Words {
-                force: bound("<", reading.f_max_n, "N"),
-                ohms: bound(">", reading.r_min_ohm, "ohm"),
-                status: "open",
-                style: Style::new().dim(),
-            },
-            StatusName::Short => Words {
-                force: bound(">", reading.f_min_n, "N"),
-                ohms: bound("<", reading.r_max_ohm, "ohm"),
-                status: "short",
-                style: Style::new().yellow(),
-            },
-            StatusName::Fault => Words {
-                ohms: reading.fault.clone().unwrap_or_default(),
-                status: "fault",
-                style: Style::new().red(),
-                ..Words::default()
-            },
+            StatusName::Ok => {
+                let force = value(reading.f_n, reading.f_u_n, "N");
+                ([force, value(reading.r_ohm, reading.r_u_ohm, "ohm")], "ok", style.green())
+            }
+            StatusName::Open => {
+                let force = bound("<", reading.f_max_n, "N");
+                ([force, bound(">", reading.r_min_ohm, "ohm")], "open", style.dim())
+            }
+            StatusName::Short => {
+                let force = bound(">", reading.f_min_n, "N");
+                ([force, bound("<", reading.r_max_ohm, "ohm")], "short", style.yellow())
+            }
+            StatusName::Fault => {
+                ([String::new(), reading.fault.clone().unwrap_or_default()], "fault", style.red())
+            }
         }
     }
 
@@ -208,7 +189,7 @@ impl Row {
 
     /// In columns: name, force, ohms, a hint or a bar where there is room, status, rate.
     fn line(&self, name: usize, has_force: bool, width: usize, unicode: bool) -> String {
-        let Words { force, ohms, status, style: colour } = self.words(unicode);
+        let ([force, ohms], status, colour) = self.words(unicode);
         let id = pad_str(&self.id, name, Alignment::Left, None);
         let force = if has_force { format!("{force:>19}  ") } else { String::new() };
         let before = format!(" {}  {}{ohms:>21}  ", style(id).bold(), style(force).bold());
@@ -228,7 +209,7 @@ impl Row {
     }
 
     fn plain(&self, unicode: bool) -> String {
-        let Words { force, ohms, status, .. } = self.words(unicode);
+        let ([force, ohms], status, _) = self.words(unicode);
         let time = self.last.as_ref().and_then(|reading| reading.time.get(11..23)).unwrap_or_default();
         let rate = self.rate().map(|rate| format!("{rate:.1}/s")).unwrap_or_default();
         let pieces = [time, &self.id, &force, &ohms, status, &rate, self.hint().unwrap_or_default()];

@@ -14,26 +14,8 @@ use std::io::{self, Write};
 use std::time::{Duration, Instant};
 
 /// The columns of CSV: fields of READING.
-const COLUMNS: [&str; 18] = [
-    "channel",
-    "seq",
-    "time",
-    "t_mono_ns",
-    "status",
-    "r_ohm",
-    "r_u_ohm",
-    "f_n",
-    "f_u_n",
-    "r_min_ohm",
-    "f_max_n",
-    "r_max_ohm",
-    "f_min_n",
-    "fault",
-    "method",
-    "branch",
-    "duration_us",
-    "lost",
-];
+const COLUMNS: &str = "channel,seq,time,t_mono_ns,status,r_ohm,r_u_ohm,f_n,f_u_n,r_min_ohm,f_max_n,r_max_ohm,f_min_n,\
+                       fault,method,branch,duration_us,lost";
 
 /// Records until the time, the count or Ctrl-C.
 pub fn run(arguments: &cli::Record) -> Result<(), CtlError> {
@@ -64,15 +46,13 @@ struct Recording<'a> {
 impl<'a> Recording<'a> {
     fn begin(arguments: &'a cli::Record) -> Result<Recording<'a>, CtlError> {
         let out: Box<dyn Write> = match &arguments.output {
-            Some(path) => {
-                Box::new(File::create(path).map_err(|source| CtlError::File { path: path.clone(), source })?)
-            }
+            Some(path) => Box::new(File::create(path).map_err(CtlError::file(path))?),
             None => Box::new(io::stdout().lock()),
         };
         let until = arguments.seconds.map(|seconds| Instant::now() + Duration::from_secs_f64(seconds));
         let mut recording = Recording { arguments, out, until, header: None, count: 0, lost: 0 };
         if !arguments.raw && arguments.format == Format::Csv {
-            recording.write(&csv_row(COLUMNS.map(str::to_owned)))?;
+            recording.write(COLUMNS)?;
         }
         Ok(recording)
     }
@@ -109,7 +89,7 @@ impl<'a> Recording<'a> {
         self.lost += reading.lost;
         match self.arguments.format {
             Format::Ndjson => self.write(line),
-            Format::Csv => self.write(&csv_row(cells(line))),
+            Format::Csv => self.write(&csv_row(line)),
         }
     }
 
@@ -149,28 +129,25 @@ impl<'a> Recording<'a> {
         let line = format!("{line}\n");
         let written = self.out.write_all(line.as_bytes()).and_then(|()| self.out.flush());
         written.map_err(|source| match &self.arguments.output {
-            Some(path) => CtlError::File { path: path.clone(), source },
+            Some(path) => CtlError::file(path)(source),
             None => CtlError::Output(source),
         })
     }
 }
 
 /// The fields of a line in the order of the columns, as they were sent; what is not known is empty.
-fn cells(line: &str) -> [String; COLUMNS.len()] {
+fn csv_row(line: &str) -> String {
     let fields: Map<String, Value> = serde_json::from_str(line).unwrap_or_default();
-    COLUMNS.map(|key| match fields.get(key) {
+    let cells = COLUMNS.split(',').map(|key| match fields.get(key) {
         None => String::new(),
         Some(Value::String(text)) => text.clone(),
         Some(number) => number.to_string(),
-    })
-}
-
-fn csv_row(cells: [String; COLUMNS.len()]) -> String {
-    let mut writer = csv::WriterBuilder::new().from_writer(Vec::new());
+    });
+    let mut writer = csv::Writer::from_writer(Vec::new());
     // Memory takes whatever is written into it.
-    let _ = writer.write_record(&cells);
+    let _ = writer.write_record(cells.map(String::into_bytes));
     let row = String::from_utf8(writer.into_inner().unwrap_or_default()).unwrap_or_default();
-    row.trim_end().to_owned()
+    row.trim_end_matches('\n').to_owned()
 }
 
 #[cfg(test)]
@@ -179,8 +156,7 @@ mod tests {
 
     #[test]
     fn a_row_has_a_cell_for_each_column_whatever_is_in_it() {
-        let row =
-            csv_row(cells(r#"{"class":"READING","channel":"a,\"b\"","r_ohm":2841.3,"lost":0,"new":1}"#));
+        let row = csv_row(r#"{"class":"READING","channel":"a,\"b\"","r_ohm":2841.3,"lost":0,"new":1}"#);
         assert_eq!(row, format!("\"a,\"\"b\"\"\",,,,,2841.3{}0", ",".repeat(12)));
     }
 }

@@ -16,30 +16,16 @@ pub fn run(arguments: &cli::Stats) -> Result<(), CtlError> {
 }
 
 /// The fields that are known, in the order in which a person asks; later releases have more.
-const ORDER: [&str; 16] = [
-    "backend",
-    "method",
-    "uptime_s",
-    "clients",
-    "published",
-    "lost",
-    "cycles",
-    "readings",
-    "ok",
-    "open",
-    "short",
-    "faults",
-    "retried",
-    "offset_known",
-    "offset_ns",
-    "r_o_ohm",
-];
+const ORDER: &str = "backend method uptime_s clients published lost cycles readings ok open short faults retried \
+                     offset_known offset_ns r_o_ohm";
 
 /// One line for each field that says something.
 fn table(stats: &Map<String, Value>, unicode: bool) -> String {
-    let known = ORDER.into_iter().filter_map(|key| stats.get_key_value(key));
-    let fields = known.chain(stats.iter().filter(|(key, _)| !ORDER.contains(&key.as_str())));
-    let rows: Vec<_> = fields.filter_map(|(key, value)| row(stats, key, value, unicode)).collect();
+    let place = |key: &str| ORDER.split(' ').position(|known| known == key).unwrap_or(usize::MAX);
+    let mut fields: Vec<_> = stats.iter().collect();
+    fields.sort_by_key(|(key, _)| place(key));
+    let rows: Vec<_> =
+        fields.into_iter().filter_map(|(key, value)| row(stats, key, value, unicode)).collect();
     let width = rows.iter().map(|(name, _)| name.len()).max().unwrap_or(0);
     rows.iter().map(|(name, value)| format!("{name:width$}  {value}\n")).collect()
 }

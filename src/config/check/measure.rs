@@ -3,8 +3,9 @@
 use super::Findings;
 use crate::circuit::Network;
 use crate::config::limits::{LARGEST_SWITCH_FRACTION, LONGEST_WAIT};
-use crate::config::{Calibration, Config, Measure, Offset};
+use crate::config::{Calibration, Config, Measure};
 use crate::estimate::offset;
+use crate::instrument::settings::OffsetSource;
 use crate::reading::Method;
 use crate::units::{Nanos, Seconds};
 
@@ -23,13 +24,10 @@ pub fn check(config: &Config, findings: &mut Findings) {
             "20, or without it: as fast as the circuit allows",
         );
     }
-    if let Some(Offset::Fixed(d)) = measure.offset {
-        if d < Nanos::ZERO || d > offset::LONGEST {
-            findings.error(
-                "measure.offset",
-                format!("{} is not between 0 and 1 ms", Seconds::from(d)),
-                "\"auto\", or \"8 us\"",
-            );
+    if let Some(OffsetSource::Given(d_ns)) = measure.offset {
+        if !(0.0..=offset::LONGEST.as_ns()).contains(&d_ns) {
+            let reason = format!("{} is not between 0 and 1 ms", Seconds(d_ns * 1e-9));
+            findings.error("measure.offset", reason, "\"auto\", or \"8 us\"");
         }
     }
     if measure.switch_fraction.is_some_and(|fraction| !(fraction > 0.0 && fraction < LARGEST_SWITCH_FRACTION))

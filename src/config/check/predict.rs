@@ -4,9 +4,10 @@
 
 use super::Findings;
 use crate::circuit::{Network, Node};
+use crate::config::Config;
 use crate::config::charge::Remembered;
 use crate::config::limits::{SHORT_CHARGE, SHORTEST_PART};
-use crate::config::{Config, Offset};
+use crate::instrument::settings::OffsetSource;
 use crate::reading::Method;
 use crate::units::Seconds;
 
@@ -104,7 +105,7 @@ fn ratio_b_to_a(config: &Config) -> f64 {
 /// The split calibration that finds the offset runs Rc1 up to the switch, and the second resistor from there.
 fn split_calibration(config: &Config, findings: &mut Findings) {
     let circuit = &config.circuit;
-    let (Offset::Auto, Some(g_a), Some(g)) =
+    let (OffsetSource::Auto, Some(g_a), Some(g)) =
         (config.offset(), circuit.g(Node::A), circuit.g(config.last_node()))
     else {
         return;

@@ -9,7 +9,7 @@ use crate::stream::wire::UnixTime;
 use crate::units::{Newton, NewtonOhm};
 use nix::time::{ClockId, clock_gettime};
 use std::fs::{self, File};
-use std::io::{self, Write};
+use std::io::Write;
 use std::os::unix::fs::{MetadataExt, chown};
 use std::path::{Path, PathBuf};
 use toml_edit::{DocumentMut, InlineTable, Item, TableLike};
@@ -29,9 +29,9 @@ pub enum Value {
 /// Then the file is as it was.
 pub fn update(path: &Path, id: &str, value: &Value) -> Result<PathBuf, CtlError> {
     // A link stays one.
-    let real = fs::canonicalize(path).map_err(file_error(path))?;
+    let real = fs::canonicalize(path).map_err(CtlError::file(path))?;
     let folder = real.parent().unwrap_or(Path::new("/"));
-    let text = fs::read_to_string(&real).map_err(file_error(&real))?;
+    let text = fs::read_to_string(&real).map_err(CtlError::file(&real))?;
     let stamp = stamp();
     let table_name = format!("force-{}-{stamp}.csv", file_name(id));
     let edited = edit(&text, id, value, &table_name)
@@ -41,8 +41,8 @@ pub fn update(path: &Path, id: &str, value: &Value) -> Result<PathBuf, CtlError>
         _ => None,
     };
     if let Some((path, text)) = &table {
-        let mut file = File::create_new(path).map_err(file_error(path))?;
-        file.write_all(text.as_bytes()).and_then(|()| file.sync_all()).map_err(file_error(path))?;
+        let mut file = File::create_new(path).map_err(CtlError::file(path))?;
+        file.write_all(text.as_bytes()).and_then(|()| file.sync_all()).map_err(CtlError::file(path))?;
     }
     let outcome = replace(&real, &edited, &stamp);
     if let (Err(_), Some((path, _))) = (&outcome, &table) {
@@ -54,12 +54,12 @@ pub fn update(path: &Path, id: &str, value: &Value) -> Result<PathBuf, CtlError>
 /// Writes beside, checks, keeps the old file, renames.
 fn replace(path: &Path, text: &str, stamp: &str) -> Result<PathBuf, CtlError> {
     let folder = path.parent().unwrap_or(Path::new("/"));
-    let failed = file_error(path);
+    let failed = CtlError::file(path);
     let mut new = tempfile::Builder::new()
         .prefix(".cermd-")
         .suffix(".toml")
         .tempfile_in(folder)
-        .map_err(file_error(folder))?;
+        .map_err(CtlError::file(folder))?;
     new.write_all(text.as_bytes()).and_then(|()| new.as_file().sync_all()).map_err(&failed)?;
     let report = check::check(new.path());
     if !report.is_usable() {
@@ -72,9 +72,9 @@ fn replace(path: &Path, text: &str, stamp: &str) -> Result<PathBuf, CtlError> {
     let mut kept = path.as_os_str().to_owned();
     kept.push(format!(".bak-{stamp}"));
     let kept = PathBuf::from(kept);
-    fs::hard_link(path, &kept).map_err(file_error(&kept))?;
+    fs::hard_link(path, &kept).map_err(CtlError::file(&kept))?;
     new.persist(path).map_err(|error| failed(error.error))?;
-    File::open(folder).and_then(|folder| folder.sync_all()).map_err(file_error(folder))?;
+    File::open(folder).and_then(|folder| folder.sync_all()).map_err(CtlError::file(folder))?;
     Ok(kept)
 }
 
@@ -158,11 +158,6 @@ fn stamp() -> String {
     let text = UnixTime(now * 1_000_000_000).to_string();
     let to_seconds: String = text.chars().take(19).filter(char::is_ascii_alphanumeric).collect();
     to_seconds + "Z"
-}
-
-fn file_error(path: &Path) -> impl Fn(io::Error) -> CtlError {
-    let path = path.to_owned();
-    move |source| CtlError::File { path: path.clone(), source }
 }
 
 #[cfg(test)]

@@ -24,8 +24,7 @@ pub fn run(arguments: &Force) -> Result<(), CtlError> {
     let target = Target::new(&arguments.update)?;
     let pairs = match &arguments.csv {
         Some(path) => {
-            let text =
-                fs::read_to_string(path).map_err(|source| CtlError::File { path: path.clone(), source })?;
+            let text = fs::read_to_string(path).map_err(CtlError::file(path))?;
             pairs::of_csv(&text, &path.display().to_string()).map_err(CalibrateError::from)?
         }
         None => typed(&target, arguments)?,
@@ -38,8 +37,7 @@ pub fn run(arguments: &Force) -> Result<(), CtlError> {
     let fit = fit.map_err(CalibrateError::from)?;
     target.say(&report(&fit, &pairs, &target.config.circuit))?;
     if let Some(path) = &arguments.plot {
-        let file_error = |source| CtlError::File { path: path.clone(), source };
-        fs::write(path, plot::svg(&fit, &pairs, &target.id)).map_err(file_error)?;
+        fs::write(path, plot::svg(&fit, &pairs, &target.id)).map_err(CtlError::file(path))?;
         target.say(&format!("plot: {}", path.display()))?;
     }
     let line = ForceLine::new(&fit, &pairs, &target);
