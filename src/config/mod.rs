@@ -1,7 +1,7 @@
 //! The configuration: one TOML file, kebab-case, every quantity with its unit.
 //!
-//! For: what a user may decide, with defaults derived from the circuit, and [`Config::check`], which says what is
-//! wrong and what to do. Must not know: what opens lines, sockets, scenes or force tables.
+//! For: what a user may decide, with defaults derived from the circuit; [`Config::check`], which says what is wrong and
+//! what to do; and from there to settings, pins and the header of a tape. Must not know: how anything is measured.
 //!
 //! Unknown keys, wrong units and wrong types are refused while parsing, with line and caret; values that parse but
 //! cannot work are [findings](Finding).
@@ -53,7 +53,7 @@ pub struct Config {
     pub realtime: Wishes,
     /// The sensors, 1 to [`MAX_CHANNELS`](crate::pins::MAX_CHANNELS) of them.
     #[serde(default, rename = "channel")]
-    pub channels: Vec<Channel>,
+    pub channels: Vec<ChannelTable>,
     /// Where readings are served.
     #[serde(default)]
     pub server: Server,
@@ -117,7 +117,7 @@ fn offset<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Option<OffsetSou
 /// `[[channel]]`: one sensor.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 #[serde(rename_all = "kebab-case", deny_unknown_fields)]
-pub struct Channel {
+pub struct ChannelTable {
     /// Its name in the stream, unique. Required.
     pub id: String,
     /// The line that sinks the sensor's far end. Required, except with the simulated circuit.

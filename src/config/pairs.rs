@@ -1,5 +1,6 @@
 //! Pairs of force and resistance as people write them: `1.20,11122`, `1.2 N, 11.122 kohm`, `120 g` alone.
 
+use super::limits::{UNDER_WEIGHTS_OHM, WEIGHTS_N};
 use crate::estimate::fit::Pair;
 use crate::estimate::force::TableError;
 use crate::units::{Newton, Ohm};
@@ -8,11 +9,6 @@ use std::path::Path;
 
 /// Standard gravity, m/s^2: what a mass weighs (CGPM 1901).
 const GRAVITY: f64 = 9.80665;
-/// Smaller and greater numbers are slips of a prefix, newton and ohm; squares and reciprocals of the others are finite.
-const SMALLEST: f64 = 1e-6;
-const LARGEST_N: f64 = 1e6;
-const LARGEST_OHM: f64 = 1e9;
-
 const EXAMPLE: &str = "write \"force_n,r_ohm\", such as \"1.20,11122\"";
 
 /// Why pairs cannot be read.
@@ -106,13 +102,13 @@ fn force(text: &str) -> Option<f64> {
     };
     let newton = || text.parse().ok().or_else(|| text.parse::<Newton>().ok().map(|newton| newton.0));
     let f_n = weight("kg", 1.0).or_else(|| weight("g", 1e-3)).or_else(newton);
-    f_n.filter(|f_n| *f_n > SMALLEST && *f_n < LARGEST_N)
+    f_n.filter(|f_n| WEIGHTS_N.contains(f_n))
 }
 
 /// A number alone is in ohm.
 fn ohm(text: &str) -> Option<f64> {
     let r_ohm = text.parse().ok().or_else(|| text.parse::<Ohm>().ok().map(|ohm| ohm.0));
-    r_ohm.filter(|r_ohm| *r_ohm > SMALLEST && *r_ohm < LARGEST_OHM)
+    r_ohm.filter(|r_ohm| UNDER_WEIGHTS_OHM.contains(r_ohm))
 }
 
 #[cfg(test)]

@@ -69,7 +69,7 @@ impl Config {
             Network::OneCapacitor { .. } => tape::Kind::OneCapacitor,
             Network::SeriesCalibration { .. } => tape::Kind::SeriesCalibration,
         };
-        let channel = |channel: &crate::config::Channel| TapeChannel {
+        let channel = |channel: &config::ChannelTable| TapeChannel {
             id: channel.id.clone(),
             zero_ohm: channel.zero_ohm,
             force: match channel.force {

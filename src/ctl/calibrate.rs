@@ -7,6 +7,7 @@ mod force;
 mod plot;
 mod zero;
 
+use super::limits::NEXT_READING;
 use super::stream::Stream;
 use super::{CtlError, print};
 use crate::config::{Config, PairsError};
@@ -18,10 +19,6 @@ use edit::Value;
 use serde::Serialize;
 use std::io::{self, BufRead, IsTerminal};
 use std::path::PathBuf;
-use std::time::Duration;
-
-/// How long to wait for the next discharge or reading.
-const PATIENCE: Duration = Duration::from_secs(10);
 
 /// Why a calibration came to nothing. The configuration is as it was.
 #[derive(Debug, thiserror::Error)]
@@ -147,7 +144,7 @@ struct Outcome<T> {
 
 /// The next reading of a channel.
 fn next_reading(stream: &mut Stream, id: &str) -> Result<Box<ReadingLine>, CtlError> {
-    let reading = stream.wait_for(PATIENCE, |_, message| match message {
+    let reading = stream.wait_for(NEXT_READING, |_, message| match message {
         ServerMessage::Reading(reading) if reading.channel == id => Some(reading),
         _ => None,
     });

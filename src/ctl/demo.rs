@@ -7,6 +7,7 @@ mod summary;
 
 use super::CtlError;
 use super::interrupt::Interrupt;
+use super::limits::{HISTORY_S, SAY_AFTER};
 use super::screen::Screen;
 use super::stream::{Next, Stream};
 use crate::ctl::cli;
@@ -19,11 +20,6 @@ use std::path::Path;
 use std::thread::{self, JoinHandle};
 use std::time::{Duration, Instant};
 use summary::Tally;
-
-/// On anything but a terminal, one reading in this time is shown.
-const SAY_AFTER: Duration = Duration::from_millis(500);
-/// How far back the history goes, seconds.
-const HISTORY_S: f64 = 10.0;
 
 /// Shows the demo.
 pub fn run(arguments: &cli::Demo) -> Result<(), CtlError> {

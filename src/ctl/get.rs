@@ -1,5 +1,6 @@
 //! `cermctl get`: the last reading of each channel, once.
 
+use super::limits::FIRST_READING;
 use super::panel::Panel;
 use super::stream::{Stream, is_wanted};
 use super::terminal::Terminal;
@@ -7,10 +8,6 @@ use super::{CtlError, print};
 use crate::ctl::cli;
 use crate::stream::client::ClientError;
 use crate::stream::wire::{ReadingLine, Request, ServerMessage};
-use std::time::Duration;
-
-/// How long to wait for the first reading of an instrument that has just started.
-const PATIENCE: Duration = Duration::from_secs(5);
 
 /// Prints, in the order of the configuration.
 pub fn run(arguments: &cli::Get) -> Result<(), CtlError> {
@@ -21,7 +18,7 @@ pub fn run(arguments: &cli::Get) -> Result<(), CtlError> {
     stream.request(&Request::Poll)?;
     let mut last: Vec<Option<(String, ReadingLine)>> = vec![None; wanted.len()];
     // Where POLL finds no reading yet, the stream brings one.
-    let all = stream.wait_for(PATIENCE, |line, message| {
+    let all = stream.wait_for(FIRST_READING, |line, message| {
         let ServerMessage::Reading(reading) = message else { return None };
         let index = wanted.iter().position(|id| *id == reading.channel)?;
         last[index] = Some((line, *reading));

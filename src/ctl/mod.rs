@@ -1,7 +1,7 @@
 //! The verbs of `cermctl`, one file each.
 //!
 //! For: what a person sees: live lines, tables, files, errors as sentences. Must not know: how anything is measured; the
-//! [`demo`] and `check` alone touch an instrument.
+//! [`demo`] alone starts an instrument, [`check`] alone tests one.
 
 mod calibrate;
 pub mod check;
@@ -11,6 +11,7 @@ mod error;
 mod estimate;
 mod get;
 mod interrupt;
+mod limits;
 mod lines;
 mod panel;
 mod record;

@@ -2,23 +2,11 @@
 //!
 //! Time is that of the readings.
 
+use super::limits::{BAR_COLUMNS, BAR_OHM, FULL_N, HISTORY, HISTORY_COLUMNS, RATE_WINDOW_NS};
 use super::text::{bar, measured, rough, sparkline};
 use crate::stream::wire::{ChannelInfo, ReadingLine, StatusName, Unit};
 use console::{Alignment, Style, measure_text_width, pad_str, style, truncate_str};
 use std::collections::VecDeque;
-
-/// Readings per second are counted over so long, ns.
-const RATE_WINDOW_NS: i64 = 2_000_000_000;
-/// A bar is full at so much until a reading is beyond it, newton.
-const FULL_N: f64 = 10.0;
-/// A bar of ohms is logarithmic, full at the first and empty at the second.
-const OHMS: [f64; 2] = [10.0, 1e6];
-/// Columns of a bar, at least and at most, and of a history, at most.
-const NARROWEST_BAR: usize = 6;
-const WIDEST_BAR: usize = 30;
-const WIDEST_HISTORY: usize = 60;
-/// Readings that are kept for the history.
-const KEPT: usize = 10_000;
 
 /// One channel.
 #[derive(Debug)]
@@ -77,7 +65,7 @@ impl Panel {
     pub fn history(&self, seconds: f64, width: usize) -> Vec<String> {
         let name = self.name_width();
         let label = format!(" last {seconds:.0} s");
-        let columns = width.saturating_sub(name + 3 + label.len()).min(WIDEST_HISTORY);
+        let columns = width.saturating_sub(name + 3 + label.len()).min(HISTORY_COLUMNS);
         let draw = |row: &Row| {
             let slots = row.slots((seconds * 1e9) as i64, columns);
             let line = sparkline(slots.into_iter(), self.unicode);
@@ -103,7 +91,7 @@ impl Row {
         }
         self.last = Some(reading.clone());
         self.history.push_back((now, self.share(reading)));
-        if self.history.len() > KEPT {
+        if self.history.len() > HISTORY {
             self.history.pop_front();
         }
     }
@@ -116,7 +104,7 @@ impl Row {
             (StatusName::Short, _) => Some(1.0),
             (StatusName::Ok, Unit::Newton) => Some(reading.f_n? / self.full_n),
             (StatusName::Ok, Unit::Ohm) => {
-                let [full, empty] = OHMS.map(f64::ln);
+                let [full, empty] = BAR_OHM.map(f64::ln);
                 Some(((empty - reading.r_ohm?.max(1e-3).ln()) / (empty - full)).clamp(0.0, 1.0))
             }
         }
@@ -197,11 +185,11 @@ impl Row {
         let after = format!("{}{}", colour.apply_to(format!("{status:<7}")), style(rate).dim());
         let room = width.saturating_sub(measure_text_width(&before) + measure_text_width(&after) + 2);
         let middle = match self.hint() {
-            _ if room < NARROWEST_BAR => String::new(),
+            _ if room < *BAR_COLUMNS.start() => String::new(),
             Some(hint) => truncate_str(hint, room, "").into_owned() + "  ",
             None => {
                 let share = self.last.as_ref().and_then(|reading| self.share(reading)).unwrap_or(0.0);
-                let (full, empty) = bar(share, room.min(WIDEST_BAR), unicode);
+                let (full, empty) = bar(share, room.min(*BAR_COLUMNS.end()), unicode);
                 format!("{}{}  ", style(full).cyan(), style(empty).dim())
             }
         };

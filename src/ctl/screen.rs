@@ -1,13 +1,11 @@
 //! Readings as they come: lines that are rewritten in place on a terminal, one line after the other anywhere else.
 
 use super::CtlError;
+use super::limits::REDRAW_AFTER;
 use super::panel::Panel;
 use super::terminal::Terminal;
 use crate::stream::wire::{ChannelInfo, ReadingLine};
 use std::time::{Duration, Instant};
-
-/// Live lines change at most so often: faster than the eye, slower than a slow terminal.
-const REDRAW_AFTER: Duration = Duration::from_millis(40);
 
 /// What `watch` and `demo` show.
 #[derive(Debug)]

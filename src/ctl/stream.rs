@@ -1,15 +1,11 @@
 //! The lines of a running daemon, with pauses to look around in.
 
 use super::CtlError;
+use super::limits::{ANSWER, LOOK_AROUND};
 use crate::stream::client::{Client, ClientError};
 use crate::stream::wire::{ErrorCode, Request, ServerMessage, VersionLine, Watch};
 use std::path::Path;
 use std::time::{Duration, Instant};
-
-/// How long a verb waits for a line before it looks around: for Ctrl-C, or for the end of its time.
-const PATIENCE: Duration = Duration::from_millis(100);
-/// How long for the first line, of a daemon that is busy, and for the answer to a request.
-const ANSWER: Duration = Duration::from_secs(2);
 
 /// What comes next.
 #[derive(Debug)]
@@ -32,7 +28,7 @@ impl Stream {
     /// Connects; the daemon sends readings at once. `channels`: those that will be asked for.
     pub fn connect(socket: &Path, channels: &[String]) -> Result<Stream, CtlError> {
         let mut client = Client::connect(socket, ANSWER)?;
-        client.set_timeout(PATIENCE)?;
+        client.set_timeout(LOOK_AROUND)?;
         let known = || client.version().channels.iter().map(|channel| channel.id.clone());
         match channels.iter().find(|wanted| !known().any(|id| id == **wanted)) {
             Some(wanted) => Err(CtlError::NoChannel { wanted: wanted.clone(), known: known().collect() }),

@@ -1,6 +1,4 @@
-//! Numbers as people read them.
-//!
-//! For: values with their uncertainties and units, bars, and sparklines. Must not know: where they are shown.
+//! Numbers as people read them: values with their uncertainties and units, bars, and sparklines.
 
 /// With its 1-sigma uncertainty: two digits of the uncertainty (GUM 7.2.6), the value to the same place.
 pub fn measured(value: f64, u: Option<f64>, unit: &str, unicode: bool) -> String {

@@ -3,6 +3,7 @@
 //! It outlives the daemon: when the connection ends, it says so and waits for the next one.
 
 use super::interrupt::Interrupt;
+use super::limits::RETRY_AFTER;
 use super::screen::Screen;
 use super::stream::{Next, Stream, is_wanted};
 use super::{CtlError, print};
@@ -10,10 +11,6 @@ use crate::ctl::cli;
 use crate::stream::client::ClientError;
 use crate::stream::wire::{ChannelInfo, ServerMessage, VersionLine};
 use console::style;
-use std::time::Duration;
-
-/// From one attempt to connect again to the next.
-const RETRY_AFTER: Duration = Duration::from_millis(250);
 
 /// Watches until Ctrl-C.
 pub fn run(arguments: &cli::Watch) -> Result<(), CtlError> {

@@ -3,9 +3,10 @@
 //! A reading that cannot be told from a short circuit has no number, and a zero may be negative. So what is averaged are
 //! estimates from the timings of the discharges, which keep their sign, by the method of the daemon.
 
-use super::{CalibrateError, CtlError, PATIENCE, Target, Value, silent};
+use super::{CalibrateError, CtlError, Target, Value, silent};
 use crate::config::LARGEST_ZERO_OHM;
 use crate::ctl::cli::Zero;
+use crate::ctl::limits::NEXT_READING;
 use crate::ctl::replay;
 use crate::ctl::stream::Stream;
 use crate::ctl::text::measured;
@@ -62,7 +63,7 @@ fn take(target: &Target, arguments: &Zero, part: &'static str) -> Result<Vec<f64
     stream.watch(&channels, None, true)?;
     let mut tape = Tape::default();
     while tape.of_sensor < arguments.count {
-        let next = stream.wait_for(PATIENCE, |line, message| match message {
+        let next = stream.wait_for(NEXT_READING, |line, message| match message {
             ServerMessage::Other { class } => tape.take(&line, &class),
             _ => None,
         });

@@ -2,21 +2,17 @@
 
 use crate::circuit::Node;
 use crate::config::Config;
+use crate::ctl::limits::{DISCHARGES, SLEEP, WAKE_UPS};
 use crate::instrument::discharge::{self, Plan};
 use crate::pins::{Pins, PinsError};
 use crate::record::Through;
 use std::fmt;
 use std::thread;
-use std::time::{Duration, Instant};
+use std::time::Instant;
 
 /// Upper ends of the columns; the last one has none.
 const UPTO_US: [f64; 9] = [1.0, 2.0, 5.0, 10.0, 20.0, 50.0, 100.0, 200.0, 500.0];
 const COLUMNS: usize = UPTO_US.len() + 1;
-/// How many wake-ups are timed, and after which sleep.
-const WAKE_UPS: usize = 300;
-const SLEEP: Duration = Duration::from_millis(1);
-/// How many discharges are timed.
-const DISCHARGES: usize = 50;
 /// The longest bar, in characters.
 const WIDTH: usize = 40;
 
