@@ -3,13 +3,16 @@
 //! `contract --chip LABEL [--backend chardev-v1] [--sense-charges] [--release-lines]`: the pinout is that of the example configuration.
 //! One line a clause, "held" or "broken"; exit status 1 if any is broken.
 
+#[path = "../tests/backends/clauses.rs"]
+mod clauses;
+
 use cermd::pins::chardev::{Chardev, Wiring};
 use cermd::pins::chardev_v1::ChardevV1;
-use cermd::pins::contract::{Bench, check, dropping_releases};
 use cermd::pins::realtime::{Realtime, Wishes};
 use cermd::pins::{Drives, Pins, chardev, chardev_v1};
 use cermd::units::Nanos;
 use clap::{Parser, ValueEnum};
+use clauses::{Bench, check, dropping_releases};
 use std::error::Error;
 use std::process::ExitCode;
 
@@ -48,8 +51,8 @@ fn main() -> ExitCode {
         cpu: Some(0),
         no_deep_idle: true,
     });
-    for (what, outcome) in realtime.report() {
-        println!("{what}: {outcome}");
+    for (what, right) in &realtime.rights {
+        println!("{what}: {right}");
     }
     let wiring = wiring(&options);
     let held = match (options.backend, options.release_lines) {

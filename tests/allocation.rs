@@ -11,10 +11,10 @@ mod common;
 use cermd::circuit::Node;
 use cermd::instrument::{Instrument, Message};
 use cermd::pins::Pins;
-use cermd::pins::faulty::{Faulty, Injection};
 use cermd::reading::Method;
 use cermd::units::Nanos;
 use common::Bench;
+use common::faulty::{Faulty, Injection};
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::cell::Cell;
 

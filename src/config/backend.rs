@@ -1,6 +1,4 @@
-//! From `[gpio]` and `[mock]` to pins.
-//!
-//! For: the one place that knows which backends there are. Must not know: what is done with the pins.
+//! From `[gpio]` and `[mock]` to pins: the one place that knows which backends there are.
 
 use crate::circuit::Network;
 use crate::config::{Backend, Config, LineName};
@@ -31,7 +29,7 @@ pub enum OpenError {
     Missing(String),
     /// The hardware is not usable.
     #[error(transparent)]
-    Hardware(#[from] chardev::OpenError),
+    Hardware(#[from] chardev::ChardevError),
 }
 
 /// Opens the pins that a checked configuration names. Simulated ones keep step with the wall clock, from `now` on.

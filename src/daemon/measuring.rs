@@ -13,7 +13,7 @@ use crate::instrument::settings::Settings;
 use crate::instrument::stats::Stats;
 use crate::instrument::{Instrument, Message};
 use crate::pins::realtime::{self, Realtime};
-use crate::pins::{Armed, Bracket, Drives, Edge, Levels, Pins, PinsError};
+use crate::pins::{Armed, Bracket, Drives, Edge, Levels, Particulars, Pins, PinsError};
 use crate::units::Nanos;
 use interruptible::Interruptible;
 use nix::sys::eventfd::{EfdFlags, EventFd};
@@ -39,7 +39,7 @@ pub enum Report {
     /// A reading or a discharge.
     Message(Message),
     /// What became of the wishes of `[realtime]`. Comes first.
-    Realtime(realtime::Report),
+    Realtime(realtime::Rights),
     /// Counters, from time to time.
     Stats(Stats),
     /// The pins failed; they are opened again by and by.
@@ -163,7 +163,7 @@ impl Worker {
     fn run(mut self, pins: Option<AnyPins>, settings: Settings) {
         // Rights are the thread's own, and held as long as it lives.
         let realtime = Realtime::request(&self.config.realtime);
-        self.send(Report::Realtime(realtime.report()));
+        self.send(Report::Realtime(realtime.rights.clone()));
         let is_open = pins.is_some();
         let pins = pins.unwrap_or_else(|| Box::new(Closed));
         let mut instrument =
@@ -288,6 +288,15 @@ impl Pins for Closed {
     }
     fn levels(&mut self) -> Result<Levels, PinsError> {
         Err(closed())
+    }
+    fn rest_until(&mut self, _at: Nanos) -> Result<(), PinsError> {
+        Err(closed())
+    }
+    fn rest_before_edge(&mut self, _at: Nanos) -> Result<(), PinsError> {
+        Err(closed())
+    }
+    fn particulars(&self) -> Particulars<'_> {
+        Particulars::default()
     }
 }
 

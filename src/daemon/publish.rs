@@ -9,7 +9,7 @@ use crate::instrument::Message;
 use crate::instrument::diagnosis::LEAKS;
 use crate::instrument::settings::Settings;
 use crate::instrument::stats::Stats;
-use crate::pins::realtime::{self, Outcome};
+use crate::pins::realtime::{self, Right};
 use crate::reading::Suspect;
 use crate::reading::{Fault, Reading, Status};
 use crate::stream::server::Server;
@@ -38,7 +38,7 @@ pub struct Told {
     /// Its counters.
     pub stats: Stats,
     /// What became of the wishes of `[realtime]`; `None` before its first word.
-    pub realtime: Option<realtime::Report>,
+    pub realtime: Option<realtime::Rights>,
     /// The GPIO lines cannot be used, and are tried again.
     pub is_away: bool,
     /// What the log has about the board.
@@ -165,12 +165,12 @@ pub fn stats(told: &Told, config: &Config, uptime: Nanos) -> impl FnMut(&mut Obj
     }
 }
 
-fn log_realtime(report: &realtime::Report) {
+fn log_realtime(report: &realtime::Rights) {
     for (key, outcome) in report {
         match outcome {
-            Outcome::NotAsked => {}
-            Outcome::Granted => log::info!("realtime.{key}: granted"),
-            Outcome::Denied(why) => log::warn!("realtime.{key}: denied: {why}"),
+            Right::NotAsked => {}
+            Right::Granted => log::info!("realtime.{key}: granted"),
+            Right::Denied(why) => log::warn!("realtime.{key}: denied: {why}"),
         }
     }
 }

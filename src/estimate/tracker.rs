@@ -159,6 +159,11 @@ impl Tracker {
         self.scatter.bound_ns()
     }
 
+    /// Uncertainty of a switch's instant, ns: what has been learned of it, at most what the calls' duration says.
+    pub fn u_switch_ns(&self, bracket_ns: f64) -> f64 {
+        self.scatter.bound_ns().map_or(bracket_ns, |bound| bound.min(bracket_ns))
+    }
+
     /// Takes a calibration discharge.
     ///
     /// # Errors
@@ -309,7 +314,7 @@ impl Tracker {
     /// uncertain that it tells nothing.
     pub fn observation(&self, course: &Course, u_switch_ns: f64) -> Option<Covariance> {
         let mut noise = self.noise.covariance(course.late_ns(&self.state))?;
-        let u_switch = self.scatter.bound_ns().map_or(u_switch_ns, |bound| bound.min(u_switch_ns));
+        let u_switch = self.u_switch_ns(u_switch_ns);
         let by = [0, 1].map(|node| course.crossing(&self.state, node).by_switch * u_switch);
         noise.aa += by[0] * by[0];
         noise.bb += by[1] * by[1];

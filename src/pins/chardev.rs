@@ -1,5 +1,4 @@
-//! For: real GPIO lines through the Linux character device, uAPI v2 (kernel 5.10 and later). Must not know: what a
-//! discharge is.
+//! Real GPIO lines through the Linux character device, uAPI v2 (kernel 5.10 and later).
 //!
 //! Two requests. The *drive request* holds sinks (open drain) and dedicated chargers (open source): a change of
 //! direction is one SET_VALUES, which touches no interrupt. The *sense request* holds the sense lines, inputs with
@@ -12,10 +11,12 @@
 
 use self::chips::Chip;
 use self::edges::EdgeBuffer;
-use self::error::{as_io, while_running, while_sleeping};
+use self::error::as_io;
+use self::held::{HeldChip, SENSE_LINES};
 use self::request::{Switching, charging, drive_request, inputs, released, sense_request, watching};
-use self::wait::{monotonic, readable, rest_before, rest_until, sleep_until};
-use self::wiring::Lines;
+use self::wait::monotonic;
+use self::wiring::{Lines, titles};
+use super::limits::MOST_STALE_READS;
 use super::{Armed, Bracket, Drives, Edge, Levels, Particulars, Pins, PinsError};
 use crate::units::Nanos;
 use gpiocdev_uapi::v2::{self, LineConfig, LineValues};
@@ -27,6 +28,7 @@ use std::os::fd::AsFd;
 pub(super) mod chips;
 mod edges;
 pub(super) mod error;
+pub(super) mod held;
 mod names;
 pub(super) mod release;
 mod request;
@@ -34,20 +36,14 @@ pub(super) mod wait;
 pub(super) mod wiring;
 
 pub use chips::{ChipListing, LineListing, Listing, list};
-pub use error::OpenError;
+pub use error::{Cause, ChardevError, ChipTitles, Holder, Instead};
 pub use release::release_lines;
-pub use wait::SpinMargin;
 pub use wiring::Wiring;
-
-/// What errors call the lines of the sense request.
-const SENSE_LINES: &str = "the sense lines";
-/// As many reads as empty the largest buffer that the kernel gives, 1024 edges.
-const MOST_READS: u32 = 64;
 
 /// The lines of one circuit, held until dropped; then all of them are inputs.
 #[derive(Debug)]
 pub struct Chardev {
-    chip: String,
+    chip: HeldChip,
     lines: Lines,
     wired: Drives,
     drive_file: File,
@@ -57,16 +53,15 @@ pub struct Chardev {
     /// Whether the sense lines are inputs with falling edges; where they charge, only from `arm` to the next charge.
     watching: bool,
     edges: EdgeBuffer,
-    margin: SpinMargin,
 }
 
 impl Chardev {
     /// Requests all lines of the wiring; nothing drives afterwards.
     ///
     /// # Errors
-    /// [`OpenError`], with the likely cause: no such chip or line, no permission, a line held by someone else, a
+    /// [`ChardevError`], with the likely cause: no such chip or line, no permission, a line held by someone else, a
     /// kernel without uAPI v2.
-    pub fn open(wiring: &Wiring) -> Result<Chardev, OpenError> {
+    pub fn open(wiring: &Wiring) -> Result<Chardev, ChardevError> {
         let chip = Chip::find(&wiring.chip)?;
         let lines = wiring.resolve(&chip)?;
         let get_line = |request: v2::LineRequest, titles: String| {
@@ -74,17 +69,14 @@ impl Chardev {
             v2::get_line(&chip.file, request)
                 .map_err(|error| chip.refusal("GET_LINE", titles, &offsets, as_io(error)))
         };
-        let titles = |lines: &mut dyn Iterator<Item = &wiring::Line>| {
-            lines.map(|line| line.title.as_str()).collect::<Vec<_>>().join(", ")
-        };
-        let drive_titles = titles(&mut lines.drives.iter().map(|drive| &drive.line));
+        let drive_titles = titles(lines.drives.iter().map(|drive| &drive.line));
         let drive_file = get_line(drive_request(&lines, &wiring.consumer), drive_titles)?;
-        let sense_titles = titles(&mut lines.sense.iter());
+        let sense_titles = titles(&lines.sense);
         let sense_file = get_line(sense_request(&lines, wiring), sense_titles.clone())?;
         fcntl(&sense_file, FcntlArg::F_SETFL(OFlag::O_NONBLOCK))
             .map_err(|errno| chip.refusal("F_SETFL", sense_titles, &[], errno.into()))?;
         Ok(Chardev {
-            chip: chip.title(),
+            chip: HeldChip::new(chip.title()),
             wired: lines.wired(),
             driving: Some(Drives::NONE),
             watching: !lines.sense_charges,
@@ -92,7 +84,6 @@ impl Chardev {
             drive_file,
             sense_file,
             edges: EdgeBuffer::default(),
-            margin: SpinMargin::default(),
         })
     }
 
@@ -104,12 +95,12 @@ impl Chardev {
     fn configure_sense(&mut self, config: LineConfig) -> Result<(), PinsError> {
         self.watching = false;
         v2::set_line_config(&self.sense_file, config)
-            .map_err(|error| while_running("SET_CONFIG", SENSE_LINES, &self.chip, as_io(error)))
+            .map_err(|error| self.chip.failed("SET_CONFIG", SENSE_LINES, as_io(error)))
     }
 
     fn set_values(&self, values: &LineValues) -> Result<(), PinsError> {
         v2::set_line_values(&self.drive_file, values)
-            .map_err(|error| while_running("SET_VALUES", &self.titles(*values), &self.chip, as_io(error)))
+            .map_err(|error| self.chip.failed("SET_VALUES", &self.titles(*values), as_io(error)))
     }
 
     /// Releases, then drives: sense lines that charge are released before any sink drives, and charge after all
@@ -138,7 +129,7 @@ impl Chardev {
 
     fn titles(&self, values: LineValues) -> String {
         let named = self.lines.drives.iter().enumerate().filter(|(bit, _)| values.mask & 1 << bit != 0);
-        named.map(|(_, drive)| drive.line.title.as_str()).collect::<Vec<_>>().join(", ")
+        titles(named.map(|(_, drive)| &drive.line))
     }
 
     /// Fetches what edges there are, without waiting; whether there were any.
@@ -146,7 +137,7 @@ impl Chardev {
         match v2::read_event(&self.sense_file, self.edges.room()) {
             Ok(words) => Ok(self.edges.filled(words, &self.lines)),
             Err(v2::Error::Os(errno)) if [libc::EAGAIN, libc::EINTR].contains(&errno.0) => Ok(false),
-            Err(error) => Err(while_running("read", SENSE_LINES, &self.chip, as_io(error))),
+            Err(error) => Err(self.chip.failed("read", SENSE_LINES, as_io(error))),
         }
     }
 }
@@ -192,7 +183,7 @@ impl Pins for Chardev {
         }
         // Not for ever: on a line that catches a radio, edges may come faster than they are read.
         let mut reads = 0;
-        while self.fetch()? && reads < MOST_READS {
+        while self.fetch()? && reads < MOST_STALE_READS {
             reads += 1;
         }
         self.edges.forget();
@@ -208,8 +199,7 @@ impl Pins for Chardev {
             // Before the look: an edge of the last moment counts.
             let is_last = monotonic() >= until;
             let mut watched = [PollFd::new(self.sense_file.as_fd(), PollFlags::POLLIN)];
-            let is_ready = readable(&mut watched, until)
-                .map_err(|errno| while_running("ppoll", SENSE_LINES, &self.chip, errno.into()))?;
+            let is_ready = self.chip.edges_come(&mut watched, until)?;
             if !(is_ready && self.fetch()?) && is_last {
                 return Ok(None);
             }
@@ -217,27 +207,27 @@ impl Pins for Chardev {
     }
 
     fn sleep_until(&mut self, at: Nanos) -> Result<(), PinsError> {
-        while_sleeping(&self.chip, sleep_until(at, &mut self.margin))
+        self.chip.sleep_until(at)
     }
 
     fn rest_until(&mut self, at: Nanos) -> Result<(), PinsError> {
-        while_sleeping(&self.chip, rest_until(at, &mut self.margin))
+        self.chip.rest_until(at)
     }
 
     fn rest_before_edge(&mut self, at: Nanos) -> Result<(), PinsError> {
-        while_sleeping(&self.chip, rest_before(at, &mut self.margin))
+        self.chip.rest_before_edge(at)
     }
 
     fn levels(&mut self) -> Result<Levels, PinsError> {
         let mask = (1 << self.lines.sense.len()) - 1;
         let mut values = LineValues { bits: 0, mask };
         v2::get_line_values(&self.sense_file, &mut values)
-            .map_err(|error| while_running("GET_VALUES", SENSE_LINES, &self.chip, as_io(error)))?;
+            .map_err(|error| self.chip.failed("GET_VALUES", SENSE_LINES, as_io(error)))?;
         Ok(Levels { a: values.get(0).unwrap_or(true), b: values.get(1).unwrap_or(true) })
     }
 
     fn particulars(&self) -> Particulars<'_> {
-        Particulars { spin_margin: Some(self.margin.get()), blind_spots: &[] }
+        Particulars { spin_margin: Some(self.chip.spin_margin()), blind_spots: &[] }
     }
 }
 

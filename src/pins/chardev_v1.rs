@@ -1,5 +1,4 @@
-//! For: real GPIO lines through the Linux character device, uAPI v1 (kernels before 5.10). Must not know: what a
-//! discharge is.
+//! Real GPIO lines through the Linux character device, uAPI v1 (kernels before 5.10).
 //!
 //! One request a line: an event line for each sense line, an output ([`CdevPin`]) for each sink and charger. v1
 //! (drivers/gpio/gpiolib-cdev.c, `lineevent_*` and `linehandle_*`) does not number events and cannot reconfigure
@@ -14,11 +13,13 @@
 use self::sense::{SenseLine, last_call, stamping_clock};
 use self::switches::{Switch, Switches};
 use super::chardev::chips::Chip;
-use super::chardev::error::{OpenError, while_running, while_sleeping};
+use super::chardev::error::{Cause, ChardevError};
+use super::chardev::held::HeldChip;
 use super::chardev::release::each_line;
 use super::chardev::to_be_driven;
-use super::chardev::wait::{SpinMargin, monotonic, readable, rest_before, rest_until, sleep_until};
-use super::chardev::wiring::{DriveLine, Line, Wiring};
+use super::chardev::wait::monotonic;
+use super::chardev::wiring::{DriveLine, WiredLine, Wiring};
+use super::limits::MOST_STALE_EDGES;
 use super::{Armed, Bracket, Drives, Edge, Levels, Node, Particulars, Pins, PinsError};
 use crate::units::Nanos;
 use gpio_cdev::{EventRequestFlags, LineHandle, LineRequestFlags};
@@ -44,28 +45,24 @@ const NEEDS_CHARGERS: &str = "backend \"chardev-v1\" needs charge-a (and charge-
 const NO_V1: &str =
     "the kernel refuses a flag, or has no uAPI v1 (CONFIG_GPIO_CDEV_V1): use backend \"chardev\"";
 
-/// More edges than the kernel keeps of two lines.
-const MOST_STALE: u32 = 64;
-
 /// The lines of one circuit, held until dropped; then all of them are inputs.
 pub struct ChardevV1 {
-    chip: String,
+    chip: HeldChip,
     wired: Drives,
     switches: Switches<CdevPin>,
     sense: Vec<SenseLine>,
     seqno: u32,
     blind_spots: Vec<&'static str>,
-    margin: SpinMargin,
 }
 
 impl ChardevV1 {
     /// Requests all lines of the wiring; nothing drives afterwards.
     ///
     /// # Errors
-    /// [`OpenError`], with the likely cause. A wiring without dedicated chargers is refused.
-    pub fn open(wiring: &Wiring) -> Result<ChardevV1, OpenError> {
+    /// [`ChardevError`], with the likely cause. A wiring without dedicated chargers is refused.
+    pub fn open(wiring: &Wiring) -> Result<ChardevV1, ChardevError> {
         if wiring.sense_charges() {
-            return Err(OpenError::Wiring(NEEDS_CHARGERS.to_string()));
+            return Err(ChardevError::Wiring(NEEDS_CHARGERS.to_string()));
         }
         let chip = Chip::find(&wiring.chip)?;
         let lines = wiring.resolve(&chip)?;
@@ -80,15 +77,13 @@ impl ChardevV1 {
         let mut blind_spots = vec![NO_NUMBERS, SHORT_BUFFER];
         blind_spots.extend((!requests.bias).then_some(NO_BIAS));
         blind_spots.extend((stamped_by == ClockId::CLOCK_REALTIME).then_some(WALL_CLOCK));
-        let margin = SpinMargin::default();
         Ok(ChardevV1 {
-            chip: chip.title(),
+            chip: HeldChip::new(chip.title()),
             wired: switches.wired(),
             switches,
             sense,
             seqno: 0,
             blind_spots,
-            margin,
         })
     }
 
@@ -96,7 +91,7 @@ impl ChardevV1 {
     fn earliest(&mut self) -> Result<Option<usize>, PinsError> {
         let mut earliest: Option<(usize, Nanos)> = None;
         for (index, line) in self.sense.iter_mut().enumerate() {
-            let at = line.peek().map_err(|error| while_running("read", &line.title, &self.chip, error))?;
+            let at = line.peek().map_err(|error| self.chip.failed("read", &line.title, error))?;
             earliest = match (earliest, at) {
                 (Some((_, first)), Some(at)) if at >= first => earliest,
                 (_, Some(at)) => Some((index, at)),
@@ -116,9 +111,7 @@ impl ChardevV1 {
     fn poll(&self, until: Nanos) -> Result<(), PinsError> {
         let [Some(a), b] = [self.sense.first(), self.sense.get(1)] else { return Ok(()) };
         let mut watched = [a, b.unwrap_or(a)].map(|line| PollFd::new(line.as_fd(), PollFlags::POLLIN));
-        readable(&mut watched, until)
-            .map(drop)
-            .map_err(|errno| while_running("ppoll", "the sense lines", &self.chip, errno.into()))
+        self.chip.edges_come(&mut watched, until).map(drop)
     }
 }
 
@@ -138,13 +131,13 @@ impl Pins for ChardevV1 {
         let after = monotonic();
         outcome.map(|()| Bracket { before, after }).map_err(|(part, error)| {
             let source = last_call(error.inner());
-            while_running("SET_LINE_VALUES", self.switches.title(part), &self.chip, source)
+            self.chip.failed("SET_LINE_VALUES", self.switches.title(part), source)
         })
     }
 
     fn arm(&mut self) -> Result<Armed, PinsError> {
         // Not for ever: on a line that catches a radio, edges may come faster than they are read.
-        for _ in 0..MOST_STALE {
+        for _ in 0..MOST_STALE_EDGES {
             let Some(index) = self.earliest()? else { break };
             self.take(index);
         }
@@ -168,33 +161,29 @@ impl Pins for ChardevV1 {
     }
 
     fn sleep_until(&mut self, at: Nanos) -> Result<(), PinsError> {
-        while_sleeping(&self.chip, sleep_until(at, &mut self.margin))
+        self.chip.sleep_until(at)
     }
 
     fn rest_until(&mut self, at: Nanos) -> Result<(), PinsError> {
-        while_sleeping(&self.chip, rest_until(at, &mut self.margin))
+        self.chip.rest_until(at)
     }
 
     fn rest_before_edge(&mut self, at: Nanos) -> Result<(), PinsError> {
-        while_sleeping(&self.chip, rest_before(at, &mut self.margin))
+        self.chip.rest_before_edge(at)
     }
 
     fn levels(&mut self) -> Result<Levels, PinsError> {
-        let mut levels = Levels { a: true, b: true };
+        let mut high = [true; 2];
         for line in &self.sense {
-            let high = line
-                .is_high()
-                .map_err(|error| while_running("GET_LINE_VALUES", &line.title, &self.chip, error))?;
-            match line.node {
-                Node::A => levels.a = high,
-                Node::B => levels.b = high,
-            }
+            let level = line.is_high();
+            high[line.node.index()] =
+                level.map_err(|error| self.chip.failed("GET_LINE_VALUES", &line.title, error))?;
         }
-        Ok(levels)
+        Ok(Levels { a: high[0], b: high[1] })
     }
 
     fn particulars(&self) -> Particulars<'_> {
-        Particulars { spin_margin: Some(self.margin.get()), blind_spots: &self.blind_spots }
+        Particulars { spin_margin: Some(self.chip.spin_margin()), blind_spots: &self.blind_spots }
     }
 }
 
@@ -213,13 +202,11 @@ impl Drop for ChardevV1 {
 ///
 /// # Errors
 /// The first failure; the other lines have been released all the same.
-pub fn release_lines(wiring: &Wiring) -> Result<(), OpenError> {
+pub fn release_lines(wiring: &Wiring) -> Result<(), ChardevError> {
     let chip = Chip::find(&wiring.chip)?;
     let lines = wiring.resolve(&chip)?;
     let mut requests = Requests::new(&chip, &wiring.consumer)?;
-    each_line(lines.drives.iter().map(|drive| &drive.line).chain(&lines.sense), |line| {
-        requests.handle(line, LineRequestFlags::INPUT, 0).map(drop)
-    })
+    each_line(&lines, |line| requests.handle(line, LineRequestFlags::INPUT, 0).map(drop))
 }
 
 /// Requests single lines of one chip.
@@ -232,14 +219,14 @@ struct Requests<'a> {
 }
 
 impl<'a> Requests<'a> {
-    fn new(chip: &'a Chip, consumer: &'a str) -> Result<Requests<'a>, OpenError> {
+    fn new(chip: &'a Chip, consumer: &'a str) -> Result<Requests<'a>, ChardevError> {
         let cdev = gpio_cdev::Chip::new(&chip.path)
             .map_err(|error| chip.refusal("open", "the device node".to_string(), &[], last_call(&error)))?;
         Ok(Requests { chip, cdev, consumer, bias: true })
     }
 
     /// A released sink or charger.
-    fn drive(&mut self, drive: &DriveLine) -> Result<Switch<CdevPin>, OpenError> {
+    fn drive(&mut self, drive: &DriveLine) -> Result<Switch<CdevPin>, ChardevError> {
         let (kind, released) = match drive.charges() {
             true => (LineRequestFlags::OPEN_SOURCE, 0),
             false => (LineRequestFlags::OPEN_DRAIN, 1),
@@ -252,7 +239,12 @@ impl<'a> Requests<'a> {
         Ok(Switch { part: drive.part, title: drive.line.title.clone(), pin })
     }
 
-    fn sense(&mut self, node: Node, line: &Line, stamped_by: ClockId) -> Result<SenseLine, OpenError> {
+    fn sense(
+        &mut self,
+        node: Node,
+        line: &WiredLine,
+        stamped_by: ClockId,
+    ) -> Result<SenseLine, ChardevError> {
         let handle = self.unbiased(|requests, bias| {
             let found = requests.line(line)?;
             found
@@ -263,14 +255,19 @@ impl<'a> Requests<'a> {
             .map_err(|error| self.refusal("F_SETFL", line, error))
     }
 
-    fn handle(&mut self, line: &Line, flags: LineRequestFlags, value: u8) -> Result<LineHandle, OpenError> {
+    fn handle(
+        &mut self,
+        line: &WiredLine,
+        flags: LineRequestFlags,
+        value: u8,
+    ) -> Result<LineHandle, ChardevError> {
         let found = self.line(line)?;
         found
             .request(flags, value, self.consumer)
             .map_err(|error| self.refusal("GET_LINEHANDLE", line, last_call(&error)))
     }
 
-    fn line(&mut self, line: &Line) -> Result<gpio_cdev::Line, OpenError> {
+    fn line(&mut self, line: &WiredLine) -> Result<gpio_cdev::Line, ChardevError> {
         let found = self.cdev.get_line(line.offset);
         found.map_err(|error| self.refusal("GET_LINEINFO", line, last_call(&error)))
     }
@@ -278,11 +275,11 @@ impl<'a> Requests<'a> {
     /// Makes a request with pulls switched off; on kernels that do not know the flag, without.
     fn unbiased<T>(
         &mut self,
-        mut request: impl FnMut(&mut Self, LineRequestFlags) -> Result<T, OpenError>,
-    ) -> Result<T, OpenError> {
+        mut request: impl FnMut(&mut Self, LineRequestFlags) -> Result<T, ChardevError>,
+    ) -> Result<T, ChardevError> {
         if self.bias {
             match request(self, BIAS_DISABLE) {
-                Err(OpenError::Call { source, .. }) if source.raw_os_error() == Some(libc::EINVAL) => {
+                Err(ChardevError::Call { source, .. }) if source.raw_os_error() == Some(libc::EINVAL) => {
                     self.bias = false;
                 }
                 other => return other,
@@ -291,14 +288,14 @@ impl<'a> Requests<'a> {
         request(self, LineRequestFlags::empty())
     }
 
-    fn refusal(&self, call: &'static str, line: &Line, source: io::Error) -> OpenError {
-        let mut error = self.chip.refusal(call, line.title.clone(), &[line.offset], source);
-        if let OpenError::Call { source, cause, .. } = &mut error {
-            if [Some(libc::EINVAL), Some(libc::ENOTTY)].contains(&source.raw_os_error()) {
-                *cause = NO_V1.to_string();
+    fn refusal(&self, call: &'static str, line: &WiredLine, source: io::Error) -> ChardevError {
+        let is_unknown = [Some(libc::EINVAL), Some(libc::ENOTTY)].contains(&source.raw_os_error());
+        match self.chip.refusal(call, line.title.clone(), &[line.offset], source) {
+            ChardevError::Call { call, line, source, .. } if is_unknown => {
+                ChardevError::Call { call, line, source, cause: Cause::Hint(NO_V1) }
             }
+            other => other,
         }
-        error
     }
 }
 

@@ -1,4 +1,4 @@
-//! The one trait that the hardware hides behind.
+//! The hardware behind one trait, [`Pins`]: character devices, the simulated circuit, and the rights to be in time.
 //!
 //! For: switching drive lines and reading stamped threshold crossings. Must not know: what a discharge, a
 //! method or a resistor is.
@@ -6,6 +6,44 @@
 //! A circuit has one or two *sense* nodes (A, B), *chargers* that pull a node up to V_DD and *sinks* that pull
 //! a resistor down to ground. A drive line is either driving or released (an input); there is no third state,
 //! so the whole electrical state is one set, [`Drives`].
+//!
+//! | backend | for |
+//! |---|---|
+//! | [`chardev::Chardev`] | GPIO lines of Linux from 5.10 on (uAPI v2) |
+//! | [`chardev_v1::ChardevV1`] | GPIO lines of older kernels (uAPI v1) |
+//! | [`sim::SimPins`] | a simulated board, in virtual time or in step with the wall clock |
+//!
+//! # Example
+//!
+//! One discharge through Rc1 on a simulated board, timed from the middle of the call that began it:
+//!
+//! ```
+//! use cermd::pins::sim::{Scene, SimPins};
+//! use cermd::pins::{Drives, Pins};
+//! use cermd::units::Nanos;
+//!
+//! fn crossing_of_a(pins: &mut impl Pins) -> Result<Option<Nanos>, cermd::pins::PinsError> {
+//!     let charging = pins.drive(Drives::CHARGE)?;
+//!     pins.rest_until(charging.after + Nanos(20_000_000))?;
+//!     pins.drive(Drives::NONE)?;
+//!     let armed = pins.arm()?;
+//!     assert!(armed.levels.a, "charged");
+//!     let start = pins.drive(Drives::C1)?;
+//!     let edge = pins.edge(start.after + Nanos(50_000_000))?;
+//!     pins.drive(Drives::NONE)?;
+//!     let middle = start.before + Nanos(start.width().0 / 2);
+//!     Ok(edge.map(|edge| edge.at - middle))
+//! }
+//!
+//! let mut pins = SimPins::new(&Scene::builtin("pi4")?, None);
+//! let crossing = crossing_of_a(&mut pins)?.ok_or("no edge came")?;
+//! // (Rc1 + Ro) C_T ln(V_DD / V_Th), and some microseconds of latency.
+//! assert!((1_300_000..1_400_000).contains(&crossing.0), "{crossing}");
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+//!
+//! A backend of one's own implements every method of [`Pins`], and so does a decorator: none has a default that could
+//! change what is decorated. What they owe is written down as thirteen clauses in tests/backends/clauses.rs.
 
 use crate::circuit::Node;
 use crate::units::Nanos;
@@ -13,11 +51,9 @@ use std::fmt;
 
 pub mod chardev;
 pub mod chardev_v1;
-pub mod contract;
-pub mod faulty;
+mod limits;
 pub mod realtime;
 pub mod sim;
-pub mod trace;
 
 /// The most sensor channels that share one pair of capacitors.
 pub const MAX_CHANNELS: usize = 16;
@@ -180,7 +216,7 @@ pub struct Armed {
     pub line_seqno: [u32; 2],
 }
 
-/// What a backend knows about itself. By default nothing: its waits are exact and nothing escapes it.
+/// What a backend knows about itself. The default: its waits are exact, and nothing escapes it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Particulars<'a> {
     /// How long before an instant sleeping turns into spinning, as learned so far.
@@ -227,10 +263,14 @@ pub enum PinsError {
     },
 }
 
-/// The GPIO lines of one circuit, and the clock that stamps them.
+/// The GPIO lines of one circuit, and the clock that stamps them; the [module](self) has an example.
 ///
 /// Implementations are real hardware, the simulated circuit, or decorators around either. All instants are
 /// `CLOCK_MONOTONIC`. Nothing here allocates, except to report an error.
+///
+/// # Errors
+/// A call fails with [`PinsError::Gone`] when the chip has disappeared, with [`PinsError::Call`] when the kernel refuses it
+/// for another reason. After a failed call any line may drive, until a call of [`drive`](Pins::drive) succeeds.
 pub trait Pins {
     /// What time it is.
     fn now(&mut self) -> Nanos;
@@ -242,7 +282,7 @@ pub trait Pins {
     /// [`PinsError::Conflict`], before anything is touched, when `on` [conflicts](Drives::conflicts).
     fn drive(&mut self, on: Drives) -> Result<Bracket, PinsError>;
 
-    /// Forgets edges that have come so far, and watches for falling edges from here on. To be called while nothing
+    /// Forgets the edges that have come so far, and watches for falling edges from here on. To be called while nothing
     /// drives: some wirings have to reconfigure the sense lines.
     fn arm(&mut self) -> Result<Armed, PinsError>;
 
@@ -252,59 +292,47 @@ pub trait Pins {
     /// Waits until an instant, as precisely as the system can. Edges that come meanwhile are kept.
     fn sleep_until(&mut self, at: Nanos) -> Result<(), PinsError>;
 
-    /// Waits until an instant or somewhat later, where nothing depends on how much: no processor time is spent on being
-    /// in time.
-    fn rest_until(&mut self, at: Nanos) -> Result<(), PinsError> {
-        self.sleep_until(at)
-    }
+    /// Waits until an instant or somewhat later, where nothing depends on how much later: no processor time is spent on
+    /// being in time.
+    fn rest_until(&mut self, at: Nanos) -> Result<(), PinsError>;
 
-    /// Rests until shortly before an edge that is due at an instant, if that is cheaper than to wait for it all the time.
-    /// Here it is not.
-    fn rest_before_edge(&mut self, _at: Nanos) -> Result<(), PinsError> {
-        Ok(())
-    }
+    /// Rests until shortly before an edge that is due at an instant, if that is cheaper than waiting for it all the time;
+    /// else does nothing.
+    fn rest_before_edge(&mut self, at: Nanos) -> Result<(), PinsError>;
 
-    /// The input levels now: tells an edge that was missed from a node that is still above its threshold.
+    /// The input levels now. They tell an edge that was missed from a node that is still above its threshold.
     fn levels(&mut self) -> Result<Levels, PinsError>;
 
     /// What the backend knows about itself.
+    fn particulars(&self) -> Particulars<'_>;
+}
+
+impl<P: Pins + ?Sized> Pins for Box<P> {
+    fn now(&mut self) -> Nanos {
+        (**self).now()
+    }
+    fn drive(&mut self, on: Drives) -> Result<Bracket, PinsError> {
+        (**self).drive(on)
+    }
+    fn arm(&mut self) -> Result<Armed, PinsError> {
+        (**self).arm()
+    }
+    fn edge(&mut self, until: Nanos) -> Result<Option<Edge>, PinsError> {
+        (**self).edge(until)
+    }
+    fn sleep_until(&mut self, at: Nanos) -> Result<(), PinsError> {
+        (**self).sleep_until(at)
+    }
+    fn rest_until(&mut self, at: Nanos) -> Result<(), PinsError> {
+        (**self).rest_until(at)
+    }
+    fn rest_before_edge(&mut self, at: Nanos) -> Result<(), PinsError> {
+        (**self).rest_before_edge(at)
+    }
+    fn levels(&mut self) -> Result<Levels, PinsError> {
+        (**self).levels()
+    }
     fn particulars(&self) -> Particulars<'_> {
-        Particulars::default()
+        (**self).particulars()
     }
 }
-
-macro_rules! forward_pins {
-    ($($pointer:ty),*) => {$(
-        impl<P: Pins + ?Sized> Pins for $pointer {
-            fn now(&mut self) -> Nanos {
-                (**self).now()
-            }
-            fn drive(&mut self, on: Drives) -> Result<Bracket, PinsError> {
-                (**self).drive(on)
-            }
-            fn arm(&mut self) -> Result<Armed, PinsError> {
-                (**self).arm()
-            }
-            fn edge(&mut self, until: Nanos) -> Result<Option<Edge>, PinsError> {
-                (**self).edge(until)
-            }
-            fn sleep_until(&mut self, at: Nanos) -> Result<(), PinsError> {
-                (**self).sleep_until(at)
-            }
-            fn rest_until(&mut self, at: Nanos) -> Result<(), PinsError> {
-                (**self).rest_until(at)
-            }
-            fn rest_before_edge(&mut self, at: Nanos) -> Result<(), PinsError> {
-                (**self).rest_before_edge(at)
-            }
-            fn levels(&mut self) -> Result<Levels, PinsError> {
-                (**self).levels()
-            }
-            fn particulars(&self) -> Particulars<'_> {
-                (**self).particulars()
-            }
-        }
-    )*};
-}
-
-forward_pins!(&mut P, Box<P>);

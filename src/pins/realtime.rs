@@ -1,4 +1,4 @@
-//! For: the rights that make waiting precise: scheduling, memory, processor, wake-up. Must not know: what waits.
+//! The rights that make waiting precise: scheduling, memory, processor, wake-up.
 //!
 //! Each is optional and each says what became of it; measuring works without any, only with more jitter. Everything
 //! here is for the calling thread, but memory and the wake-up latency, which are for the process and the machine.
@@ -37,12 +37,9 @@ pub struct Wishes {
     pub no_deep_idle: bool,
 }
 
-/// Each wish by its key in the configuration, and what became of it.
-pub type Report = [(&'static str, Outcome); 4];
-
 /// What became of one wish.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub enum Outcome {
+pub enum Right {
     /// It was not wished for.
     NotAsked,
     /// It holds.
@@ -51,66 +48,56 @@ pub enum Outcome {
     Denied(String),
 }
 
-impl fmt::Display for Outcome {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Outcome::NotAsked => f.write_str("not asked for"),
-            Outcome::Granted => f.write_str("granted"),
-            Outcome::Denied(why) => write!(f, "denied: {why}"),
+impl Right {
+    fn of(asked: Option<Result<(), String>>) -> Right {
+        match asked {
+            None => Right::NotAsked,
+            Some(Ok(())) => Right::Granted,
+            Some(Err(why)) => Right::Denied(why),
         }
     }
 }
+
+impl fmt::Display for Right {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Right::NotAsked => f.write_str("not asked for"),
+            Right::Granted => f.write_str("granted"),
+            Right::Denied(why) => write!(f, "denied: {why}"),
+        }
+    }
+}
+
+/// Each right by its key in the configuration.
+pub type Rights = [(&'static str, Right); 4];
 
 /// What was granted; lasts for the life of the thread, the wake-up latency for the life of this value.
 #[derive(Debug)]
 pub struct Realtime {
-    /// SCHED_FIFO.
-    pub scheduling: Outcome,
-    /// mlockall.
-    pub memory: Outcome,
-    /// The pinned processor.
-    pub affinity: Outcome,
-    /// /dev/cpu_dma_latency.
-    pub idle: Outcome,
+    /// For the log and for reports.
+    pub rights: Rights,
     _latency_bound: Option<File>,
 }
 
 impl Realtime {
-    /// Asks for all that is wished, for the calling thread. Never fails: see the outcomes. The timer slack (50 us for
+    /// Asks for all that is wished, for the calling thread. Never fails: see the rights. The timer slack (50 us for
     /// threads without real-time scheduling, prctl(2)) is always taken to 1 ns, for which no right is needed.
     pub fn request(wishes: &Wishes) -> Realtime {
         let _ = set_timerslack(1);
-        let bound = wishes.no_deep_idle.then(hold_latency_at_zero);
-        let (idle, latency_bound) = match bound {
-            None => (Outcome::NotAsked, None),
-            Some(Ok(file)) => (Outcome::Granted, Some(file)),
-            Some(Err(error)) => (Outcome::Denied(latency_refused(&error)), None),
+        let (latency_bound, idle) = match wishes.no_deep_idle.then(hold_latency_at_zero) {
+            Some(Ok(file)) => (Some(file), Some(Ok(()))),
+            Some(Err(error)) => (None, Some(Err(latency_refused(&error)))),
+            None => (None, None),
         };
         Realtime {
-            scheduling: outcome(wishes.fifo_priority.map(set_fifo)),
-            memory: outcome(wishes.lock_memory.then(lock_memory)),
-            affinity: outcome(wishes.cpu.map(pin)),
-            idle,
+            rights: [
+                ("priority", Right::of(wishes.fifo_priority.map(set_fifo))),
+                ("lock-memory", Right::of(wishes.lock_memory.then(lock_memory))),
+                ("cpu", Right::of(wishes.cpu.map(pin))),
+                ("dma-latency", Right::of(idle)),
+            ],
             _latency_bound: latency_bound,
         }
-    }
-
-    /// Each outcome with its key, for the log and for reports.
-    pub fn report(&self) -> Report {
-        [
-            ("priority", self.scheduling.clone()),
-            ("lock-memory", self.memory.clone()),
-            ("cpu", self.affinity.clone()),
-            ("dma-latency", self.idle.clone()),
-        ]
-    }
-}
-
-fn outcome(asked: Option<Result<(), String>>) -> Outcome {
-    match asked {
-        None => Outcome::NotAsked,
-        Some(Ok(())) => Outcome::Granted,
-        Some(Err(why)) => Outcome::Denied(why),
     }
 }
 
@@ -178,7 +165,7 @@ mod tests {
     #[test]
     fn nothing_asked_nothing_changed() {
         let realtime = Realtime::request(&Wishes::default());
-        assert!(realtime.report().iter().all(|(_, outcome)| *outcome == Outcome::NotAsked));
+        assert!(realtime.rights.iter().all(|(_, right)| *right == Right::NotAsked));
     }
 
     #[test]
@@ -206,9 +193,10 @@ mod tests {
             Realtime::request(&Wishes { fifo_priority: Some(100), cpu: Some(1023), ..Wishes::default() })
         });
         let realtime = realtime.join().unwrap();
-        assert!(matches!(&realtime.scheduling, Outcome::Denied(why) if why.contains("between 1 and 99")));
-        assert!(matches!(&realtime.affinity, Outcome::Denied(why) if why.contains("processor 1023")));
-        assert_eq!(realtime.memory, Outcome::NotAsked);
+        let [(_, scheduling), (_, memory), (_, affinity), _] = realtime.rights;
+        assert!(matches!(scheduling, Right::Denied(why) if why.contains("between 1 and 99")));
+        assert!(matches!(affinity, Right::Denied(why) if why.contains("processor 1023")));
+        assert_eq!(memory, Right::NotAsked);
     }
 
     #[test]
@@ -217,10 +205,10 @@ mod tests {
             let allowed = nix::sched::sched_getaffinity(THIS_THREAD).unwrap();
             let cpu = (0..CpuSet::count()).find(|cpu| allowed.is_set(*cpu).unwrap()).unwrap();
             let realtime = Realtime::request(&Wishes { cpu: Some(cpu), ..Wishes::default() });
-            (realtime.affinity, cpu, nix::sched::sched_getaffinity(THIS_THREAD).unwrap())
+            (realtime.rights[2].clone(), cpu, nix::sched::sched_getaffinity(THIS_THREAD).unwrap())
         });
-        let (outcome, cpu, now) = pinned.join().unwrap();
-        assert_eq!(outcome, Outcome::Granted);
+        let (right, cpu, now) = pinned.join().unwrap();
+        assert_eq!(right, ("cpu", Right::Granted));
         assert!((0..CpuSet::count()).all(|other| now.is_set(other).unwrap() == (other == cpu)));
     }
 }

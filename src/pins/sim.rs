@@ -1,46 +1,38 @@
-//! The simulated circuit.
-//!
-//! For: a [`Pins`] whose lines end in a network of resistors and capacitors, with the latencies of a real kernel, in
-//! virtual time. Must not know: any estimator.
+//! The simulated circuit: a [`Pins`] whose lines end in a network of resistors and capacitors, with the latencies of a real
+//! kernel, in virtual time.
 //!
 //! Time only moves inside calls: a call that costs nothing takes none. [`SimPins::paced`] makes the calling thread
 //! sleep so that the wall clock keeps step; the stamps stay those of virtual time, so that readings do not depend
 //! on the load of the host.
 //!
-//! [`network`] solves the voltages, [`course`] inverts them, [`scene`] describes a board, [`sensor`] what is
-//! connected to it.
+//! [`network`] solves the voltages, [`waveform`] inverts them, [`scene`] describes a board, [`sensor`] what is
+//! connected to it. With the estimators it shares constants and units, and nothing else: an error in the physics of either
+//! shows.
 
-use super::{Armed, Bracket, Drives, Edge, Levels, Pins, PinsError};
-use crate::units::Nanos;
+use super::{Armed, Bracket, Drives, Edge, Levels, Particulars, Pins, PinsError};
+use crate::units::{Nanos, Seconds};
 use analog::{Analog, Fall};
 use kernel::{Events, next_edge};
-use latency::{Calls, Delay};
+use latency::whole_ns;
 use rand_chacha::ChaCha8Rng;
+use scene::{CallsScene, DelayScene, ReadsScene};
 use std::time::{Duration, Instant};
 
 mod analog;
 mod build;
-pub mod course;
 mod kernel;
-pub mod latency;
+mod latency;
 pub mod network;
-pub mod noise;
+mod noise;
 pub mod scene;
 pub mod sensor;
 mod truth;
+pub mod waveform;
 
-pub use network::{Charge, Circuit, Crossings, exact_discharge};
+pub use network::SimCircuit;
 pub use scene::{Kind, Scene, SceneError};
 pub use sensor::Sensor;
 pub use truth::Truth;
-
-/// Cost of the calls that do not switch, ns.
-#[derive(Debug, Clone, Copy, Default)]
-struct Reads {
-    clock_ns: i64,
-    levels_ns: i64,
-    arm_ns: i64,
-}
 
 /// Keeps the wall clock in step.
 #[derive(Debug, Clone, Copy)]
@@ -49,8 +41,8 @@ struct Pace {
     started_ns: i64,
 }
 
-/// A board on the bench of the imagination. Instants inside are virtual ns since its construction; those that are
-/// handed out are later by the epoch.
+/// A simulated board. Inside, instants are virtual ns since its construction; those that are handed out are later by the
+/// epoch.
 #[derive(Debug, Clone)]
 pub struct SimPins {
     now_ns: i64,
@@ -58,10 +50,10 @@ pub struct SimPins {
     pace: Option<Pace>,
     analog: Analog,
     events: Events,
-    calls: Option<Calls>,
-    wake: Option<Delay>,
-    sleep: Option<Delay>,
-    reads: Reads,
+    calls: Option<CallsScene>,
+    wake: Option<DelayScene>,
+    sleep: Option<DelayScene>,
+    reads: ReadsScene,
     clock_ns: Option<i64>,
     armed: bool,
     conflicts: u64,
@@ -95,19 +87,8 @@ impl SimPins {
     }
 
     /// The network as it is, with the sensors' present values.
-    pub fn circuit(&self) -> &Circuit {
+    pub fn circuit(&self) -> &SimCircuit {
         &self.analog.circuit
-    }
-
-    /// The voltages of nodes A and B now; B of a circuit without it means nothing.
-    pub fn voltages(&mut self) -> [f64; 2] {
-        self.catch_up(self.now_ns);
-        self.analog.voltages(self.now_ns)
-    }
-
-    /// Output resistance of a line, ohm.
-    pub fn r_o(&self, line: Drives) -> f64 {
-        self.circuit().r_o[network::line_index(line)]
     }
 
     /// R_x of a channel at an instant, ohm; `None` without such a channel in the scene.
@@ -128,6 +109,17 @@ impl SimPins {
                 std::thread::sleep(rest);
             }
         }
+    }
+
+    /// Lets a call take its time.
+    fn spend(&mut self, cost: Option<Seconds>) {
+        self.go_on_to(self.now_ns.saturating_add(whole_ns(cost)));
+    }
+
+    /// A wait that ends at an instant, or late.
+    fn end_late(&mut self, at_ns: i64, late: Option<DelayScene>) {
+        let late_ns = late.map_or(0.0, |late| late.draw_ns(&mut self.rng));
+        self.go_on_to(at_ns.saturating_add(late_ns.round() as i64));
     }
 
     /// Takes account of every fall up to an instant.
@@ -154,7 +146,7 @@ impl SimPins {
     }
 
     /// Switches line by line, as long as that takes.
-    fn switch_slowly(&mut self, calls: Calls, on: Drives) {
+    fn switch_slowly(&mut self, calls: CallsScene, on: Drives) {
         let old = self.driving();
         let (releases, drives) = (old.without(on), on.without(old));
         let lines = (releases.count() + drives.count()) as usize;
@@ -163,18 +155,18 @@ impl SimPins {
         let mut state = old;
         let moves = releases.lines().map(|line| (line, false)).chain(drives.lines().map(|line| (line, true)));
         for (position, (line, driven)) in moves.enumerate() {
-            let after_ns = calls.moves_ns(&call, position, &mut self.rng).round() as i64;
+            let after_ns = call.moves_ns(position, &mut self.rng).round() as i64;
             state = if driven { state.and(line) } else { state.without(line) };
             self.switch(state, begin_ns + after_ns);
         }
-        self.go_on_to(begin_ns + calls.duration_ns(&call).round() as i64);
+        self.go_on_to(begin_ns + call.duration_ns().round() as i64);
     }
 }
 
 impl Pins for SimPins {
     fn now(&mut self) -> Nanos {
         let now = self.stamp(self.now_ns);
-        self.go_on_to(self.now_ns.saturating_add(self.reads.clock_ns));
+        self.spend(self.reads.clock);
         now
     }
 
@@ -195,7 +187,7 @@ impl Pins for SimPins {
     }
 
     fn arm(&mut self) -> Result<Armed, PinsError> {
-        self.go_on_to(self.now_ns.saturating_add(self.reads.arm_ns));
+        self.spend(self.reads.arm);
         self.catch_up(self.now_ns);
         self.armed = true;
         self.truth.clear();
@@ -211,8 +203,7 @@ impl Pins for SimPins {
             if let Some(stamp_ns) = self.events.next_stamp_ns().filter(|ns| *ns <= until_ns.max(self.now_ns))
             {
                 if stamp_ns > self.now_ns {
-                    let late_ns = self.wake.map_or(0.0, |wake| wake.draw_ns(&mut self.rng));
-                    self.go_on_to(stamp_ns.saturating_add(late_ns.round() as i64));
+                    self.end_late(stamp_ns, self.wake);
                     // What comes meanwhile may push it out of the buffer.
                     self.catch_up(self.now_ns);
                     if self.events.next_stamp_ns().is_some_and(|ns| ns > self.now_ns) {
@@ -234,16 +225,27 @@ impl Pins for SimPins {
     fn sleep_until(&mut self, at: Nanos) -> Result<(), PinsError> {
         let at_ns = (at - self.epoch).0;
         if at_ns > self.now_ns {
-            let late_ns = self.sleep.map_or(0.0, |sleep| sleep.draw_ns(&mut self.rng));
-            self.go_on_to(at_ns.saturating_add(late_ns.round() as i64));
+            self.end_late(at_ns, self.sleep);
         }
         Ok(())
     }
 
     fn levels(&mut self) -> Result<Levels, PinsError> {
-        self.go_on_to(self.now_ns.saturating_add(self.reads.levels_ns));
+        self.spend(self.reads.levels);
         self.catch_up(self.now_ns);
         Ok(self.analog.levels(self.now_ns))
+    }
+
+    fn rest_until(&mut self, at: Nanos) -> Result<(), PinsError> {
+        self.sleep_until(at)
+    }
+
+    fn rest_before_edge(&mut self, _at: Nanos) -> Result<(), PinsError> {
+        Ok(())
+    }
+
+    fn particulars(&self) -> Particulars<'_> {
+        Particulars::default()
     }
 }
 

@@ -1,6 +1,6 @@
 //! The contract of `Pins`, on the simulated circuit. `examples/contract.rs` holds real kernels to the same one.
 
-use cermd::pins::contract::{Bench, check};
+use crate::clauses::{Bench, check};
 use cermd::pins::sim::{Kind, Scene, SimPins};
 use cermd::units::Nanos;
 

@@ -4,11 +4,11 @@
 //! for another one.
 
 use crate::common::Bench;
+use crate::common::faulty::{Faulty, Injection};
 use cermd::estimate::force::Force;
 use cermd::instrument::cycle::longest_reading;
 use cermd::instrument::{Instrument, Message};
 use cermd::pins::Pins;
-use cermd::pins::faulty::{Faulty, Injection};
 use cermd::pins::sim::SimPins;
 use cermd::reading::{Measured, Method, Reading, Status};
 use cermd::units::Nanos;

@@ -1,6 +1,8 @@
 //! A bench: a scene, a configuration, and the instrument between them, in virtual time.
 #![allow(dead_code)] // Each test program uses its own part.
 
+pub mod faulty;
+
 use cermd::config::Config;
 use cermd::instrument::settings::Settings;
 use cermd::instrument::{Instrument, Message};

@@ -8,7 +8,7 @@ use crate::switching::PI4_NOISE;
 use cermd::config::{Config, Severity};
 use cermd::pins::sim::SimPins;
 use cermd::pins::sim::scene::DriftScene;
-use cermd::pins::{Armed, Bracket, Drives, Edge, Levels, Pins, PinsError};
+use cermd::pins::{Armed, Bracket, Drives, Edge, Levels, Particulars, Pins, PinsError};
 use cermd::reading::{Measured, Method, Status};
 use cermd::units::{Nanos, Volt};
 use rand::{RngExt, SeedableRng};
@@ -235,6 +235,15 @@ impl Pins for Restless {
     }
     fn levels(&mut self) -> Result<Levels, PinsError> {
         self.inner.levels()
+    }
+    fn rest_until(&mut self, at: Nanos) -> Result<(), PinsError> {
+        self.inner.rest_until(at)
+    }
+    fn rest_before_edge(&mut self, at: Nanos) -> Result<(), PinsError> {
+        self.inner.rest_before_edge(at)
+    }
+    fn particulars(&self) -> Particulars<'_> {
+        self.inner.particulars()
     }
 }
 

@@ -1,8 +1,8 @@
 //! Pins below which the computer does something else at the worst moment, once in so many discharges.
 
 use cermd::pins::sim::SimPins;
-use cermd::pins::sim::network::Wiring;
-use cermd::pins::{Armed, Bracket, Drives, Edge, Levels, Pins, PinsError};
+use cermd::pins::sim::network::Capacitors;
+use cermd::pins::{Armed, Bracket, Drives, Edge, Levels, Particulars, Pins, PinsError};
 use cermd::units::Nanos;
 
 /// What happens, and for how long.
@@ -115,9 +115,9 @@ impl Pins for Disturbed {
             if self.strikes(Trouble::SuspendedBetween) {
                 self.suspend()?;
                 let grown = self.grown;
-                self.inner.alter(|circuit| match &mut circuit.wiring {
-                    Wiring::OneCapacitor { c } | Wiring::SeriesCalibration { c } => *c *= grown,
-                    Wiring::TwoCapacitor { c_a, c_b } => (*c_a, *c_b) = (*c_a * grown, *c_b * grown),
+                self.inner.alter(|circuit| match &mut circuit.capacitors {
+                    Capacitors::One { c } | Capacitors::Series { c } => *c *= grown,
+                    Capacitors::Two { c_a, c_b } => (*c_a, *c_b) = (*c_a * grown, *c_b * grown),
                 });
             }
         }
@@ -167,5 +167,17 @@ impl Pins for Disturbed {
 
     fn levels(&mut self) -> Result<Levels, PinsError> {
         self.inner.levels()
+    }
+
+    fn rest_until(&mut self, at: Nanos) -> Result<(), PinsError> {
+        self.sleep_until(at)
+    }
+
+    fn rest_before_edge(&mut self, at: Nanos) -> Result<(), PinsError> {
+        self.inner.rest_before_edge(at + self.behind)
+    }
+
+    fn particulars(&self) -> Particulars<'_> {
+        self.inner.particulars()
     }
 }

@@ -4,8 +4,8 @@ use crate::common::{Bench, kind_of};
 use cermd::circuit::Node;
 use cermd::instrument::cycle::longest_reading;
 use cermd::instrument::{Instrument, Message};
-use cermd::pins::sim::network::Wiring;
-use cermd::pins::sim::{Circuit, SimPins};
+use cermd::pins::sim::network::Capacitors;
+use cermd::pins::sim::{SimCircuit, SimPins};
 use cermd::reading::Suspect;
 use cermd::reading::{Fault, Method, Reading, Status};
 use cermd::units::Nanos;
@@ -32,19 +32,19 @@ const FOR_THE_SYSTEM: Nanos = Nanos(20_000_000);
 /// A defect, and what a fault because of it may look like.
 struct Defect {
     name: &'static str,
-    change: fn(&mut Circuit),
+    change: fn(&mut SimCircuit),
     suspects: &'static [Suspect],
     to_notice: usize,
 }
 
-const fn defect(name: &'static str, change: fn(&mut Circuit), suspects: &'static [Suspect]) -> Defect {
+const fn defect(name: &'static str, change: fn(&mut SimCircuit), suspects: &'static [Suspect]) -> Defect {
     Defect { name, change, suspects, to_notice: TO_NOTICE }
 }
 
-fn capacitors(circuit: &mut Circuit, factor_a: f64, factor_b: f64) {
-    match &mut circuit.wiring {
-        Wiring::OneCapacitor { c } | Wiring::SeriesCalibration { c } => *c *= factor_a,
-        Wiring::TwoCapacitor { c_a, c_b } => (*c_a, *c_b) = (*c_a * factor_a, *c_b * factor_b),
+fn capacitors(circuit: &mut SimCircuit, factor_a: f64, factor_b: f64) {
+    match &mut circuit.capacitors {
+        Capacitors::One { c } | Capacitors::Series { c } => *c *= factor_a,
+        Capacitors::Two { c_a, c_b } => (*c_a, *c_b) = (*c_a * factor_a, *c_b * factor_b),
     }
 }
 

@@ -5,9 +5,8 @@ use crate::config::backend::{self, CONSUMER, OpenError};
 use crate::config::{Backend, Config, Finding};
 use crate::ctl::CtlError;
 use crate::ctl::stream::Stream;
-use crate::pins::realtime::{Outcome, Realtime};
-use crate::pins::{Pins, PinsError, chardev};
-use std::io;
+use crate::pins::realtime::{Realtime, Right};
+use crate::pins::{Pins, PinsError};
 
 /// The first kernel with GPIO uAPI v2.
 const FIRST_V2: (u32, u32) = (5, 10);
@@ -79,12 +78,12 @@ fn version(release: &str) -> Option<(u32, u32)> {
 }
 
 fn rights(realtime: &Realtime) -> Vec<Finding> {
-    let finding = |(key, outcome): (&str, Outcome)| match outcome {
-        Outcome::NotAsked => None,
-        Outcome::Granted => {
+    let finding = |(key, outcome): (&str, Right)| match outcome {
+        Right::NotAsked => None,
+        Right::Granted => {
             Some(Finding::info(format!("realtime.{key}"), "granted to this program as this user"))
         }
-        Outcome::Denied(why) => Some(
+        Right::Denied(why) => Some(
             Finding::warning(
                 format!("realtime.{key}"),
                 format!("denied to this program as this user: {why}"),
@@ -92,16 +91,11 @@ fn rights(realtime: &Realtime) -> Vec<Finding> {
             .try_this("cermd's own log, or `cermctl stats`: its unit grants more"),
         ),
     };
-    realtime.report().into_iter().filter_map(finding).collect()
+    realtime.rights.clone().into_iter().filter_map(finding).collect()
 }
 
 fn is_held_by_cermd(refusal: &OpenError) -> bool {
-    match refusal {
-        OpenError::Hardware(chardev::OpenError::Call { source, cause, .. }) => {
-            source.kind() == io::ErrorKind::ResourceBusy && cause.contains(&format!("\"{CONSUMER}\""))
-        }
-        _ => false,
-    }
+    matches!(refusal, OpenError::Hardware(error) if error.is_held_by(CONSUMER))
 }
 
 /// The daemon holds the lines: it tells how it fares.
@@ -121,22 +115,6 @@ fn ask_the_daemon(config: &Config) -> Result<Finding, CtlError> {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    fn call(errno: i32, cause: &str) -> OpenError {
-        OpenError::Hardware(chardev::OpenError::Call {
-            call: "GET_LINE",
-            line: "sink-c1 (GPIO20)".into(),
-            source: io::Error::from_raw_os_error(errno),
-            cause: cause.into(),
-        })
-    }
-
-    #[test]
-    fn the_daemon_is_told_from_other_holders() {
-        assert!(is_held_by_cermd(&call(libc::EBUSY, "held by another consumer: GPIO20 (\"cermd\")")));
-        assert!(!is_held_by_cermd(&call(libc::EBUSY, "held by another consumer: GPIO20 (\"gpioset\")")));
-        assert!(!is_held_by_cermd(&call(libc::EACCES, "add yourself to group cermd")));
-    }
 
     #[test]
     fn releases_of_kernels_are_read() {

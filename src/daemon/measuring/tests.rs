@@ -42,6 +42,15 @@ impl Pins for Mistaken {
     fn levels(&mut self) -> Result<Levels, PinsError> {
         self.pins.levels()
     }
+    fn rest_until(&mut self, at: Nanos) -> Result<(), PinsError> {
+        self.pins.rest_until(at)
+    }
+    fn rest_before_edge(&mut self, at: Nanos) -> Result<(), PinsError> {
+        self.pins.rest_before_edge(at)
+    }
+    fn particulars(&self) -> Particulars<'_> {
+        self.pins.particulars()
+    }
 }
 
 impl Mistaken {
@@ -80,6 +89,15 @@ impl Pins for Endless {
     }
     fn levels(&mut self) -> Result<Levels, PinsError> {
         Ok(Levels { a: true, b: true })
+    }
+    fn rest_until(&mut self, at: Nanos) -> Result<(), PinsError> {
+        self.sleep_until(at)
+    }
+    fn rest_before_edge(&mut self, _at: Nanos) -> Result<(), PinsError> {
+        Ok(())
+    }
+    fn particulars(&self) -> Particulars<'_> {
+        Particulars::default()
     }
 }
 

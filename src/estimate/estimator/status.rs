@@ -32,9 +32,7 @@ impl Estimator {
         if last_ns - tracker.d_ns().0 <= switch.on_ns {
             return None;
         }
-        let (siemens, u) = tracked::conductance(tracker, &observed)?;
-        let r_min_ohm = 1.0 / (siemens.max(0.0) + COVERAGE * u) - tracker.r_o_ohm().0;
-        (siemens <= COVERAGE * u && r_min_ohm > 0.0 && r_min_ohm.is_finite()).then_some(r_min_ohm)
+        tracked::beyond(tracker, &observed)
     }
 
     /// QERM: the lowest resistance of a sensor beside which R_2 crosses as late as if there were none.

@@ -1,7 +1,7 @@
 //! Against scripted pins: what is asked of them, in which order, and what is made of their answers.
 
 use super::*;
-use crate::pins::{Pins, PinsError};
+use crate::pins::{Particulars, Pins, PinsError};
 use std::collections::VecDeque;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
@@ -87,6 +87,12 @@ impl Pins for Script {
     fn levels(&mut self) -> Result<Levels, PinsError> {
         self.call("levels".to_owned())?;
         Ok(self.levels)
+    }
+    fn rest_until(&mut self, at: Nanos) -> Result<(), PinsError> {
+        self.sleep_until(at)
+    }
+    fn particulars(&self) -> Particulars<'_> {
+        Particulars::default()
     }
 }
 

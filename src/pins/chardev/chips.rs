@@ -1,8 +1,8 @@
-//! For: finding a chip by label, name or path; listing what there is. Must not know: what the lines are used for.
+//! Chips by label, name or path, and lists of what there is.
 //!
 //! Numbers of chips change between kernels (the Raspberry Pi 5 went from gpiochip4 to gpiochip0), labels do not.
 
-use super::error::{Context, OpenError, as_io, cause, owning_group};
+use super::error::{Cause, ChardevError, ChipTitles, Holder, as_io};
 use gpiocdev_uapi::{v1, v2};
 use std::fs::{File, OpenOptions};
 use std::io;
@@ -17,7 +17,7 @@ pub struct Listing {
     /// Those that could be opened, by path.
     pub chips: Vec<ChipListing>,
     /// Why the others could not.
-    pub refused: Vec<OpenError>,
+    pub refused: Vec<ChardevError>,
 }
 
 /// One chip and its lines.
@@ -80,12 +80,10 @@ pub(in crate::pins) struct Chip {
 
 impl Chip {
     /// Opens a device node.
-    pub fn open(path: &Path) -> Result<Chip, OpenError> {
+    pub fn open(path: &Path) -> Result<Chip, ChardevError> {
         let refuse = |call: &'static str, source: io::Error| {
-            let group = owning_group(path);
-            let context = Context { group: group.as_deref(), ..Context::default() };
-            let cause = cause(source.raw_os_error().unwrap_or(0), &context);
-            OpenError::Call { call, line: path.display().to_string(), source, cause }
+            let cause = Cause::of(&source, path);
+            ChardevError::Call { call, line: path.display().to_string(), source, cause }
         };
         let file = OpenOptions::new().read(true).write(true).open(path).map_err(|e| refuse("open", e))?;
         let info = v2::get_chip_info(&file).map_err(|e| refuse("GET_CHIPINFO", as_io(e)))?;
@@ -99,7 +97,7 @@ impl Chip {
     }
 
     /// Finds the chip with this label, name or path.
-    pub fn find(wanted: &str) -> Result<Chip, OpenError> {
+    pub fn find(wanted: &str) -> Result<Chip, ChardevError> {
         find_in(Path::new(DEV), wanted)
     }
 
@@ -109,66 +107,66 @@ impl Chip {
     }
 
     /// All lines, in the order of their offsets.
-    pub fn lines(&self) -> Result<Vec<LineListing>, OpenError> {
+    pub fn lines(&self) -> Result<Vec<LineListing>, ChardevError> {
         (0..self.count).map(|offset| self.line(offset)).collect()
     }
 
-    fn line(&self, offset: u32) -> Result<LineListing, OpenError> {
-        match v2::get_line_info(&self.file, offset).map(from_v2) {
+    fn line(&self, offset: u32) -> Result<LineListing, ChardevError> {
+        match v2::get_line_info(&self.file, offset) {
             // The kernel is older than 5.10 (or the line is not there, which v1 answers in the same way).
             Err(v2::Error::Os(errno)) if errno.0 == libc::EINVAL => {
-                v1::get_line_info(&self.file, offset).map(from_v1)
+                v1::get_line_info(&self.file, offset).map(as_v2)
             }
             other => other,
         }
+        .map(LineListing::from)
         .map_err(|error| self.refusal("GET_LINEINFO", format!("line {offset}"), &[], as_io(error)))
     }
 
     /// A failed call on this chip, explained: who holds which of `offsets`, whose group the node is, which chips exist.
-    pub fn refusal(&self, call: &'static str, line: String, offsets: &[u32], source: io::Error) -> OpenError {
-        let errno = source.raw_os_error().unwrap_or(0);
-        let held: Vec<String> = match errno {
-            libc::EBUSY => offsets.iter().filter_map(|offset| self.line(*offset).ok()?.holder()).collect(),
-            _ => Vec::new(),
+    pub fn refusal(
+        &self,
+        call: &'static str,
+        line: String,
+        offsets: &[u32],
+        source: io::Error,
+    ) -> ChardevError {
+        let cause = match Cause::of(&source, &self.path) {
+            Cause::Held(_) => {
+                let lines = offsets.iter().filter_map(|offset| self.line(*offset).ok());
+                Cause::Held(lines.filter_map(Holder::of).collect())
+            }
+            Cause::Gone { .. } => Cause::Gone { present: Some(titles(&all(Path::new(DEV)))) },
+            other => other,
         };
-        let group = owning_group(&self.path);
-        let chips = if super::error::is_gone(errno) { present(&all(Path::new(DEV))) } else { String::new() };
-        let context = Context { group: group.as_deref(), held: &held, chips: &chips };
-        OpenError::Call {
-            call,
-            line: format!("{line} of {}", self.title()),
-            source,
-            cause: cause(errno, &context),
-        }
+        ChardevError::Call { call, line: format!("{line} of {}", self.title()), source, cause }
     }
 }
 
-impl LineListing {
-    /// `GPIO20 ("gpioset")`, if the line is taken.
-    fn holder(&self) -> Option<String> {
-        let name = self.name.clone().unwrap_or_else(|| format!("line {}", self.offset));
-        let consumer = self.consumer.as_deref().unwrap_or("unnamed");
-        self.used.then(|| format!("{name} (\"{consumer}\")"))
-    }
-}
-
-fn find_in(dev: &Path, wanted: &str) -> Result<Chip, OpenError> {
+fn find_in(dev: &Path, wanted: &str) -> Result<Chip, ChardevError> {
     if wanted.contains('/') {
-        return open_or_missing(dev, Path::new(wanted), wanted);
+        return match Path::new(wanted).try_exists() {
+            Ok(false) => missing(wanted, &all(dev)),
+            _ => Chip::open(Path::new(wanted)),
+        };
     }
     let chips = all(dev);
-    let matches = |chip: &Result<Chip, OpenError>| {
-        chip.as_ref().is_ok_and(|chip| chip.name == wanted || chip.label == wanted)
-    };
-    if chips.iter().filter(|chip| matches(chip)).count() > 1 {
-        let names: Vec<String> =
-            chips.into_iter().filter(|chip| matches(chip)).flatten().map(|chip| chip.name).collect();
-        return Err(OpenError::AmbiguousChip { label: wanted.to_string(), names: names.join(", ") });
+    let present = missing(wanted, &chips);
+    let is_wanted = |chip: &Chip| chip.name == wanted || chip.label == wanted;
+    let (mut found, mut refused) = (Vec::new(), Vec::new());
+    for chip in chips {
+        match chip {
+            Ok(chip) if is_wanted(&chip) => found.push(chip),
+            Ok(_) => {}
+            Err(error) => refused.push(error),
+        }
     }
-    let present = present(&chips);
-    let (found, refused): (Vec<_>, Vec<_>) = chips.into_iter().partition(|chip| matches(chip));
-    if let Some(chip) = found.into_iter().next() {
-        return chip;
+    if found.len() > 1 {
+        let names = found.into_iter().map(|chip| chip.name).collect();
+        return Err(ChardevError::AmbiguousChip { label: wanted.to_owned(), names });
+    }
+    if let Some(chip) = found.pop() {
+        return Ok(chip);
     }
     // A compatibility link such as /dev/gpiochip4 is no chip of its own, but a name that people use.
     let link = dev.join(wanted);
@@ -176,23 +174,18 @@ fn find_in(dev: &Path, wanted: &str) -> Result<Chip, OpenError> {
         return Chip::open(&link);
     }
     // The one that is wanted may be among those that are closed to us: best named by one that a group may open.
-    let mut refused: Vec<OpenError> = refused.into_iter().filter_map(Result::err).collect();
-    refused.sort_by_key(|error| !error.asks_for_a_group());
-    match refused.into_iter().next() {
-        Some(closed) => Err(closed),
-        None => Err(OpenError::NoChip { wanted: wanted.to_string(), present }),
-    }
+    let asks_for_a_group =
+        |error: &ChardevError| matches!(error, ChardevError::Call { cause: Cause::Closed(Some(_)), .. });
+    refused.sort_by_key(|error| !asks_for_a_group(error));
+    refused.into_iter().next().map_or(present, Err)
 }
 
-fn open_or_missing(dev: &Path, path: &Path, wanted: &str) -> Result<Chip, OpenError> {
-    match path.try_exists() {
-        Ok(false) => Err(OpenError::NoChip { wanted: wanted.to_string(), present: present(&all(dev)) }),
-        _ => Chip::open(path),
-    }
+fn missing(wanted: &str, present: &[Result<Chip, ChardevError>]) -> Result<Chip, ChardevError> {
+    Err(ChardevError::NoChip { wanted: wanted.to_owned(), present: titles(present) })
 }
 
 /// Tries to open every chip below `dev`, in the order of their numbers; links to other nodes are left out.
-fn all(dev: &Path) -> Vec<Result<Chip, OpenError>> {
+fn all(dev: &Path) -> Vec<Result<Chip, ChardevError>> {
     let Ok(entries) = std::fs::read_dir(dev) else { return Vec::new() };
     let mut nodes: Vec<(u32, PathBuf)> = entries
         .flatten()
@@ -206,57 +199,40 @@ fn all(dev: &Path) -> Vec<Result<Chip, OpenError>> {
     nodes.iter().map(|(_, path)| Chip::open(path)).collect()
 }
 
-fn present(chips: &[Result<Chip, OpenError>]) -> String {
-    let titles: Vec<String> = chips.iter().flatten().map(Chip::title).collect();
-    match titles.as_slice() {
-        [] => "no GPIO chip can be opened".to_string(),
-        some => format!("chips present: {}", some.join(", ")),
-    }
+fn titles(chips: &[Result<Chip, ChardevError>]) -> ChipTitles {
+    ChipTitles(chips.iter().flatten().map(Chip::title).collect())
 }
 
-fn text(name: &v2::Name) -> Option<String> {
-    (!name.is_empty()).then(|| String::from(name))
+/// The flags of uAPI v1 are some of those of v2, by the same names.
+fn as_v2(info: v1::LineInfo) -> v2::LineInfo {
+    let v1::LineInfo { offset, name, consumer, .. } = info;
+    let flags = info.flags.iter_names().filter_map(|(name, _)| v2::LineFlags::from_name(name)).collect();
+    v2::LineInfo { offset, name, consumer, flags, ..Default::default() }
 }
 
-fn from_v2(info: v2::LineInfo) -> LineListing {
-    use v2::LineFlags as F;
-    const WORDS: [(v2::LineFlags, &str); 8] = [
-        (F::ACTIVE_LOW, "active-low"),
-        (F::OPEN_DRAIN, "open-drain"),
-        (F::OPEN_SOURCE, "open-source"),
-        (F::BIAS_PULL_UP, "pull-up"),
-        (F::BIAS_PULL_DOWN, "pull-down"),
-        (F::BIAS_DISABLED, "bias-disabled"),
-        (F::EDGE_RISING, "rising-edges"),
-        (F::EDGE_FALLING, "falling-edges"),
-    ];
-    LineListing {
-        offset: info.offset,
-        name: text(&info.name),
-        output: info.flags.contains(F::OUTPUT),
-        flags: WORDS.iter().filter(|(flag, _)| info.flags.contains(*flag)).map(|(_, word)| *word).collect(),
-        used: info.flags.contains(F::USED),
-        consumer: text(&info.consumer),
-    }
-}
-
-fn from_v1(info: v1::LineInfo) -> LineListing {
-    use v1::LineInfoFlags as F;
-    const WORDS: [(v1::LineInfoFlags, &str); 6] = [
-        (F::ACTIVE_LOW, "active-low"),
-        (F::OPEN_DRAIN, "open-drain"),
-        (F::OPEN_SOURCE, "open-source"),
-        (F::BIAS_PULL_UP, "pull-up"),
-        (F::BIAS_PULL_DOWN, "pull-down"),
-        (F::BIAS_DISABLED, "bias-disabled"),
-    ];
-    LineListing {
-        offset: info.offset,
-        name: text(&info.name),
-        output: info.flags.contains(F::OUTPUT),
-        flags: WORDS.iter().filter(|(flag, _)| info.flags.contains(*flag)).map(|(_, word)| *word).collect(),
-        used: info.flags.contains(F::USED),
-        consumer: text(&info.consumer),
+impl From<v2::LineInfo> for LineListing {
+    fn from(info: v2::LineInfo) -> LineListing {
+        use v2::LineFlags as F;
+        const WORDS: [(F, &str); 8] = [
+            (F::ACTIVE_LOW, "active-low"),
+            (F::OPEN_DRAIN, "open-drain"),
+            (F::OPEN_SOURCE, "open-source"),
+            (F::BIAS_PULL_UP, "pull-up"),
+            (F::BIAS_PULL_DOWN, "pull-down"),
+            (F::BIAS_DISABLED, "bias-disabled"),
+            (F::EDGE_RISING, "rising-edges"),
+            (F::EDGE_FALLING, "falling-edges"),
+        ];
+        let text = |name: &v2::Name| (!name.is_empty()).then(|| String::from(name));
+        let words = WORDS.iter().filter(|(flag, _)| info.flags.contains(*flag));
+        LineListing {
+            offset: info.offset,
+            name: text(&info.name),
+            output: info.flags.contains(F::OUTPUT),
+            flags: words.map(|(_, word)| *word).collect(),
+            used: info.flags.contains(F::USED),
+            consumer: text(&info.consumer),
+        }
     }
 }
 
@@ -287,7 +263,7 @@ mod tests {
         std::os::unix::fs::symlink(dev.path().join("gpiochip0"), dev.path().join("gpiochip4")).unwrap();
         assert_eq!(all(dev.path()).len(), 1, "a link is not a second chip");
         let error = find_in(dev.path(), "pinctrl-rp1").unwrap_err();
-        assert!(matches!(&error, OpenError::Call { call: "GET_CHIPINFO", .. }), "{error}");
+        assert!(matches!(&error, ChardevError::Call { call: "GET_CHIPINFO", .. }), "{error}");
         assert!(error.to_string().contains("not a GPIO chip"), "{error}");
     }
 
@@ -300,10 +276,28 @@ mod tests {
             flags: v2::LineFlags::USED | v2::LineFlags::OUTPUT | v2::LineFlags::OPEN_DRAIN,
             ..Default::default()
         };
-        let line = from_v2(info);
+        let line = LineListing::from(info);
         assert!(line.output && line.used);
         assert_eq!(line.flags, ["open-drain"]);
-        assert_eq!(line.holder().as_deref(), Some("GPIO20 (\"cermd\")"));
-        assert_eq!(LineListing::default().holder(), None);
+        assert_eq!(Holder::of(line).unwrap().to_string(), "GPIO20 (\"cermd\")");
+        assert_eq!(Holder::of(LineListing::default()), None);
+    }
+
+    #[test]
+    fn flags_of_v1_are_those_of_v2() {
+        let of_v2 = |flags| as_v2(v1::LineInfo { flags, ..Default::default() }).flags;
+        for (v1, v2) in [
+            (v1::LineInfoFlags::USED, v2::LineFlags::USED),
+            (v1::LineInfoFlags::OUTPUT, v2::LineFlags::OUTPUT),
+            (v1::LineInfoFlags::ACTIVE_LOW, v2::LineFlags::ACTIVE_LOW),
+            (v1::LineInfoFlags::OPEN_DRAIN, v2::LineFlags::OPEN_DRAIN),
+            (v1::LineInfoFlags::OPEN_SOURCE, v2::LineFlags::OPEN_SOURCE),
+            (v1::LineInfoFlags::BIAS_PULL_UP, v2::LineFlags::BIAS_PULL_UP),
+            (v1::LineInfoFlags::BIAS_PULL_DOWN, v2::LineFlags::BIAS_PULL_DOWN),
+            (v1::LineInfoFlags::BIAS_DISABLED, v2::LineFlags::BIAS_DISABLED),
+        ] {
+            assert_eq!(of_v2(v1), v2);
+        }
+        assert!(v1::LineInfoFlags::all().iter_names().count() == 8, "each flag is in the table above");
     }
 }

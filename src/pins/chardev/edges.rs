@@ -1,21 +1,19 @@
-//! For: edges between the kernel's buffer and the caller, and the numbers of the last ones. Must not know: how they are
-//! waited for.
+//! Edges between the kernel's buffer and the caller, and the numbers of the last ones.
 
 use super::wiring::Lines;
 use crate::circuit::Node;
+use crate::pins::limits::EDGES_A_READ;
 use crate::pins::{Edge, later};
 use crate::units::Nanos;
 use gpiocdev_uapi::v2::LineEdgeEvent;
 
-/// How many edges one read fetches at most.
-const EDGES: usize = 16;
 /// The length of `struct gpio_v2_line_event` in words.
 const WORDS: usize = size_of::<LineEdgeEvent>() / size_of::<u64>();
 
 /// The edges of one read, handed out one by one.
 #[derive(Debug)]
 pub(super) struct EdgeBuffer {
-    words: [u64; EDGES * WORDS],
+    words: [u64; EDGES_A_READ * WORDS],
     next: usize,
     count: usize,
     seqno: u32,
@@ -24,7 +22,7 @@ pub(super) struct EdgeBuffer {
 
 impl Default for EdgeBuffer {
     fn default() -> EdgeBuffer {
-        EdgeBuffer { words: [0; EDGES * WORDS], next: 0, count: 0, seqno: 0, line_seqno: [0; 2] }
+        EdgeBuffer { words: [0; EDGES_A_READ * WORDS], next: 0, count: 0, seqno: 0, line_seqno: [0; 2] }
     }
 }
 

@@ -1,18 +1,17 @@
-//! For: what the kernel's answer means to the person at the board: which call, which line, the likely cause.
-//! Must not know: how lines are switched or timed.
+//! What a refusal of the kernel means to the person at the board: which call, which line, the likely cause.
 
-use crate::pins::PinsError;
+use super::chips::LineListing;
 use gpiocdev_uapi::v2;
 use nix::errno::Errno;
 use nix::unistd::{Gid, Group};
-use std::fmt::Write as _;
+use std::fmt;
 use std::io;
 use std::os::unix::fs::MetadataExt;
 use std::path::Path;
 
-/// Why chips, lines or requests could not be had. Errors after that are [`PinsError`].
+/// Why chips, lines or requests could not be had. Errors after that are [`PinsError`](crate::pins::PinsError).
 #[derive(Debug, thiserror::Error)]
-pub enum OpenError {
+pub enum ChardevError {
     /// A kernel call failed.
     #[error("{call} on {line} failed: {source}; {cause}")]
     Call {
@@ -23,7 +22,7 @@ pub enum OpenError {
         /// What the kernel answered.
         source: io::Error,
         /// The likely cause and what to do.
-        cause: String,
+        cause: Cause,
     },
     /// No such chip now: it may come (back).
     #[error("there is no GPIO chip with label, name or path \"{wanted}\"; {present}")]
@@ -31,87 +30,171 @@ pub enum OpenError {
         /// As configured.
         wanted: String,
         /// Which chips there are.
-        present: String,
+        present: ChipTitles,
     },
     /// Several chips carry the label.
-    #[error("several GPIO chips have the label \"{label}\": {names}; give the name or path of one")]
+    #[error("several GPIO chips have the label \"{label}\": {}; give the name or path of one", names.join(", "))]
     AmbiguousChip {
         /// As configured.
         label: String,
         /// Their names.
-        names: String,
+        names: Vec<String>,
     },
     /// The chip has no such line.
-    #[error("chip {chip} has no line \"{wanted}\"; {nearest}")]
+    #[error("chip {chip} has no line \"{wanted}\"; {instead}")]
     NoLine {
         /// Name and label of the chip.
         chip: String,
         /// As configured.
         wanted: String,
-        /// The most similar names, or the range of offsets.
-        nearest: String,
+        /// What could be asked for.
+        instead: Instead,
     },
     /// The wiring makes no sense, or not with this backend.
     #[error("{0}")]
     Wiring(String),
 }
 
-impl OpenError {
-    /// Whether joining a group would help.
-    pub(super) fn asks_for_a_group(&self) -> bool {
-        matches!(self, OpenError::Call { source, line, .. }
-            if source.kind() == io::ErrorKind::PermissionDenied && owning_group(Path::new(line)).is_some())
-    }
-
+impl ChardevError {
     /// Whether opening again later may help: the chip is not there (any more, or yet).
     pub fn is_gone(&self) -> bool {
         match self {
-            OpenError::NoChip { .. } => true,
-            OpenError::Call { source, .. } => source.raw_os_error().is_some_and(is_gone),
+            ChardevError::NoChip { .. } => true,
+            ChardevError::Call { cause, .. } => matches!(cause, Cause::Gone { .. }),
             _ => false,
         }
     }
-}
 
-/// What the cause of a failed call depends on besides the error number.
-#[derive(Debug, Default)]
-pub(in crate::pins) struct Context<'a> {
-    /// The group that owns the device node, other than root's.
-    pub group: Option<&'a str>,
-    /// Lines of the request that are in use, with their consumers: `GPIO20 ("gpioset")`.
-    pub held: &'a [String],
-    /// The chips that exist.
-    pub chips: &'a str,
-}
+    /// Whether another program holds a line that was asked for.
+    pub fn is_busy(&self) -> bool {
+        matches!(self, ChardevError::Call { cause: Cause::Held(_), .. })
+    }
 
-/// The likely cause of `errno` from a call of the character device, and the remedy.
-pub(in crate::pins) fn cause(errno: i32, context: &Context) -> String {
-    match Errno::from_raw(errno) {
-        Errno::EACCES | Errno::EPERM => match context.group {
-            None => "the device node belongs to root alone: install the udev rule that gives it to a group"
-                .to_string(),
-            Some(group) => format!(
-                "the device node belongs to group {group}: add yourself to group {group} \
-                 (sudo usermod -aG {group} USER, then log in again)"
-            ),
-        },
-        Errno::EBUSY if context.held.is_empty() => {
-            "another process or driver holds a line; cermctl lines shows which".to_string()
-        }
-        Errno::EBUSY => format!("held by another consumer: {}", context.held.join(", ")),
-        Errno::ENOENT | Errno::ENODEV | Errno::ENXIO => {
-            let mut text = "the chip is gone".to_string();
-            if !context.chips.is_empty() {
-                let _ = write!(text, "; {}", context.chips);
-            }
-            text
-        }
-        other => hint(other as i32).to_string(),
+    /// Whether a consumer of this name holds a line that was asked for.
+    pub fn is_held_by(&self, consumer: &str) -> bool {
+        let ChardevError::Call { cause: Cause::Held(holders), .. } = self else { return false };
+        holders.iter().any(|holder| holder.consumer.as_deref() == Some(consumer))
     }
 }
 
-/// The same for calls while measuring, where nothing can be looked up.
-pub(in crate::pins) fn hint(errno: i32) -> &'static str {
+/// The likely cause of a failed call, as far as it could be looked up; its text has the remedy.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum Cause {
+    /// The device node belongs to this group; `None`: to root alone.
+    Closed(Option<String>),
+    /// Lines of the request are taken, by these holders if they could be found out.
+    Held(Vec<Holder>),
+    /// The chip has disappeared.
+    Gone {
+        /// Which chips there are, if that was looked up.
+        present: Option<ChipTitles>,
+    },
+    /// All that is known from the error number alone.
+    Hint(&'static str),
+}
+
+impl Cause {
+    /// From the error number of a call on a device node; holders and other chips are not looked up.
+    pub(in crate::pins) fn of(error: &io::Error, node: &Path) -> Cause {
+        let errno = error.raw_os_error().unwrap_or_default();
+        match Errno::from_raw(errno) {
+            Errno::EACCES | Errno::EPERM => Cause::Closed(owning_group(node)),
+            Errno::EBUSY => Cause::Held(Vec::new()),
+            _ if is_gone(errno) => Cause::Gone { present: None },
+            _ => Cause::Hint(hint(errno)),
+        }
+    }
+}
+
+impl fmt::Display for Cause {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Cause::Closed(None) => f.write_str(
+                "the device node belongs to root alone: install the udev rule that gives it to a group",
+            ),
+            Cause::Closed(Some(group)) => write!(
+                f,
+                "the device node belongs to group {group}: add yourself to group {group} \
+                 (sudo usermod -aG {group} USER, then log in again)"
+            ),
+            Cause::Held(holders) if holders.is_empty() => {
+                f.write_str("another process or driver holds a line; cermctl lines shows which")
+            }
+            Cause::Held(holders) => {
+                let holders: Vec<String> = holders.iter().map(Holder::to_string).collect();
+                write!(f, "held by another consumer: {}", holders.join(", "))
+            }
+            Cause::Gone { present: None } => f.write_str("the chip is gone"),
+            Cause::Gone { present: Some(present) } => write!(f, "the chip is gone; {present}"),
+            Cause::Hint(hint) => f.write_str(hint),
+        }
+    }
+}
+
+/// Who holds a line.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Holder {
+    /// Name of the line, or "line 4".
+    pub line: String,
+    /// As which consumer; `None`: it gave no name.
+    pub consumer: Option<String>,
+}
+
+impl Holder {
+    /// `None` for a line that is free.
+    pub(super) fn of(line: LineListing) -> Option<Holder> {
+        let name = line.name.unwrap_or_else(|| format!("line {}", line.offset));
+        line.used.then_some(Holder { line: name, consumer: line.consumer })
+    }
+}
+
+impl fmt::Display for Holder {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{} (\"{}\")", self.line, self.consumer.as_deref().unwrap_or("unnamed"))
+    }
+}
+
+/// Name and label of each chip that can be opened.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct ChipTitles(pub Vec<String>);
+
+impl fmt::Display for ChipTitles {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self.0.as_slice() {
+            [] => f.write_str("no GPIO chip can be opened"),
+            some => write!(f, "chips present: {}", some.join(", ")),
+        }
+    }
+}
+
+/// What could be asked for in place of a line that a chip does not have.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum Instead {
+    /// The most similar names.
+    Names(Vec<String>),
+    /// The lines have no names: an offset, up to this one.
+    Offsets(usize),
+    /// An offset that the chip has: up to this one.
+    Within(usize),
+    /// Several lines have the name: one of these offsets.
+    OneOf(Vec<u32>),
+}
+
+impl fmt::Display for Instead {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Instead::Names(names) => write!(f, "did you mean {}?", names.join(", ")),
+            Instead::Offsets(last) => write!(f, "its lines have no names: give an offset from 0 to {last}"),
+            Instead::Within(last) => write!(f, "its offsets go from 0 to {last}"),
+            Instead::OneOf(offsets) => {
+                write!(f, "several lines have this name: give the offset, one of {offsets:?}")
+            }
+        }
+    }
+}
+
+/// The likely cause and the remedy by the error number alone.
+pub(super) fn hint(errno: i32) -> &'static str {
     match Errno::from_raw(errno) {
         Errno::EINVAL => {
             "the kernel refuses a flag: older than 5.10 (use backend \"chardev-v1\"), or the controller lacks it"
@@ -125,31 +208,12 @@ pub(in crate::pins) fn hint(errno: i32) -> &'static str {
 }
 
 /// Whether `errno` says that the chip itself has disappeared.
-pub(in crate::pins) fn is_gone(errno: i32) -> bool {
+pub(super) fn is_gone(errno: i32) -> bool {
     matches!(Errno::from_raw(errno), Errno::ENODEV | Errno::ENXIO | Errno::ENOENT)
 }
 
-/// A failed call on an open request: the chip gone, or a failure with what is known without looking anything up.
-pub(in crate::pins) fn while_running(
-    call: &'static str,
-    line: &str,
-    chip: &str,
-    source: io::Error,
-) -> PinsError {
-    let errno = source.raw_os_error().unwrap_or(0);
-    if is_gone(errno) {
-        return PinsError::Gone { chip: chip.to_string(), call, line: line.to_string() };
-    }
-    PinsError::Call { call, line: line.to_string(), source, hint: hint(errno) }
-}
-
-/// What came of sleeping, which fails only if the system is at fault.
-pub(in crate::pins) fn while_sleeping(chip: &str, outcome: Result<(), Errno>) -> Result<(), PinsError> {
-    outcome.map_err(|errno| while_running("clock_nanosleep", "CLOCK_MONOTONIC", chip, errno.into()))
-}
-
 /// The name of the group that owns a device node, its number if it has no name; `None` for root's.
-pub(in crate::pins) fn owning_group(node: &Path) -> Option<String> {
+fn owning_group(node: &Path) -> Option<String> {
     let gid = std::fs::metadata(node).ok()?.gid();
     if gid == 0 {
         return None;
@@ -170,49 +234,55 @@ pub(in crate::pins) fn as_io(error: v2::Error) -> io::Error {
 mod tests {
     use super::*;
 
+    fn cause(errno: i32) -> Cause {
+        Cause::of(&io::Error::from_raw_os_error(errno), Path::new("/nonexistent"))
+    }
+
     #[test]
     fn a_refusal_names_the_group_to_join() {
-        let context = Context { group: Some("gpio"), ..Context::default() };
-        assert!(cause(libc::EACCES, &context).contains("add yourself to group gpio"));
-        assert!(cause(libc::EPERM, &context).contains("usermod -aG gpio"));
-        assert!(cause(libc::EACCES, &Context::default()).contains("udev rule"));
-    }
-
-    #[test]
-    fn a_busy_line_names_its_holder() {
-        let held = ["GPIO20 (\"gpioset\")".to_string()];
-        let text = cause(libc::EBUSY, &Context { held: &held, ..Context::default() });
-        assert_eq!(text, "held by another consumer: GPIO20 (\"gpioset\")");
-        assert!(cause(libc::EBUSY, &Context::default()).contains("cermctl lines"));
-    }
-
-    #[test]
-    fn a_lost_chip_names_the_others() {
-        let context = Context { chips: "chips present: gpiochip0 [pinctrl-rp1]", ..Context::default() };
-        for errno in [libc::ENODEV, libc::ENOENT, libc::ENXIO] {
-            let text = cause(errno, &context);
-            assert!(text.starts_with("the chip is gone") && text.contains("pinctrl-rp1"), "{text}");
+        let text = Cause::Closed(Some("gpio".to_owned())).to_string();
+        assert!(text.contains("add yourself to group gpio") && text.contains("usermod -aG gpio"), "{text}");
+        for errno in [libc::EACCES, libc::EPERM] {
+            assert!(cause(errno).to_string().contains("udev rule"));
         }
     }
 
     #[test]
-    fn an_old_kernel_is_pointed_to_the_other_backend() {
-        assert!(cause(libc::EINVAL, &Context::default()).contains("chardev-v1"));
-        assert!(cause(libc::EIO, &Context::default()).contains("dmesg"));
+    fn a_busy_line_names_its_holder() {
+        let holder = |consumer: Option<&str>| Holder {
+            line: "GPIO20".to_owned(),
+            consumer: consumer.map(str::to_owned),
+        };
+        let held = Cause::Held(vec![holder(Some("gpioset")), holder(None)]);
+        assert_eq!(held.to_string(), "held by another consumer: GPIO20 (\"gpioset\"), GPIO20 (\"unnamed\")");
+        let line = "sink-c1 (GPIO20)".to_owned();
+        let source = io::Error::from_raw_os_error(libc::EBUSY);
+        let error = ChardevError::Call { call: "GET_LINE", line, source, cause: held };
+        assert!(error.is_busy() && error.is_held_by("gpioset") && !error.is_held_by("cermd"));
+        assert!(cause(libc::EBUSY).to_string().contains("cermctl lines"));
     }
 
     #[test]
-    fn the_disappearance_of_a_chip_is_told_from_other_failures() {
-        let error =
-            while_running("GET_VALUES", "sense", "gpiochip0", io::Error::from_raw_os_error(libc::ENODEV));
-        let expected = "the GPIO chip gpiochip0 is gone, says GET_VALUES on sense: its driver was unbound, or the board \
-                        unplugged";
-        assert!(matches!(error, PinsError::Gone { .. }) && error.to_string() == expected, "{error}");
-        let error = while_running("SET_VALUES", "c1", "gpiochip0", io::Error::from_raw_os_error(libc::EIO));
-        assert!(matches!(error, PinsError::Call { call: "SET_VALUES", .. }), "{error}");
-        let missing = OpenError::NoChip { wanted: "x".into(), present: String::new() };
+    fn a_lost_chip_names_the_others() {
+        for errno in [libc::ENODEV, libc::ENOENT, libc::ENXIO] {
+            assert_eq!(cause(errno), Cause::Gone { present: None });
+        }
+        let present = Some(ChipTitles(vec!["gpiochip0 [pinctrl-rp1]".to_owned()]));
+        let text = Cause::Gone { present }.to_string();
+        assert_eq!(text, "the chip is gone; chips present: gpiochip0 [pinctrl-rp1]");
+    }
+
+    #[test]
+    fn an_old_kernel_is_pointed_to_the_other_backend() {
+        assert!(cause(libc::EINVAL).to_string().contains("chardev-v1"));
+        assert!(cause(libc::EIO).to_string().contains("dmesg"));
+    }
+
+    #[test]
+    fn a_chip_that_is_not_there_may_come_back() {
+        let missing = ChardevError::NoChip { wanted: "x".into(), present: ChipTitles(Vec::new()) };
         assert!(missing.is_gone());
-        assert!(!OpenError::Wiring("x".into()).is_gone());
+        assert!(!ChardevError::Wiring("x".into()).is_gone());
     }
 
     #[test]

@@ -1,56 +1,36 @@
-//! For: finding a line by name or offset. Must not know: what the line is used for.
+//! A line of a chip by its name or offset.
 
 use super::chips::LineListing;
-use super::error::OpenError;
-
-/// How many similar names an unknown one is answered with.
-const SUGGESTIONS: usize = 3;
+use super::error::{ChardevError, Instead};
+use crate::pins::limits::SUGGESTIONS;
 
 /// The offset of a line given by name or number on the chip called `chip`.
 ///
 /// # Errors
-/// [`OpenError::NoLine`] with the most similar names, or with the range of offsets.
-pub(super) fn line_offset(lines: &[LineListing], wanted: &str, chip: &str) -> Result<u32, OpenError> {
-    let refuse = |nearest: String| {
-        Err(OpenError::NoLine { chip: chip.to_string(), wanted: wanted.to_string(), nearest })
-    };
+/// [`ChardevError::NoLine`] with what could be asked for instead.
+pub(super) fn line_offset(lines: &[LineListing], wanted: &str, chip: &str) -> Result<u32, ChardevError> {
     let named: Vec<u32> =
         lines.iter().filter(|line| line.name.as_deref() == Some(wanted)).map(|line| line.offset).collect();
-    match (named.as_slice(), wanted.parse::<u32>()) {
-        ([offset], _) => Ok(*offset),
-        ([], Ok(offset)) if (offset as usize) < lines.len() => Ok(offset),
-        ([], Ok(_)) => refuse(format!("its offsets go from 0 to {}", lines.len().saturating_sub(1))),
-        ([], Err(_)) => refuse(nearest_names(lines, wanted)),
-        (several, _) => refuse(format!("several lines have this name: give the offset, one of {several:?}")),
-    }
+    let instead = match (named.as_slice(), wanted.parse::<u32>()) {
+        ([offset], _) => return Ok(*offset),
+        ([], Ok(offset)) if (offset as usize) < lines.len() => return Ok(offset),
+        ([], Ok(_)) => Instead::Within(lines.len().saturating_sub(1)),
+        ([], Err(_)) => similar_names(lines, wanted),
+        (_, _) => Instead::OneOf(named),
+    };
+    Err(ChardevError::NoLine { chip: chip.to_owned(), wanted: wanted.to_owned(), instead })
 }
 
-fn nearest_names(lines: &[LineListing], wanted: &str) -> String {
-    let mut names: Vec<&str> = lines.iter().filter_map(|line| line.name.as_deref()).collect();
+/// The nearest by edit distance, letters of either case alike.
+fn similar_names(lines: &[LineListing], wanted: &str) -> Instead {
+    let mut names: Vec<String> = lines.iter().filter_map(|line| line.name.clone()).collect();
     if names.is_empty() {
-        return format!(
-            "its lines have no names: give an offset from 0 to {}",
-            lines.len().saturating_sub(1)
-        );
+        return Instead::Offsets(lines.len().saturating_sub(1));
     }
-    names.sort_by_key(|name| edit_distance(name, wanted));
+    let wanted = wanted.to_lowercase();
+    names.sort_by_key(|name| strsim::levenshtein(&name.to_lowercase(), &wanted));
     names.truncate(SUGGESTIONS);
-    format!("did you mean {}?", names.join(", "))
-}
-
-/// How many characters have to be changed, inserted or left out (Levenshtein), case apart.
-fn edit_distance(a: &str, b: &str) -> usize {
-    let b: Vec<char> = b.to_lowercase().chars().collect();
-    let mut row: Vec<usize> = (0..=b.len()).collect();
-    for (i, x) in a.to_lowercase().chars().enumerate() {
-        let mut diagonal = std::mem::replace(&mut row[0], i + 1);
-        for (j, y) in b.iter().enumerate() {
-            let change = diagonal + usize::from(x != *y);
-            diagonal = row[j + 1];
-            row[j + 1] = change.min(diagonal + 1).min(row[j] + 1);
-        }
-    }
-    row[b.len()]
+    Instead::Names(names)
 }
 
 #[cfg(test)]
@@ -92,13 +72,5 @@ mod tests {
         twice[4].name = Some("GPIO9".to_string());
         let message = line_offset(&twice, "GPIO9", "chip").unwrap_err().to_string();
         assert!(message.contains("one of [4, 9]"), "{message}");
-    }
-
-    #[test]
-    fn edit_distance_counts_changes() {
-        assert_eq!(edit_distance("GPIO17", "gpio17"), 0);
-        assert_eq!(edit_distance("GPIO17", "GPIO7"), 1);
-        assert_eq!(edit_distance("kitten", "sitting"), 3);
-        assert_eq!(edit_distance("", "abc"), 3);
     }
 }

@@ -1,12 +1,12 @@
-//! For: the structs of the uAPI v2 calls (include/uapi/linux/gpio.h): which flags each line gets, which values switch
-//! it, and in how many calls. Must not know: files and clocks.
+//! The structs of the uAPI v2 calls (include/uapi/linux/gpio.h): which flags each line gets, which values switch it, and
+//! in how many calls.
 //!
 //! The kernel walks the lines of a request in request order (`gpiod_set_array_value_complex` in
 //! drivers/gpio/gpiolib.c), and an open-drain or open-source line that is "off" becomes an input. So one SET_VALUES
 //! changes the direction of several lines one after the other, and as the lines stand in switching order (sinks
 //! before chargers), most changes release before they drive within one call. The others take two.
 
-use super::wiring::{Line, Lines, Wiring};
+use super::wiring::{Lines, WiredLine, Wiring};
 use crate::pins::Drives;
 use gpiocdev_uapi::v2::{LineAttribute, LineEdgeEvent};
 use gpiocdev_uapi::v2::{LineConfig, LineFlags, LineRequest, LineValues, Offsets};
@@ -51,7 +51,7 @@ pub(super) fn sense_request(lines: &Lines, wiring: &Wiring) -> LineRequest {
 }
 
 /// One line as an input and nothing else, its bias as it is.
-pub(super) fn release_request(line: &Line, consumer: &str) -> LineRequest {
+pub(super) fn release_request(line: &WiredLine, consumer: &str) -> LineRequest {
     request(&[line.offset], LineConfig { flags: LineFlags::INPUT, ..Default::default() }, consumer)
 }
 

@@ -1,5 +1,6 @@
-//! For: the clock of the stamps, and waiting for an instant of it. Must not know: lines.
+//! The clock of the stamps, and waiting for an instant of it.
 
+use crate::pins::limits::{FIRST_SPIN_MARGIN, LEAST_SPIN_MARGIN, MOST_SPIN_MARGIN, SHORTEST_TICK};
 use crate::units::Nanos;
 use nix::errno::Errno;
 use nix::poll::{PollFd, PollFlags, ppoll};
@@ -27,8 +28,8 @@ fn time_left(until: Nanos) -> Nanos {
 /// that ends the wait is handled and stamped (`tick_nohz_irq_enter`, kernel/time/tick-sched.c): stamps would be late by
 /// some microseconds after long waits and not after short ones.
 fn longest_wait() -> Nanos {
-    clock_getres(ClockId::CLOCK_MONOTONIC_COARSE)
-        .map_or(Nanos(750_000), |tick| Nanos(tick.num_nanoseconds() / 4 * 3))
+    let tick = clock_getres(ClockId::CLOCK_MONOTONIC_COARSE);
+    Nanos(tick.map_or(SHORTEST_TICK.0, |tick| tick.num_nanoseconds()) / 4 * 3)
 }
 
 /// Waits until one of the descriptors can be read, at most until an instant; whether one can. Returns early after a long
@@ -53,14 +54,9 @@ pub(in crate::pins) fn readable(watched: &mut [PollFd], until: Nanos) -> Result<
 /// A wake-up that comes later than the margin raises it by half, one in time lowers it by 1/256. In balance
 /// p ln 1.5 = (1 - p)/256: the margin settles where one wake-up in a hundred is later than it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct SpinMargin(Nanos);
+pub(in crate::pins) struct SpinMargin(Nanos);
 
 impl SpinMargin {
-    /// The margin is never less than this: the shortest wake-ups of the fastest boards.
-    pub const LEAST: Nanos = Nanos(20_000);
-    /// Nor more: a wake-up later than this cannot be bought with processor time.
-    pub const MOST: Nanos = Nanos(500_000);
-
     /// The margin now.
     pub fn get(self) -> Nanos {
         self.0
@@ -70,14 +66,13 @@ impl SpinMargin {
     pub fn learn(&mut self, lateness: Nanos) {
         let margin = self.0.0;
         let next = if lateness > self.0 { margin + margin / 2 } else { margin - margin / 256 };
-        self.0 = Nanos(next.clamp(Self::LEAST.0, Self::MOST.0));
+        self.0 = Nanos(next.clamp(LEAST_SPIN_MARGIN.0, MOST_SPIN_MARGIN.0));
     }
 }
 
 impl Default for SpinMargin {
-    /// The usual lateness of a wake-up without real-time scheduling, with the default timer slack of 50 us.
     fn default() -> SpinMargin {
-        SpinMargin(Nanos(100_000))
+        SpinMargin(FIRST_SPIN_MARGIN)
     }
 }
 
@@ -159,11 +154,11 @@ mod tests {
         for _ in 0..10 {
             margin.learn(Nanos(50_000_000));
         }
-        assert_eq!(margin.get(), SpinMargin::MOST);
+        assert_eq!(margin.get(), MOST_SPIN_MARGIN);
         for _ in 0..10_000 {
             margin.learn(Nanos(1));
         }
-        assert_eq!(margin.get(), SpinMargin::LEAST);
+        assert_eq!(margin.get(), LEAST_SPIN_MARGIN);
     }
 
     #[test]
@@ -174,7 +169,7 @@ mod tests {
             sleep_until(at, &mut margin).unwrap();
             assert!(monotonic() >= at);
         }
-        assert!(margin.get() >= SpinMargin::LEAST);
+        assert!(margin.get() >= LEAST_SPIN_MARGIN);
     }
 
     #[test]

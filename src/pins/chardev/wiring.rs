@@ -1,8 +1,7 @@
-//! For: which line of which chip plays which part, and in which order lines switch. Must not know: how a line is
-//! requested.
+//! Which line of which chip plays which part, and in which order lines switch.
 
 use super::chips::Chip;
-use super::error::OpenError;
+use super::error::ChardevError;
 use super::names::line_offset;
 use crate::circuit::Node;
 use crate::pins::{Drives, MAX_CHANNELS};
@@ -35,11 +34,16 @@ pub struct Wiring {
 
 /// A line found on its chip.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub(in crate::pins) struct Line {
+pub(in crate::pins) struct WiredLine {
     /// Its number on the chip.
     pub offset: u32,
     /// What errors call it: `sink-c1 (GPIO20)`.
     pub title: String,
+}
+
+/// The titles of some lines, for errors of a call that was made for all of them.
+pub(super) fn titles<'a>(lines: impl IntoIterator<Item = &'a WiredLine>) -> String {
+    lines.into_iter().map(|line| line.title.as_str()).collect::<Vec<_>>().join(", ")
 }
 
 /// A line that drives, and the part it plays.
@@ -48,7 +52,7 @@ pub(in crate::pins) struct DriveLine {
     /// One line of a set.
     pub part: Drives,
     /// Where it is.
-    pub line: Line,
+    pub line: WiredLine,
 }
 
 impl DriveLine {
@@ -62,7 +66,7 @@ impl DriveLine {
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(in crate::pins) struct Lines {
     /// Node A, then node B if the circuit has it.
-    pub sense: Vec<Line>,
+    pub sense: Vec<WiredLine>,
     /// In the order in which they switch: that of [`Drives::lines`].
     pub drives: Vec<DriveLine>,
     /// Whether the sense lines charge: there are no chargers among `drives`.
@@ -117,26 +121,26 @@ impl Wiring {
     /// Finds every line on the chip.
     ///
     /// # Errors
-    /// [`OpenError::Wiring`] for what cannot be, [`OpenError::NoLine`] for names the chip does not have.
-    pub(in crate::pins) fn resolve(&self, chip: &Chip) -> Result<Lines, OpenError> {
+    /// [`ChardevError::Wiring`] for what cannot be, [`ChardevError::NoLine`] for names the chip does not have.
+    pub(in crate::pins) fn resolve(&self, chip: &Chip) -> Result<Lines, ChardevError> {
         self.check()?;
         let known = chip.lines()?;
         let find = |key: &str, wanted: &str| {
             let offset = line_offset(&known, wanted, &chip.title())?;
-            Ok::<_, OpenError>(Line { offset, title: format!("{key} ({wanted})") })
+            Ok::<_, ChardevError>(WiredLine { offset, title: format!("{key} ({wanted})") })
         };
         let sense = self.sense_parts().map(|(key, name)| find(key, name)).collect::<Result<Vec<_>, _>>()?;
         let drives = self
             .drive_parts()
             .map(|(part, key, name)| Ok(DriveLine { part, line: find(&key, name)? }))
-            .collect::<Result<Vec<_>, OpenError>>()?;
+            .collect::<Result<Vec<_>, ChardevError>>()?;
         let lines = Lines { sense, drives, sense_charges: self.sense_charges() };
         distinct(&lines)?;
         Ok(lines)
     }
 
-    fn check(&self) -> Result<(), OpenError> {
-        let refuse = |why: String| Err(OpenError::Wiring(why));
+    fn check(&self) -> Result<(), ChardevError> {
+        let refuse = |why: String| Err(ChardevError::Wiring(why));
         if self.sinks_x.len() > MAX_CHANNELS {
             return refuse(format!(
                 "{} channels: at most {MAX_CHANNELS} share a circuit",
@@ -153,11 +157,12 @@ impl Wiring {
     }
 }
 
-fn distinct(lines: &Lines) -> Result<(), OpenError> {
-    let all: Vec<&Line> = lines.sense.iter().chain(lines.drives.iter().map(|drive| &drive.line)).collect();
+fn distinct(lines: &Lines) -> Result<(), ChardevError> {
+    let all: Vec<&WiredLine> =
+        lines.sense.iter().chain(lines.drives.iter().map(|drive| &drive.line)).collect();
     for (position, line) in all.iter().enumerate() {
         if let Some(other) = all[..position].iter().find(|other| other.offset == line.offset) {
-            return Err(OpenError::Wiring(format!(
+            return Err(ChardevError::Wiring(format!(
                 "{} and {} are the same line, offset {}",
                 other.title, line.title, line.offset
             )));
@@ -167,78 +172,4 @@ fn distinct(lines: &Lines) -> Result<(), OpenError> {
 }
 
 #[cfg(test)]
-pub(in crate::pins) mod tests {
-    use super::*;
-
-    /// Two nodes, two channels, dedicated chargers.
-    pub fn wiring() -> Wiring {
-        Wiring {
-            chip: "pinctrl-rp1".into(),
-            sense_a: "GPIO5".into(),
-            sense_b: Some("GPIO6".into()),
-            charge_a: Some("GPIO13".into()),
-            charge_b: Some("GPIO19".into()),
-            sink_c1: "GPIO20".into(),
-            sink_c2: "GPIO21".into(),
-            sinks_x: vec!["GPIO16".into(), "GPIO26".into()],
-            consumer: "cermd".into(),
-            event_buffer: None,
-        }
-    }
-
-    /// What [`Wiring::resolve`] makes of a wiring whose lines are all called "GPIO<offset>".
-    pub fn lines(wiring: &Wiring) -> Lines {
-        let at = |key: &str, name: &str| Line {
-            offset: name.trim_start_matches("GPIO").parse().unwrap(),
-            title: format!("{key} ({name})"),
-        };
-        Lines {
-            sense: wiring.sense_parts().map(|(key, name)| at(key, name)).collect(),
-            drives: wiring
-                .drive_parts()
-                .map(|(part, key, name)| DriveLine { part, line: at(&key, name) })
-                .collect(),
-            sense_charges: wiring.sense_charges(),
-        }
-    }
-
-    #[test]
-    fn lines_stand_in_switching_order() {
-        let lines = lines(&wiring());
-        let parts: Vec<Drives> = lines.drives.iter().map(|drive| drive.part).collect();
-        let order: Vec<Drives> = lines.wired().lines().collect();
-        assert_eq!(parts, order);
-        assert_eq!(lines.drives[2].line.title, "sink-c1 (GPIO20)");
-    }
-
-    #[test]
-    fn without_chargers_the_sense_lines_charge() {
-        let mut wiring = wiring();
-        (wiring.charge_a, wiring.charge_b) = (None, None);
-        assert!(lines(&wiring).wired().contains(Drives::CHARGE));
-        wiring.sense_b = None;
-        let wired = lines(&wiring).wired();
-        assert!(wired.contains(Drives::CHARGE_A) && !wired.contains(Drives::CHARGE_B));
-    }
-
-    #[test]
-    fn a_line_may_play_one_part_only() {
-        let mut wiring = wiring();
-        wiring.sink_c2 = "GPIO5".into();
-        let message = distinct(&lines(&wiring)).unwrap_err().to_string();
-        assert_eq!(message, "sense-a (GPIO5) and sink-c2 (GPIO5) are the same line, offset 5");
-    }
-
-    #[test]
-    fn impossible_wirings_are_refused_with_the_reason() {
-        let mut one = wiring();
-        one.charge_a = None;
-        assert!(one.check().unwrap_err().to_string().contains("node A would never be charged"));
-        let mut two = wiring();
-        two.sense_b = None;
-        assert!(two.check().unwrap_err().to_string().contains("no node B"));
-        let mut three = wiring();
-        three.sinks_x = vec!["GPIO1".into(); MAX_CHANNELS + 1];
-        assert!(three.check().unwrap_err().to_string().contains("at most 16"));
-    }
-}
+pub(in crate::pins) mod tests;

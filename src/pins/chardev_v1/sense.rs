@@ -1,4 +1,4 @@
-//! For: one sense line of uAPI v1, its stamps and its count of edges. Must not know: the other lines.
+//! One sense line of uAPI v1, with its stamps and its count of edges.
 
 use crate::circuit::Node;
 use crate::pins::chardev::wait::{clock, monotonic};

@@ -1,5 +1,4 @@
-//! For: switching drive lines that are one embedded-hal output pin each. Must not know: which kernel interface is
-//! behind a pin.
+//! Drive lines that are one embedded-hal output pin each, and the order in which they switch.
 //!
 //! uAPI v1 sets all lines of a request at once, without a mask; a request a line keeps the lines that do not change
 //! untouched, at the price of a call for each that does.

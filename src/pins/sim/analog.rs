@@ -1,11 +1,9 @@
-//! The circuit in virtual time: what its nodes do between the calls that switch lines.
-//!
-//! For: carrying the solution of the network from one change to the next and telling when a sense input falls.
-//! Must not know: kernels, stamps, sequence numbers.
+//! The circuit in virtual time: the solution of the network carried from one change of lines to the next, and the instants
+//! at which a sense input falls.
 
-use super::network::{Circuit, Flow, Wiring, line_index};
-use super::noise::Noise;
-use super::scene::DriftScene;
+use super::latency::whole_ns;
+use super::network::{Capacitors, Flow, SimCircuit, line_index};
+use super::scene::{DriftScene, NoiseScene, Scene};
 use super::sensor::Source;
 use crate::circuit::Node;
 use crate::pins::{Drives, Levels};
@@ -29,8 +27,8 @@ pub(super) struct Fall {
 #[derive(Debug, Clone)]
 struct Stretch {
     since_ns: i64,
-    /// A sensor changes here.
-    until_ns: i64,
+    /// A sensor changes here; `None`: none does.
+    until_ns: Option<i64>,
     flow: Flow,
     high: [bool; 2],
     falls: Option<[Option<Fall>; 2]>,
@@ -40,12 +38,12 @@ struct Stretch {
 /// The circuit, its sensors and its present state.
 #[derive(Debug, Clone)]
 pub(super) struct Analog {
-    pub circuit: Circuit,
+    pub circuit: SimCircuit,
     sources: Vec<Source>,
     /// Lines of the sensors that change with time.
     varying: Drives,
     sample_ns: i64,
-    noise: Option<Noise>,
+    noise: Option<NoiseScene>,
     drift: Option<Drift>,
     rng: ChaCha8Rng,
     on: Drives,
@@ -60,15 +58,15 @@ struct Drift {
 }
 
 impl Drift {
-    fn apply(&mut self, circuit: &mut Circuit, now_ns: i64) {
+    fn apply(&mut self, circuit: &mut SimCircuit, now_ns: i64) {
         let now_minutes = seconds(now_ns) / 60.0;
         let minutes = now_minutes - self.applied_minutes;
         let rate = self.rates.c_per_minute;
         // Linear in time, applied bit by bit to what may have been altered in between.
         let factor = (1.0 + rate * now_minutes) / (1.0 + rate * self.applied_minutes);
-        match &mut circuit.wiring {
-            Wiring::OneCapacitor { c } | Wiring::SeriesCalibration { c } => *c *= factor,
-            Wiring::TwoCapacitor { c_a, c_b } => (*c_a, *c_b) = (*c_a * factor, *c_b * factor),
+        match &mut circuit.capacitors {
+            Capacitors::One { c } | Capacitors::Series { c } => *c *= factor,
+            Capacitors::Two { c_a, c_b } => (*c_a, *c_b) = (*c_a * factor, *c_b * factor),
         }
         circuit.v_dd += self.rates.v_dd_per_minute.map_or(0.0, |rate| rate.0 * minutes);
         let v_th = self.rates.v_th_per_minute.map_or(0.0, |rate| rate.0 * minutes);
@@ -86,40 +84,21 @@ fn seconds(ns: i64) -> f64 {
 
 impl Analog {
     /// Everything empty and released at time 0.
-    pub fn new(
-        circuit: Circuit,
-        sources: Vec<Source>,
-        sample_ns: i64,
-        noise: Option<Noise>,
-        rng: ChaCha8Rng,
-    ) -> Analog {
+    pub fn new(scene: &Scene, circuit: SimCircuit, sources: Vec<Source>, rng: ChaCha8Rng) -> Analog {
         let flow = circuit.flow([0.0; 2], Drives::NONE);
-        let stretch = Stretch {
-            since_ns: 0,
-            until_ns: i64::MAX,
-            flow,
-            high: [false; 2],
-            falls: None,
-            told: [false; 2],
-        };
         let mut analog = Analog {
             circuit,
             sources,
             varying: Drives::NONE,
-            sample_ns,
-            noise,
-            drift: None,
+            sample_ns: whole_ns(scene.sample_interval),
+            noise: scene.noise,
+            drift: scene.drift.map(|rates| Drift { rates, applied_minutes: 0.0 }),
             rng,
             on: Drives::NONE,
-            stretch,
+            stretch: Stretch::new(0, None, flow, [false; 2]),
         };
         analog.sensors_changed();
         analog
-    }
-
-    /// The same with slow changes.
-    pub fn with_drift(self, rates: Option<DriftScene>) -> Analog {
-        Analog { drift: rates.map(|rates| Drift { rates, applied_minutes: 0.0 }), ..self }
     }
 
     /// Connects another sensor; to be followed by [`Analog::switch`].
@@ -174,30 +153,18 @@ impl Analog {
     /// Takes the next fall that has happened by `by_ns`, in order of time, going on through changes of the sensors.
     pub fn next_fall(&mut self, by_ns: i64) -> Option<Fall> {
         loop {
-            let limit_ns = by_ns.min(self.stretch.until_ns);
-            if let Some(fall) = self.fall_in_stretch(limit_ns) {
+            let change_ns = self.stretch.until_ns.filter(|until_ns| *until_ns <= by_ns);
+            if let Some(fall) = self.fall_in_stretch(change_ns.unwrap_or(by_ns)) {
                 self.stretch.told[fall.node.index()] = true;
                 return Some(fall);
             }
-            if by_ns < self.stretch.until_ns {
-                return None;
-            }
-            if self.stretch.until_ns == i64::MAX {
-                return None;
-            }
-            self.begin_stretch(self.stretch.until_ns);
+            self.begin_stretch(change_ns?);
         }
     }
 
     fn fall_in_stretch(&mut self, by_ns: i64) -> Option<Fall> {
-        let falls = match self.stretch.falls {
-            Some(falls) => falls,
-            None => {
-                let falls = Node::BOTH.map(|node| self.find_fall(node));
-                self.stretch.falls = Some(falls);
-                falls
-            }
-        };
+        let falls = self.stretch.falls.unwrap_or_else(|| Node::BOTH.map(|node| self.find_fall(node)));
+        self.stretch.falls = Some(falls);
         let waiting = |node: Node| {
             falls[node.index()].filter(|fall| fall.due_ns <= by_ns && !self.stretch.told[node.index()])
         };
@@ -213,20 +180,17 @@ impl Analog {
         }
         let stretch = &self.stretch;
         let sense = &self.circuit.sense[node.index()];
-        let course = stretch.flow.course(node);
-        let until = match stretch.until_ns {
-            i64::MAX => f64::INFINITY,
-            until_ns => seconds(until_ns - stretch.since_ns),
-        };
+        let waveform = stretch.flow.waveform(node);
+        let until = stretch.until_ns.map_or(f64::INFINITY, |until_ns| seconds(until_ns - stretch.since_ns));
         let crossed = if stretch.high[node.index()] {
-            course.falls_through(sense.falling, until)?
+            waveform.falls_through(sense.falling, until)?
         } else {
             // Only what has risen can fall: over a maximum.
-            let top = course.turn().filter(|turn| course.at(*turn) >= sense.rising)?;
-            course.falls_after(top, sense.falling, until)?
+            let top = waveform.turn().filter(|turn| waveform.at(*turn) >= sense.rising)?;
+            waveform.falls_after(top, sense.falling, until)?
         };
         let shift = match &self.noise {
-            Some(noise) => noise.shift(course.slope(crossed).abs(), &mut self.rng),
+            Some(noise) => noise.shift(waveform.slope(crossed).abs(), &mut self.rng),
             None => 0.0,
         };
         let seen = (crossed + shift).max(0.0);
@@ -237,11 +201,11 @@ impl Analog {
     fn begin_stretch(&mut self, at_ns: i64) {
         let high = self.stretch.high_at(at_ns, &self.circuit);
         let start = self.voltages(at_ns);
-        let changing = Drives(self.on.0 & self.varying.0);
-        let mut until_ns = i64::MAX;
+        let changing = self.on.only(self.varying);
+        let mut until_ns = None;
         if !changing.is_none() {
             let cell = at_ns.div_euclid(self.sample_ns);
-            until_ns = (cell * self.sample_ns).saturating_add(self.sample_ns);
+            until_ns = Some((cell * self.sample_ns).saturating_add(self.sample_ns));
             for line in changing.lines() {
                 let channel = line_index(line) - 4;
                 self.circuit.r_x[channel] =
@@ -249,23 +213,27 @@ impl Analog {
             }
         }
         let flow = self.circuit.flow(start, self.on);
-        self.stretch = Stretch { since_ns: at_ns, until_ns, flow, high, falls: None, told: [false; 2] };
+        self.stretch = Stretch::new(at_ns, until_ns, flow, high);
     }
 }
 
 impl Stretch {
+    fn new(since_ns: i64, until_ns: Option<i64>, flow: Flow, high: [bool; 2]) -> Stretch {
+        Stretch { since_ns, until_ns, flow, high, falls: None, told: [false; 2] }
+    }
+
     /// Levels with hysteresis. A fall counts from when it has been told of, so that none is ever passed over.
-    fn high_at(&self, at_ns: i64, circuit: &Circuit) -> [bool; 2] {
+    fn high_at(&self, at_ns: i64, circuit: &SimCircuit) -> [bool; 2] {
         let t = seconds(at_ns - self.since_ns);
         Node::BOTH.map(|node| {
             let i = node.index();
-            let course = self.flow.course(node);
-            let turn = course.turn().filter(|turn| *turn < t);
+            let waveform = self.flow.waveform(node);
+            let turn = waveform.turn().filter(|turn| *turn < t);
             if self.told[i] {
                 let fall = self.falls.and_then(|falls| falls[i]).map_or(0.0, |fall| fall.crossed);
-                return turn.is_some_and(|turn| turn > fall) && course.at(t) >= circuit.sense[i].rising;
+                return turn.is_some_and(|turn| turn > fall) && waveform.at(t) >= circuit.sense[i].rising;
             }
-            let top = turn.map_or(f64::NEG_INFINITY, |turn| course.at(turn)).max(course.at(t));
+            let top = turn.map_or(f64::NEG_INFINITY, |turn| waveform.at(turn)).max(waveform.at(t));
             self.high[i] || top >= circuit.sense[i].rising
         })
     }

@@ -1,33 +1,25 @@
-//! How edges travel from the pin to the program in Linux.
-//!
-//! For: stamps, sequence numbers and the event buffer, as in drivers/gpio/gpiolib-cdev.c. Must not know: circuits.
+//! How edges travel from the pin to the program in Linux: stamps, sequence numbers and the event buffer, as in
+//! drivers/gpio/gpiolib-cdev.c.
 
-use super::latency::Delay;
+use super::latency::{ns, whole_ns};
+use super::scene::{DelayScene, EventsScene, Scene};
 use crate::circuit::Node;
 use crate::pins::Edge;
+use crate::pins::limits::EVENTS_A_LINE;
 use crate::units::Nanos;
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::Exp1;
 use std::collections::VecDeque;
 
-/// A second interrupt before the first one's thread has run: the stamp is of the second.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Coalescing {
-    pub probability: f64,
-    /// How much later the second one comes on average, ns.
-    pub bounce_ns: f64,
-}
-
-/// The way of the edges. Nothing allocates after construction.
+/// Edges on their way from the pin to the program. Nothing allocates after construction.
 #[derive(Debug, Clone)]
 pub(super) struct Events {
     queue: VecDeque<Edge>,
     capacity: usize,
     sense_lines: usize,
-    late: Option<Delay>,
-    lost: Option<f64>,
-    coalescing: Option<Coalescing>,
+    late: Option<DelayScene>,
+    troubles: EventsScene,
     /// Crossings are seen at the edges of this clock, ns.
     clock_ns: Option<i64>,
     seqno: u32,
@@ -37,24 +29,16 @@ pub(super) struct Events {
 }
 
 impl Events {
-    pub fn new(
-        capacity: Option<u32>,
-        sense_lines: usize,
-        late: Option<Delay>,
-        lost: Option<f64>,
-        coalescing: Option<Coalescing>,
-        clock_ns: Option<i64>,
-        rng: ChaCha8Rng,
-    ) -> Events {
-        let capacity = capacity.map_or(16 * sense_lines, |events| events as usize);
+    pub fn new(scene: &Scene, sense_lines: usize, rng: ChaCha8Rng) -> Events {
+        let troubles = scene.events.unwrap_or_default();
+        let capacity = troubles.buffer.map_or(EVENTS_A_LINE * sense_lines, |events| events as usize);
         Events {
             queue: VecDeque::with_capacity(capacity),
             capacity,
             sense_lines,
-            late,
-            lost,
-            coalescing,
-            clock_ns,
+            late: scene.stamps,
+            troubles,
+            clock_ns: scene.clock_period.map(whole_ns),
             seqno: 0,
             line_seqno: [0; 2],
             last_stamp_ns: 0,
@@ -64,14 +48,16 @@ impl Events {
 
     /// An input fell, `seen` seconds after `since_ns`.
     pub fn fell(&mut self, node: Node, since_ns: i64, seen: f64) {
-        if self.lost.is_some_and(|probability| self.rng.random::<f64>() < probability) {
+        let EventsScene { lost, coalesced, bounce, .. } = self.troubles;
+        if lost.is_some_and(|probability| self.rng.random::<f64>() < probability) {
             return;
         }
         let mut late_ns = self.late.map_or(0.0, |late| late.draw_ns(&mut self.rng));
         let mut interrupts = 1;
-        if let Some(Coalescing { probability, bounce_ns }) = self.coalescing {
+        // A second interrupt before the first one's thread has run: the stamp is of the second.
+        if let Some((probability, bounce)) = coalesced.zip(bounce) {
             if self.rng.random::<f64>() < probability {
-                late_ns += bounce_ns * self.rng.sample::<f64, _>(Exp1);
+                late_ns += ns(bounce) * self.rng.sample::<f64, _>(Exp1);
                 interrupts = 2;
             }
         }

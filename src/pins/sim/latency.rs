@@ -1,65 +1,48 @@
-//! How long things take on a computer that does other things as well.
-//!
-//! For: drawing durations in ns. Must not know: what takes that long.
+//! How long things take on a computer that does other things as well, drawn in ns.
 
+use super::scene::{CallsScene, DelayScene};
+use crate::pins::limits::{MIDDLE_OF_SLOT, SHORTEST_CALL};
+use crate::units::Seconds;
 use rand::{Rng, RngExt};
 use rand_distr::{Exp1, StandardNormal};
 
-/// A rare long delay.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Tail {
-    /// How often it happens, 0..=1.
-    pub probability: f64,
-    /// Mean of its exponentially distributed length, ns.
-    pub mean_ns: f64,
+/// A duration of a scene in ns; an absent one is 0.
+pub(super) fn ns(duration: impl Into<Option<Seconds>>) -> f64 {
+    duration.into().map_or(0.0, |duration| duration.0 * 1e9)
 }
 
-impl Tail {
-    fn draw_ns(&self, rng: &mut impl Rng) -> f64 {
-        if rng.random::<f64>() < self.probability { self.mean_ns * rng.sample::<f64, _>(Exp1) } else { 0.0 }
+/// The same in whole ns.
+pub(super) fn whole_ns(duration: impl Into<Option<Seconds>>) -> i64 {
+    ns(duration).round() as i64
+}
+
+/// A rare long delay, exponentially distributed; none is drawn where the scene names none.
+fn tail_ns(probability: Option<f64>, mean: Option<Seconds>, rng: &mut impl Rng) -> f64 {
+    match probability.zip(mean) {
+        Some((probability, mean)) if rng.random::<f64>() < probability => {
+            ns(mean) * rng.sample::<f64, _>(Exp1)
+        }
+        _ => 0.0,
     }
 }
 
-/// A delay that is never negative.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Delay {
-    /// Without the tail, ns.
-    pub mean_ns: f64,
-    /// Standard deviation without the tail, ns.
-    pub jitter_ns: f64,
-    /// What comes on top, rarely.
-    pub tail: Option<Tail>,
-}
-
-impl Delay {
-    /// One delay, ns.
-    pub fn draw_ns(&self, rng: &mut impl Rng) -> f64 {
-        let gaussian = match self.jitter_ns {
-            0.0 => self.mean_ns,
-            sigma => (self.mean_ns + sigma * rng.sample::<f64, _>(StandardNormal)).max(0.0),
+impl DelayScene {
+    /// One delay, never negative.
+    pub(super) fn draw_ns(&self, rng: &mut impl Rng) -> f64 {
+        let gaussian = match ns(self.jitter) {
+            0.0 => ns(self.mean),
+            sigma => (ns(self.mean) + sigma * rng.sample::<f64, _>(StandardNormal)).max(0.0),
         };
-        gaussian + self.tail.map_or(0.0, |tail| tail.draw_ns(rng))
+        gaussian + tail_ns(self.tail_probability, self.tail_mean, rng)
     }
 }
 
-/// The duration of a call that switches lines.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Calls {
-    /// Half of it before the first line moves, half after the last, ns.
-    pub fixed_ns: f64,
-    /// Slot of each line, ns.
-    pub per_line_ns: f64,
-    /// Standard deviation of the whole call's duration, relative.
-    pub jitter: f64,
-    /// Where in its slot a line moves, as fractions: uniform between these.
-    pub moves_at: [f64; 2],
-    /// Preemption in the middle of a call.
-    pub tail: Option<Tail>,
-}
-
-/// One call's timing.
+/// The timing of one call that switches lines.
 #[derive(Debug, Clone, Copy)]
-pub struct Call {
+pub(super) struct Call {
+    fixed_ns: f64,
+    slot_ns: f64,
+    moves_at: [f64; 2],
     scale: f64,
     pause_ns: f64,
     /// The pause comes before the line of this position.
@@ -67,29 +50,32 @@ pub struct Call {
     lines: usize,
 }
 
-impl Calls {
+impl CallsScene {
     /// Draws what is common to one call that switches so many lines.
-    pub fn begin(&self, lines: usize, rng: &mut impl Rng) -> Call {
+    pub(super) fn begin(&self, lines: usize, rng: &mut impl Rng) -> Call {
         let scale = match self.jitter {
-            0.0 => 1.0,
-            // A call is never faster than a tenth of its usual duration.
-            jitter => (1.0 + jitter * rng.sample::<f64, _>(StandardNormal)).max(0.1),
+            None | Some(0.0) => 1.0,
+            Some(jitter) => (1.0 + jitter * rng.sample::<f64, _>(StandardNormal)).max(SHORTEST_CALL),
         };
-        let pause_ns = self.tail.map_or(0.0, |tail| tail.draw_ns(rng));
+        let pause_ns = tail_ns(self.tail_probability, self.tail_mean, rng);
         let pause_before = if pause_ns > 0.0 { rng.random_range(0..=lines as u32) as usize } else { 0 };
-        Call { scale, pause_ns, pause_before, lines }
+        let (fixed_ns, slot_ns) = (ns(self.fixed), ns(self.per_line));
+        let moves_at = self.moves_at.unwrap_or(MIDDLE_OF_SLOT);
+        Call { fixed_ns, slot_ns, moves_at, scale, pause_ns, pause_before, lines }
     }
+}
 
+impl Call {
     /// When the line at `position` moves, ns since the call began.
-    pub fn moves_ns(&self, call: &Call, position: usize, rng: &mut impl Rng) -> f64 {
+    pub fn moves_ns(&self, position: usize, rng: &mut impl Rng) -> f64 {
         let [low, high] = self.moves_at;
         let within = if low == high { low } else { low + (high - low) * rng.random::<f64>() };
-        let pause = if position >= call.pause_before { call.pause_ns } else { 0.0 };
-        (self.fixed_ns / 2.0 + (position as f64 + within) * self.per_line_ns) * call.scale + pause
+        let pause = if position >= self.pause_before { self.pause_ns } else { 0.0 };
+        (self.fixed_ns / 2.0 + (position as f64 + within) * self.slot_ns) * self.scale + pause
     }
 
     /// How long the call takes, ns.
-    pub fn duration_ns(&self, call: &Call) -> f64 {
-        (self.fixed_ns + call.lines as f64 * self.per_line_ns) * call.scale + call.pause_ns
+    pub fn duration_ns(&self) -> f64 {
+        (self.fixed_ns + self.lines as f64 * self.slot_ns) * self.scale + self.pause_ns
     }
 }

@@ -1,7 +1,6 @@
-//! The voltages of the circuit's nodes while nothing switches.
+//! The voltages of the circuit's nodes while nothing switches: Kirchhoff's laws on nodes A and B, solved in closed form.
 //!
-//! For: Kirchhoff's laws on nodes A and B, solved in closed form, and the instants at which a node falls through
-//! its threshold. Seconds, volt, ohm and farad, all `f64`. Must not know: clocks, latencies, noise, estimators.
+//! Seconds, volt, ohm and farad, all `f64`; no clocks, no noise, and nothing of the estimators.
 //!
 //! With u the voltage across C_A (from B to A), w the voltage of node B, and i_A, i_B the currents that resistors
 //! push into the nodes,
@@ -15,7 +14,7 @@
 //! orthogonal and decay with real rates: a node's voltage is V(0) + k1 phi(r1, t) + k2 phi(r2, t) with
 //! phi(r, t) = (1 - exp(-r t)) / r, or t where the rate is 0 (charge that cannot leave, or a constant current).
 
-use super::course::Course;
+use super::waveform::Waveform;
 use crate::circuit::Node;
 use crate::pins::{Drives, MAX_CHANNELS};
 
@@ -29,19 +28,19 @@ pub fn line_index(line: Drives) -> usize {
 
 /// The capacitors and what they connect, in farad.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Wiring {
+pub enum Capacitors {
     /// Fig. 1(a): one capacitor from node A to ground, every resistor at node A.
-    OneCapacitor {
+    One {
         /// Node A to ground.
         c: f64,
     },
     /// Fig. 1(b): as above, but Rc2 goes on from the far end of Rc1.
-    SeriesCalibration {
+    Series {
         /// Node A to ground.
         c: f64,
     },
     /// Fig. 1(c): C_A between the nodes, C_B from B to ground, every resistor at node A.
-    TwoCapacitor {
+    Two {
         /// Node A to node B.
         c_a: f64,
         /// Node B to ground.
@@ -73,9 +72,9 @@ impl Sense {
 
 /// A circuit as it is built, unknown to the estimators.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Circuit {
-    /// The capacitors.
-    pub wiring: Wiring,
+pub struct SimCircuit {
+    /// Which capacitors there are.
+    pub capacitors: Capacitors,
     /// Supply, volt.
     pub v_dd: f64,
     /// Rc1, ohm.
@@ -103,12 +102,17 @@ impl Load {
     fn current(self, voltage: f64) -> f64 {
         self.source - self.conductance * voltage
     }
+
+    fn add(&mut self, resistance: f64, to_voltage: f64) {
+        self.conductance += 1.0 / resistance;
+        self.source += to_voltage / resistance;
+    }
 }
 
-impl Circuit {
+impl SimCircuit {
     /// Whether there is a node B.
     pub fn has_b(&self) -> bool {
-        matches!(self.wiring, Wiring::TwoCapacitor { .. })
+        matches!(self.capacitors, Capacitors::Two { .. })
     }
 
     /// The node voltages when charged for ever: both V_DD, so that C_A is empty.
@@ -119,12 +123,12 @@ impl Circuit {
     /// How the nodes go on from voltages `start` while exactly the lines of `on` drive.
     pub fn flow(&self, start: [f64; 2], on: Drives) -> Flow {
         let load_a = self.load_a(on);
-        match self.wiring {
-            Wiring::OneCapacitor { c } | Wiring::SeriesCalibration { c } => {
+        match self.capacitors {
+            Capacitors::One { c } | Capacitors::Series { c } => {
                 let slope = load_a.current(start[0]) / c;
                 Flow { start, rates: [load_a.conductance / c, 0.0], slopes: [[slope, 0.0], [0.0, 0.0]] }
             }
-            Wiring::TwoCapacitor { c_a, c_b } => two_modes(start, load_a, self.load_b(on), c_a, c_b),
+            Capacitors::Two { c_a, c_b } => two_modes(start, load_a, self.load_b(on), c_a, c_b),
         }
     }
 
@@ -134,8 +138,7 @@ impl Circuit {
             let r_o = self.r_o[line_index(line)];
             match line {
                 Drives::CHARGE_A => load.add(self.r_p + r_o, self.v_dd),
-                Drives::CHARGE_B => {}
-                Drives::C1 | Drives::C2 => {}
+                Drives::CHARGE_B | Drives::C1 | Drives::C2 => {}
                 x => load.add(self.r_x[line_index(x) - 4] + r_o, 0.0),
             }
         }
@@ -164,20 +167,13 @@ impl Circuit {
         let sunk = |line: Drives, resistor: f64| {
             if on.contains(line) { 1.0 / (resistor + self.r_o[line_index(line)]) } else { 0.0 }
         };
-        match self.wiring {
-            Wiring::SeriesCalibration { .. } => {
+        match self.capacitors {
+            Capacitors::Series { .. } => {
                 let beyond_r_c1 = sunk(Drives::C1, 0.0) + sunk(Drives::C2, self.r_c2);
                 if beyond_r_c1 > 0.0 { 1.0 / (self.r_c1 + 1.0 / beyond_r_c1) } else { 0.0 }
             }
             _ => sunk(Drives::C1, self.r_c1) + sunk(Drives::C2, self.r_c2),
         }
-    }
-}
-
-impl Load {
-    fn add(&mut self, resistance: f64, to_voltage: f64) {
-        self.conductance += 1.0 / resistance;
-        self.source += to_voltage / resistance;
     }
 }
 
@@ -224,62 +220,14 @@ pub struct Flow {
 impl Flow {
     /// The voltages of A and B after `seconds`; B of a circuit without it keeps its start.
     pub fn after(&self, seconds: f64) -> [f64; 2] {
-        [self.course(Node::A).at(seconds), self.course(Node::B).at(seconds)]
+        [self.waveform(Node::A).at(seconds), self.waveform(Node::B).at(seconds)]
     }
 
     /// One node's voltage.
-    pub fn course(&self, node: Node) -> Course {
-        Course { start: self.start[node.index()], rates: self.rates, slopes: self.slopes[node.index()] }
+    pub fn waveform(&self, node: Node) -> Waveform {
+        Waveform { start: self.start[node.index()], rates: self.rates, slopes: self.slopes[node.index()] }
     }
 }
 
-/// How the capacitors were filled before a discharge.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Charge {
-    /// Until nothing moved any more, with nothing else at the nodes: both nodes at V_DD.
-    Full,
-    /// From empty, through both chargers, for so many seconds.
-    For(f64),
-}
-
-/// When the nodes fell through their thresholds, in seconds since the start of the discharge; `None`: never.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub struct Crossings {
-    /// Node A.
-    pub a: Option<f64>,
-    /// Node B.
-    pub b: Option<f64>,
-}
-
-/// One discharge without clock, latency or rounding: `through` sinks, and from `switch.0` seconds on `switch.1`
-/// instead. Node B of a circuit without it never crosses.
-pub fn exact_discharge(
-    circuit: &Circuit,
-    charge: Charge,
-    through: Drives,
-    switch: Option<(f64, Drives)>,
-) -> Crossings {
-    let start = match charge {
-        Charge::Full => circuit.charged(),
-        Charge::For(seconds) => circuit.flow([0.0, 0.0], Drives::CHARGE).after(seconds),
-    };
-    let first = circuit.flow(start, through);
-    let (until, second) = match switch {
-        Some((at, on)) => (at, Some(circuit.flow(first.after(at), on))),
-        None => (f64::INFINITY, None),
-    };
-    let crossing = |node: Node| {
-        let threshold = circuit.sense[node.index()].falling;
-        if node == Node::B && !circuit.has_b() {
-            return None;
-        }
-        first.course(node).falls_through(threshold, until).or_else(|| {
-            let rest = second?.course(node).falls_through(threshold, f64::INFINITY)?;
-            Some(until + rest)
-        })
-    };
-    Crossings { a: crossing(Node::A), b: crossing(Node::B) }
-}
-
 #[cfg(test)]
-mod tests;
+pub(super) mod tests;

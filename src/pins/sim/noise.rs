@@ -1,30 +1,24 @@
-//! Voltage noise as it shows in the instant of a crossing.
-//!
-//! For: how much earlier or later than the true crossing a noisy input changes. Must not know: circuits, clocks.
+//! Voltage noise as it shows in the instant of a crossing: how much earlier or later a noisy input changes.
 
+use super::scene::NoiseScene;
+use crate::pins::limits::{EARLIEST_CROSSING, MOST_NOISE_STEPS};
 use rand::{Rng, RngExt};
 use rand_distr::{Exp1, StandardNormal};
 use std::f64::consts::{SQRT_2, TAU};
 
-/// Noise at the input of a sense line.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Noise {
-    /// Root mean square, volt.
-    pub voltage: f64,
-    /// If the noise is wide compared with the crossing: the distance of independent samples 1/(2B), seconds.
-    pub sample_spacing: Option<f64>,
-}
-
-impl Noise {
-    /// Draws the shift of a crossing whose voltage falls with `slope` (V/s, its magnitude), in seconds; negative
-    /// is early.
+impl NoiseScene {
+    /// Draws the shift of a crossing whose voltage falls with `slope` (V/s, its magnitude), in seconds; negative is early.
     ///
-    /// Without bandwidth this is trigger noise: Gaussian, sigma = voltage / slope, eq. (7).
-    pub fn shift(&self, slope: f64, rng: &mut impl Rng) -> f64 {
-        let unit = self.voltage / slope;
-        let z = match self.sample_spacing {
+    /// Without bandwidth B this is trigger noise: Gaussian, sigma = voltage / slope, eq. (7). With it the noise is wide
+    /// compared with the crossing: independent samples 1/(2B) apart.
+    pub(super) fn shift(&self, slope: f64, rng: &mut impl Rng) -> f64 {
+        let unit = self.voltage.0 / slope;
+        let z = match self.bandwidth {
             None => rng.sample::<f64, _>(StandardNormal),
-            Some(spacing) => first_crossing(unit / spacing, rng.sample::<f64, _>(Exp1)),
+            Some(bandwidth) => {
+                let spacing = 0.5 / bandwidth.0;
+                first_crossing(unit / spacing, rng.sample::<f64, _>(Exp1))
+            }
         };
         let shift = z * unit;
         if shift.is_finite() { shift } else { 0.0 }
@@ -42,15 +36,15 @@ fn first_crossing(samples: f64, exponential: f64) -> f64 {
     // The function is convex, rises from 0, and lies above both 0 and z: to the right of the root Newton's
     // method descends without overshoot.
     let mut z = wanted;
-    for _ in 0..60 {
+    for _ in 0..MOST_NOISE_STEPS {
         let (below, density) = (normal_below(z), (-0.5 * z * z).exp() / TAU.sqrt());
         let step = (z * below + density - wanted) / below;
         z -= step;
-        if step.abs() <= 1e-9 * (1.0 + z.abs()) || z < -12.0 {
+        if step.abs() <= 1e-9 * (1.0 + z.abs()) || z < EARLIEST_CROSSING {
             break;
         }
     }
-    z.max(-12.0)
+    z.max(EARLIEST_CROSSING)
 }
 
 /// Phi, by the complementary error function of W. J. Cody's form as in Numerical Recipes (erfc Chebyshev fit,
@@ -81,6 +75,7 @@ fn erfc(x: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::units::{Hertz, Volt};
     use rand::SeedableRng;
     use rand_chacha::ChaCha8Rng;
 
@@ -88,7 +83,7 @@ mod tests {
     #[test]
     fn the_first_crossing_is_that_of_a_sampled_process() {
         for spacing in [0.1, 0.02, 0.005] {
-            let noise = Noise { voltage: 1.0, sample_spacing: Some(spacing) };
+            let noise = NoiseScene { voltage: Volt(1.0), bandwidth: Some(Hertz(0.5 / spacing)) };
             let mut rng = ChaCha8Rng::seed_from_u64(3);
             let sampled: Vec<f64> = (0..2000).map(|_| sampled(spacing, &mut rng)).collect();
             let drawn: Vec<f64> = (0..2000).map(|_| noise.shift(1.0, &mut rng)).collect();

@@ -1,10 +1,8 @@
-//! Scenes: simulated boards as TOML files.
-//!
-//! For: reading a scene, and saying what is wrong with one. Must not know: how it is simulated. An effect that a
-//! scene does not name is off.
+//! Simulated boards as TOML files. An effect that a scene does not name is off.
 
-use super::network::{self, LINES, Sense, Wiring};
+use super::network::{Capacitors, LINES, Sense, SimCircuit, line_index};
 use super::sensor::Sensor;
+use crate::pins::limits::SAMPLE_SECONDS;
 use crate::pins::{Drives, MAX_CHANNELS};
 use crate::units::{Ampere, Farad, Hertz, Ohm, Seconds, Volt};
 use serde::Deserialize;
@@ -111,7 +109,7 @@ fn default_seed() -> u64 {
 }
 
 fn default_sample_interval() -> Seconds {
-    Seconds(50e-6)
+    Seconds(SAMPLE_SECONDS)
 }
 
 /// The network: `c-a` and `c-b` serve the two-capacitor circuit, `c` the others.
@@ -301,16 +299,16 @@ impl Scene {
     }
 
     /// The network with every sensor open.
-    pub fn network(&self) -> network::Circuit {
+    pub fn network(&self) -> SimCircuit {
         let circuit = &self.circuit;
         let mut r_o = [circuit.r_o.0; LINES];
         for (name, value) in &circuit.r_o_of {
             if let Some(line) = line_named(name) {
-                r_o[network::line_index(line)] = value.0;
+                r_o[line_index(line)] = value.0;
             }
         }
-        network::Circuit {
-            wiring: self.wiring(),
+        SimCircuit {
+            capacitors: self.capacitors(),
             v_dd: circuit.v_dd.0,
             r_c1: circuit.r_c1.0,
             r_c2: circuit.r_c2.0,
@@ -321,14 +319,14 @@ impl Scene {
         }
     }
 
-    fn wiring(&self) -> Wiring {
+    fn capacitors(&self) -> Capacitors {
         // A missing capacitor has been refused by the check.
         let farad = |c: Option<Farad>| c.map_or(f64::NAN, |c| c.0);
         let circuit = &self.circuit;
         match circuit.kind {
-            Kind::OneCapacitor => Wiring::OneCapacitor { c: farad(circuit.c) },
-            Kind::SeriesCalibration => Wiring::SeriesCalibration { c: farad(circuit.c) },
-            Kind::TwoCapacitor => Wiring::TwoCapacitor { c_a: farad(circuit.c_a), c_b: farad(circuit.c_b) },
+            Kind::OneCapacitor => Capacitors::One { c: farad(circuit.c) },
+            Kind::SeriesCalibration => Capacitors::Series { c: farad(circuit.c) },
+            Kind::TwoCapacitor => Capacitors::Two { c_a: farad(circuit.c_a), c_b: farad(circuit.c_b) },
         }
     }
 }
@@ -349,16 +347,7 @@ impl NodeScene {
 
 /// The line that is written like this in [`Drives`]' display.
 fn line_named(name: &str) -> Option<Drives> {
-    match name {
-        "charge-a" => Some(Drives::CHARGE_A),
-        "charge-b" => Some(Drives::CHARGE_B),
-        "c1" => Some(Drives::C1),
-        "c2" => Some(Drives::C2),
-        _ => {
-            let channel: usize = name.strip_prefix('x')?.parse().ok()?;
-            (channel < MAX_CHANNELS).then(|| Drives::x(channel))
-        }
-    }
+    (0..LINES).map(|bit| Drives(1 << bit)).find(|line| line.to_string() == name)
 }
 
 impl Sensor {

@@ -1,19 +1,15 @@
-//! What is connected in a sensor's place.
-//!
-//! For: R_x as a function of time. Must not know: how it is measured.
+//! What is connected in a sensor's place: R_x as a function of time.
 
+use crate::pins::limits::{
+    FSR_402_NEWTON_OHM, PEAK_NEWTON, PERIOD_SECONDS, PRESS_BEGINS, PRESS_FORCE, PRESS_HOLDS, PRESS_RISES,
+    TREMOR_HZ, TREMOR_SHARE, UNTOUCHED_OHM,
+};
 use crate::units::{Hertz, Newton, NewtonOhm, Ohm, Seconds};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use serde::Deserialize;
 use std::f64::consts::TAU;
 use std::path::PathBuf;
-
-/// An untouched force sensor, ohm: the FSR 402 data sheet says above 10 Mohm.
-const UNTOUCHED_OHM: f64 = 20e6;
-/// A hand trembles at about this frequency, Hz, by this share of its force.
-const TREMOR_HZ: f64 = 9.0;
-const TREMOR_SHARE: f64 = 0.02;
 
 /// R_x of one channel.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
@@ -79,17 +75,16 @@ impl Sensor {
     }
 }
 
-/// Fitted to an FSR 402 between 1.2 N and 30 N by the authors of the paper (section V).
 fn fsr_402() -> NewtonOhm {
-    NewtonOhm(13_346.46)
+    NewtonOhm(FSR_402_NEWTON_OHM)
 }
 
 fn firm() -> Newton {
-    Newton(10.0)
+    Newton(PEAK_NEWTON)
 }
 
 fn unhurried() -> Seconds {
-    Seconds(2.0)
+    Seconds(PERIOD_SECONDS)
 }
 
 /// A sensor in use: with the press that a hand is just making.
@@ -97,7 +92,7 @@ fn unhurried() -> Seconds {
 pub(super) struct Source {
     sensor: Sensor,
     rng: ChaCha8Rng,
-    press: Press,
+    press: Option<Press>,
 }
 
 /// One press of a hand; times in seconds.
@@ -115,8 +110,7 @@ impl Source {
     pub fn new(sensor: Sensor, seed: u64, stream: u64) -> Source {
         let mut rng = ChaCha8Rng::seed_from_u64(seed);
         rng.set_stream(stream);
-        let press = Press { index: u64::MAX, begin: 0.0, rise: 1.0, hold: 0.0, force: 0.0 };
-        Source { sensor, rng, press }
+        Source { sensor, rng, press: None }
     }
 
     pub fn is_constant(&self) -> bool {
@@ -151,19 +145,11 @@ impl Source {
     /// Newton. Each period holds one press that begins and ends inside it.
     fn force(&mut self, t: f64, peak: f64, period: f64) -> f64 {
         let index = (t / period).max(0.0) as u64;
-        if index != self.press.index {
-            // Each press has a block of the generator of its own, so that any instant can be asked for.
-            self.rng.set_word_pos(u128::from(index) * 16);
-            let mut between = |low: f64, high: f64| low + (high - low) * self.rng.random::<f64>();
-            self.press = Press {
-                index,
-                begin: between(0.05, 0.25) * period,
-                rise: between(0.06, 0.2) * period,
-                hold: between(0.1, 0.3) * period,
-                force: between(0.1, 1.0) * peak,
-            };
-        }
-        let press = &self.press;
+        let press = match self.press {
+            Some(press) if press.index == index => press,
+            _ => self.press(index, peak, period),
+        };
+        self.press = Some(press);
         let since = t - index as f64 * period - press.begin;
         let smooth = |share: f64| {
             let s = share.clamp(0.0, 1.0);
@@ -172,6 +158,19 @@ impl Source {
         let envelope =
             smooth(since / press.rise) * smooth((2.0 * press.rise + press.hold - since) / press.rise);
         press.force * envelope * (1.0 + TREMOR_SHARE * (TAU * TREMOR_HZ * t).sin())
+    }
+
+    /// Each press has a block of the generator of its own, so that any instant can be asked for.
+    fn press(&mut self, index: u64, peak: f64, period: f64) -> Press {
+        self.rng.set_word_pos(u128::from(index) * 16);
+        let mut between = |[low, high]: [f64; 2]| low + (high - low) * self.rng.random::<f64>();
+        Press {
+            index,
+            begin: between(PRESS_BEGINS) * period,
+            rise: between(PRESS_RISES) * period,
+            hold: between(PRESS_HOLDS) * period,
+            force: between(PRESS_FORCE) * peak,
+        }
     }
 }
 

@@ -1,3 +1,4 @@
+use super::network::tests::{Charge, exact_discharge};
 use super::*;
 use crate::circuit::Node;
 use crate::units::{Ohm, Seconds};
@@ -306,7 +307,7 @@ fn a_node_becomes_high_only_above_its_rising_threshold() {
     pins.drive(Drives::CHARGE).unwrap();
     loop {
         let levels = pins.levels().unwrap();
-        let [v_a, _] = pins.voltages();
+        let [v_a, _] = pins.analog.voltages(pins.now_ns);
         assert_eq!(levels.a, v_a >= 1.3, "{v_a} V");
         if levels.a {
             break;

@@ -1,12 +1,8 @@
-//! What really happened in a discharge, for tests.
-//!
-//! For: comparing what was measured with what was. Must not know: how it was measured.
+//! What really happened in a discharge, to hold what was measured against.
 
 use crate::circuit::Node;
 use crate::pins::Drives;
-
-/// A discharge has a start, a switch and an end, of two lines each; more changes than this are not kept.
-const CHANGES: usize = 16;
+use crate::pins::limits::CHANGES_KEPT;
 
 /// True instants since the last [`Pins::arm`](crate::pins::Pins::arm), as f64 ns since the first line moved after
 /// it: the true start of the discharge.
@@ -14,7 +10,7 @@ const CHANGES: usize = 16;
 pub struct Truth {
     start_ns: Option<i64>,
     crossings_ns: [Option<f64>; 2],
-    changes: [(f64, Drives); CHANGES],
+    changes: [(f64, Drives); CHANGES_KEPT],
     count: usize,
 }
 

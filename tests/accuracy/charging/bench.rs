@@ -5,7 +5,7 @@ use cermd::circuit::Node;
 use cermd::config::Config;
 use cermd::instrument::{Instrument, Message};
 use cermd::pins::sim::{Scene, Sensor, SimPins};
-use cermd::pins::{Armed, Bracket, Drives, Edge, Levels, Pins, PinsError};
+use cermd::pins::{Armed, Bracket, Drives, Edge, Levels, Particulars, Pins, PinsError};
 use cermd::reading::{Method, Reading};
 use cermd::units::{Nanos, Ohm, Seconds};
 use rand::SeedableRng;
@@ -55,6 +55,12 @@ impl Pins for Late {
     }
     fn levels(&mut self) -> Result<Levels, PinsError> {
         self.pins.levels()
+    }
+    fn rest_before_edge(&mut self, at: Nanos) -> Result<(), PinsError> {
+        self.pins.rest_before_edge(at)
+    }
+    fn particulars(&self) -> Particulars<'_> {
+        self.pins.particulars()
     }
 }
 

@@ -1,8 +1,8 @@
 //! Random circuits, and the discharges that Kirchhoff's laws give for them.
 
 use cermd::circuit::Node;
-use cermd::pins::sim::network::{LINES, Sense, Wiring};
-use cermd::pins::sim::{Charge, Circuit};
+use cermd::pins::sim::SimCircuit;
+use cermd::pins::sim::network::{Capacitors, LINES, Sense};
 use cermd::pins::{Drives, MAX_CHANNELS};
 use cermd::reading::{Branch, Method};
 use cermd::record::{Record, Switch, Through};
@@ -27,11 +27,20 @@ pub const WAYS: [Way; 7] = [
     Way { method: Method::Cerm, branch: Branch::Inferred, nodes: 2 },
 ];
 
+/// How the capacitors are filled before a discharge.
+#[derive(Debug, Clone, Copy)]
+pub enum Charge {
+    /// For ever: both nodes at V_DD.
+    Full,
+    /// From empty, for so many seconds.
+    For(f64),
+}
+
 /// A circuit, a sensor, and how they are timed.
 #[derive(Debug, Clone)]
 pub struct Case {
     pub way: Way,
-    pub circuit: Circuit,
+    pub circuit: SimCircuit,
     pub charge: Charge,
     /// Lateness d of every crossing, ns.
     pub d_ns: f64,
@@ -56,17 +65,17 @@ pub fn cases() -> impl Strategy<Value = Case> {
         |(way, (c_a, b_share), (v_dd, th_share), (r_c1, r_c2_by, r_x, r_o), timing)| {
             let (d_ns, switch_share, gap_ns, charge_taus) = timing;
             let v_th = v_dd * th_share;
-            let wiring = match (way.method, way.nodes) {
-                (Method::Qerm, _) => Wiring::SeriesCalibration { c: c_a },
-                (_, 1) => Wiring::OneCapacitor { c: c_a },
+            let capacitors = match (way.method, way.nodes) {
+                (Method::Qerm, _) => Capacitors::Series { c: c_a },
+                (_, 1) => Capacitors::One { c: c_a },
                 // Node B crosses as long as C_B (V_DD - V_Th) < C_A V_Th.
-                _ => Wiring::TwoCapacitor { c_a, c_b: b_share * c_a * v_th / (v_dd - v_th) },
+                _ => Capacitors::Two { c_a, c_b: b_share * c_a * v_th / (v_dd - v_th) },
             };
             let r_p = 180.0;
             let mut r_x_of = [f64::INFINITY; MAX_CHANNELS];
             r_x_of[0] = r_x;
-            let circuit = Circuit {
-                wiring,
+            let circuit = SimCircuit {
+                capacitors,
                 v_dd,
                 r_c1,
                 r_c2: r_c1 * r_c2_by,
@@ -88,7 +97,7 @@ pub fn cases() -> impl Strategy<Value = Case> {
 type Steps = [(f64, Drives)];
 
 /// When the nodes cross, seconds, from voltages `start`; and the voltages `lag` seconds after the last of them.
-pub fn walk(circuit: &Circuit, start: [f64; 2], steps: &Steps, lag: f64) -> ([Option<f64>; 2], [f64; 2]) {
+pub fn walk(circuit: &SimCircuit, start: [f64; 2], steps: &Steps, lag: f64) -> ([Option<f64>; 2], [f64; 2]) {
     let mut crossings = [None; 2];
     let (mut voltages, mut last) = (start, circuit.flow(start, Drives::NONE));
     let mut began = 0.0;
@@ -100,7 +109,7 @@ pub fn walk(circuit: &Circuit, start: [f64; 2], steps: &Steps, lag: f64) -> ([Op
             let crossing = &mut crossings[node.index()];
             let threshold = circuit.sense[node.index()].falling;
             *crossing =
-                crossing.or_else(|| last.course(node).falls_through(threshold, until).map(|t| from + t));
+                crossing.or_else(|| last.waveform(node).falls_through(threshold, until).map(|t| from + t));
         }
     }
     let end = crossings.iter().flatten().fold(0.0, |end: f64, t| end.max(*t)) + lag;
@@ -132,7 +141,7 @@ impl Case {
 
     /// R_1 and R_2 of the ratio.
     pub fn r_ohm(&self) -> [f64; 2] {
-        let Circuit { r_c1, r_c2, .. } = self.circuit;
+        let SimCircuit { r_c1, r_c2, .. } = self.circuit;
         [r_c1, if self.way.method == Method::Qerm { r_c1 + r_c2 } else { r_c2 }]
     }
 

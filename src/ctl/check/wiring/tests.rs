@@ -3,7 +3,7 @@
 use super::*;
 use crate::config::Severity;
 use crate::pins::sim::{Scene, Sensor, SimPins};
-use crate::pins::{Armed, Bracket, Edge};
+use crate::pins::{Armed, Bracket, Edge, Particulars};
 use crate::units::Farad;
 
 const CONFIG: &str = "[circuit]\nkind = \"two-capacitor\"\nc-a = \"2.2 uF\"\nc-b = \"680 nF\"\nr-c1 = \"2.32 kohm\"\n\
@@ -30,6 +30,15 @@ impl Pins for Cut {
     }
     fn levels(&mut self) -> Result<Levels, PinsError> {
         self.0.levels()
+    }
+    fn rest_until(&mut self, at: Nanos) -> Result<(), PinsError> {
+        self.0.rest_until(at)
+    }
+    fn rest_before_edge(&mut self, at: Nanos) -> Result<(), PinsError> {
+        self.0.rest_before_edge(at)
+    }
+    fn particulars(&self) -> Particulars<'_> {
+        self.0.particulars()
     }
 }
 

@@ -1,11 +1,59 @@
 use super::*;
 use proptest::prelude::*;
 
+/// How the capacitors were filled before a discharge.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Charge {
+    /// Until nothing moved any more, with nothing else at the nodes: both nodes at V_DD.
+    Full,
+    /// From empty, through both chargers, for so many seconds.
+    For(f64),
+}
+
+/// When the nodes fell through their thresholds, in seconds since the start of the discharge; `None`: never.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Crossings {
+    /// Node A.
+    pub a: Option<f64>,
+    /// Node B.
+    pub b: Option<f64>,
+}
+
+/// One discharge without clock, latency or rounding: `through` sinks, and from `switch.0` seconds on `switch.1`
+/// instead. Node B of a circuit without it never crosses.
+pub fn exact_discharge(
+    circuit: &SimCircuit,
+    charge: Charge,
+    through: Drives,
+    switch: Option<(f64, Drives)>,
+) -> Crossings {
+    let start = match charge {
+        Charge::Full => circuit.charged(),
+        Charge::For(seconds) => circuit.flow([0.0, 0.0], Drives::CHARGE).after(seconds),
+    };
+    let first = circuit.flow(start, through);
+    let (until, second) = match switch {
+        Some((at, on)) => (at, Some(circuit.flow(first.after(at), on))),
+        None => (f64::INFINITY, None),
+    };
+    let crossing = |node: Node| {
+        let threshold = circuit.sense[node.index()].falling;
+        if node == Node::B && !circuit.has_b() {
+            return None;
+        }
+        first.waveform(node).falls_through(threshold, until).or_else(|| {
+            let rest = second?.waveform(node).falls_through(threshold, f64::INFINITY)?;
+            Some(until + rest)
+        })
+    };
+    Crossings { a: crossing(Node::A), b: crossing(Node::B) }
+}
+
 const X: Drives = Drives::x(0);
 
-fn circuit(wiring: Wiring) -> Circuit {
-    Circuit {
-        wiring,
+fn circuit(capacitors: Capacitors) -> SimCircuit {
+    SimCircuit {
+        capacitors,
         v_dd: 3.3,
         r_c1: 2320.0,
         r_c2: 12_700.0,
@@ -16,8 +64,8 @@ fn circuit(wiring: Wiring) -> Circuit {
     }
 }
 
-fn two(c_a: f64, c_b: f64) -> Circuit {
-    circuit(Wiring::TwoCapacitor { c_a, c_b })
+fn two(c_a: f64, c_b: f64) -> SimCircuit {
+    circuit(Capacitors::Two { c_a, c_b })
 }
 
 fn assert_close(found: f64, wanted: f64, relative: f64) {
@@ -27,7 +75,7 @@ fn assert_close(found: f64, wanted: f64, relative: f64) {
 /// Everything that a scene can name at once, from the numbers of proptest.
 #[derive(Debug, Clone)]
 struct Anything {
-    circuit: Circuit,
+    circuit: SimCircuit,
     start: [f64; 2],
     on: Drives,
 }
@@ -41,16 +89,16 @@ fn anything() -> impl Strategy<Value = Anything> {
             |(to_ground, to_v_dd, leakage)| Sense { falling: 1.1, rising: 1.3, leakage, to_ground, to_v_dd },
         )
     };
-    let wiring = prop_oneof![
-        (farad(), farad()).prop_map(|(c_a, c_b)| Wiring::TwoCapacitor { c_a, c_b }),
-        farad().prop_map(|c| Wiring::OneCapacitor { c }),
-        farad().prop_map(|c| Wiring::SeriesCalibration { c }),
+    let capacitors = prop_oneof![
+        (farad(), farad()).prop_map(|(c_a, c_b)| Capacitors::Two { c_a, c_b }),
+        farad().prop_map(|c| Capacitors::One { c }),
+        farad().prop_map(|c| Capacitors::Series { c }),
     ];
     let lines = prop::collection::vec(any::<bool>(), 6);
     let state = (0.0..3.3f64, 0.0..3.3f64);
-    (wiring, ohm(), ohm(), ohm(), 1.0..100.0f64, sense(), sense(), lines, state).prop_map(
-        |(wiring, r_c1, r_c2, r_x, r_o, a, b, lines, (v_a, v_b))| {
-            let mut circuit = circuit(wiring);
+    (capacitors, ohm(), ohm(), ohm(), 1.0..100.0f64, sense(), sense(), lines, state).prop_map(
+        |(capacitors, r_c1, r_c2, r_x, r_o, a, b, lines, (v_a, v_b))| {
+            let mut circuit = circuit(capacitors);
             (circuit.r_c1, circuit.r_c2, circuit.r_x, circuit.r_o) = (r_c1, r_c2, [r_x; 16], [r_o; LINES]);
             circuit.sense = [a, b];
             let all = [Drives::CHARGE_A, Drives::CHARGE_B, Drives::C1, Drives::C2, X, Drives::x(1)];
@@ -65,7 +113,7 @@ fn anything() -> impl Strategy<Value = Anything> {
 }
 
 /// The current that everything but the capacitors pushes into nodes A and B: Ohm's law, resistor by resistor.
-fn currents(circuit: &Circuit, on: Drives, [v_a, v_b]: [f64; 2]) -> [f64; 2] {
+fn currents(circuit: &SimCircuit, on: Drives, [v_a, v_b]: [f64; 2]) -> [f64; 2] {
     let mut into = [v_a, v_b];
     for node in Node::BOTH {
         let (sense, v) = (&circuit.sense[node.index()], [v_a, v_b][node.index()]);
@@ -84,7 +132,7 @@ fn currents(circuit: &Circuit, on: Drives, [v_a, v_b]: [f64; 2]) -> [f64; 2] {
         }
     }
     let (c1, c2) = (on.contains(Drives::C1), on.contains(Drives::C2));
-    if let Wiring::SeriesCalibration { .. } = circuit.wiring {
+    if let Capacitors::Series { .. } = circuit.capacitors {
         // The voltage between Rc1 and Rc2 by nodal analysis.
         let (g1, g_near) = (1.0 / circuit.r_c1, if c1 { 1.0 / r_o } else { 0.0 });
         let g_far = if c2 { 1.0 / (circuit.r_c2 + r_o) } else { 0.0 };
@@ -98,13 +146,13 @@ fn currents(circuit: &Circuit, on: Drives, [v_a, v_b]: [f64; 2]) -> [f64; 2] {
 }
 
 /// Charge that has left the nodes, by the capacitors' voltages, between two states.
-fn charge_gained(circuit: &Circuit, from: [f64; 2], to: [f64; 2]) -> [f64; 2] {
-    match circuit.wiring {
-        Wiring::TwoCapacitor { c_a, c_b } => {
+fn charge_gained(circuit: &SimCircuit, from: [f64; 2], to: [f64; 2]) -> [f64; 2] {
+    match circuit.capacitors {
+        Capacitors::Two { c_a, c_b } => {
             let across_c_a = c_a * ((to[0] - to[1]) - (from[0] - from[1]));
             [across_c_a, c_b * (to[1] - from[1]) - across_c_a]
         }
-        Wiring::OneCapacitor { c } | Wiring::SeriesCalibration { c } => [c * (to[0] - from[0]), 0.0],
+        Capacitors::One { c } | Capacitors::Series { c } => [c * (to[0] - from[0]), 0.0],
     }
 }
 
@@ -138,9 +186,9 @@ proptest! {
             }
         }
         let gained = charge_gained(&circuit, start, flow.after(end));
-        let farad = match circuit.wiring {
-            Wiring::TwoCapacitor { c_a, c_b } => c_a + c_b,
-            Wiring::OneCapacitor { c } | Wiring::SeriesCalibration { c } => c,
+        let farad = match circuit.capacitors {
+            Capacitors::Two { c_a, c_b } => c_a + c_b,
+            Capacitors::One { c } | Capacitors::Series { c } => c,
         };
         let nodes = if circuit.has_b() { 2 } else { 1 };
         for i in 0..nodes {
@@ -169,21 +217,21 @@ proptest! {
         let Anything { circuit, start, on } = any;
         let flow = circuit.flow(start, on);
         for node in Node::BOTH {
-            let course = flow.course(node);
-            let Some(t) = course.falls_through(threshold, f64::INFINITY) else {
-                let seen = (-60..60).map(|e| course.at(1.2f64.powi(e) / flow.rates[0].max(1.0)));
+            let waveform = flow.waveform(node);
+            let Some(t) = waveform.falls_through(threshold, f64::INFINITY) else {
+                let seen = (-60..60).map(|e| waveform.at(1.2f64.powi(e) / flow.rates[0].max(1.0)));
                 prop_assert!(seen.into_iter().all(|v| v >= threshold - 1e-9));
                 continue;
             };
             if t == 0.0 {
-                prop_assert!(course.start <= threshold);
+                prop_assert!(waveform.start <= threshold);
                 continue;
             }
-            let rounding = 1e-14 * (1.0 + course.slopes[0].abs() * t + course.slopes[1].abs() * t);
-            let error = (course.at(t) - threshold).abs();
-            prop_assert!(error <= 8.0 * f64::EPSILON * t * course.slope(t).abs() + rounding, "{} V at {} s, slope {}, {:?}", error, t, course.slope(t), course);
+            let rounding = 1e-14 * (1.0 + waveform.slopes[0].abs() * t + waveform.slopes[1].abs() * t);
+            let error = (waveform.at(t) - threshold).abs();
+            prop_assert!(error <= 8.0 * f64::EPSILON * t * waveform.slope(t).abs() + rounding, "{} V at {} s, slope {}, {:?}", error, t, waveform.slope(t), waveform);
             for share in [0.01, 0.3, 0.7, 0.99] {
-                prop_assert!(course.at(t * share) >= threshold - rounding);
+                prop_assert!(waveform.at(t * share) >= threshold - rounding);
             }
         }
     }
@@ -191,7 +239,7 @@ proptest! {
     /// Eq. (2): T = (R + Ro) C ln(V_DD / V_Th), and eq. (6) on the way.
     #[test]
     fn one_capacitor_is_eq_2(r in 10.0..1e6f64, c in 1e-9..1e-5f64, v_th in 0.1..3.2f64, r_o in 1.0..100.0f64) {
-        let mut circuit = circuit(Wiring::OneCapacitor { c });
+        let mut circuit = circuit(Capacitors::One { c });
         (circuit.r_x[0], circuit.r_o, circuit.sense[0]) = (r, [r_o; LINES], Sense::ideal(v_th));
         let found = exact_discharge(&circuit, Charge::Full, X, None);
         let wanted = (r + r_o) * c * (3.3 / v_th).ln();
@@ -242,7 +290,7 @@ proptest! {
 
 #[test]
 fn series_calibration_goes_through_both_resistors() {
-    let circuit = circuit(Wiring::SeriesCalibration { c: 470e-9 });
+    let circuit = circuit(Capacitors::Series { c: 470e-9 });
     let g = 470e-9 * (3.3f64 / 1.3).ln();
     let time = |on| exact_discharge(&circuit, Charge::Full, on, None).a.unwrap();
     assert_close(time(Drives::C1), g * (2320.0 + 40.0), 1e-13);
@@ -263,7 +311,7 @@ fn a_short_charge_starts_lower() {
     assert!(circuit.flow([0.0; 2], Drives::CHARGE).after(1e-3)[0] > 3.3);
     assert!(short.a.unwrap() > full.a.unwrap() && short.b.unwrap() < full.b.unwrap());
     // In the one-capacitor circuit the start is known in closed form.
-    circuit.wiring = Wiring::OneCapacitor { c: 470e-9 };
+    circuit.capacitors = Capacitors::One { c: 470e-9 };
     let charged = 3.3 * -(-1e-4f64 / (220.0 * 470e-9)).exp_m1();
     let wanted = 2360.0 * 470e-9 * (charged / 1.3).ln();
     assert_close(exact_discharge(&circuit, Charge::For(1e-4), Drives::C1, None).a.unwrap(), wanted, 1e-12);

@@ -1,235 +1,219 @@
-//! Whether the values of a scene make sense.
-//!
-//! For: naming the key and the remedy before anything is simulated. Must not know: TOML.
+//! Whether the values of a scene make sense: the key and the remedy, before anything is simulated.
 
-use super::{DelayScene, Kind, NodeScene, Scene, SceneError, Threshold, line_named};
+use super::{Kind, NodeScene, Scene, SceneError, Threshold, line_named};
 use crate::pins::MAX_CHANNELS;
+use crate::pins::limits::MOST_EVENTS;
 use crate::pins::sim::sensor::Sensor;
-use crate::units::Seconds;
+use crate::units::{Quantity, Seconds};
 use std::path::Path;
 
-/// (key, what is wrong and what to do)
-type Problem = (String, String);
+/// Where a value may lie, and what is said of one that does not.
+struct Range(fn(f64) -> bool, &'static str);
 
-fn problem(key: &str, text: impl Into<String>) -> Problem {
-    (key.to_owned(), text.into())
+const POSITIVE: Range = Range(|value| value > 0.0 && value.is_finite(), "has to be above 0");
+const NOT_NEGATIVE: Range = Range(|value| value >= 0.0 && value.is_finite(), "must not be negative");
+const PROBABILITY: Range =
+    Range(|value| (0.0..=1.0).contains(&value), "is a probability: write a number from 0 to 1");
+const FINITE: Range = Range(f64::is_finite, "has to be finite");
+
+/// What a range is for.
+trait Value {
+    /// In SI units; `None`: it is absent, and that is in order.
+    fn si(&self) -> Option<f64>;
 }
 
-fn positive(key: &str, value: f64) -> Result<(), Problem> {
-    if value > 0.0 && value.is_finite() { Ok(()) } else { Err(problem(key, "has to be above 0")) }
-}
-
-fn not_negative(key: &str, value: f64) -> Result<(), Problem> {
-    if value >= 0.0 && value.is_finite() { Ok(()) } else { Err(problem(key, "must not be negative")) }
-}
-
-fn probability(key: &str, value: f64) -> Result<(), Problem> {
-    if (0.0..=1.0).contains(&value) {
-        Ok(())
-    } else {
-        Err(problem(key, "is a probability: write a number from 0 to 1"))
+impl<Q: Quantity> Value for Q {
+    fn si(&self) -> Option<f64> {
+        Some(Quantity::si(*self))
     }
 }
 
-fn tail(key: &str, probability_of: Option<f64>, mean: Option<Seconds>) -> Result<(), Problem> {
-    match (probability_of, mean) {
-        (None, None) => Ok(()),
-        (Some(p), Some(mean)) => {
-            probability(&format!("{key}.tail-probability"), p)?;
-            positive(&format!("{key}.tail-mean"), mean.0)
+impl Value for f64 {
+    fn si(&self) -> Option<f64> {
+        Some(*self)
+    }
+}
+
+impl<V: Value> Value for Option<V> {
+    fn si(&self) -> Option<f64> {
+        self.as_ref().and_then(V::si)
+    }
+}
+
+/// A value with its key in a table.
+type Row<'a> = (&'a str, &'a dyn Value);
+
+/// Keeps the first problem: its key, and what is wrong and what to do.
+#[derive(Default)]
+struct Check(Option<(String, String)>);
+
+impl Check {
+    fn demand(&mut self, holds: bool, key: impl Into<String>, otherwise: impl Into<String>) {
+        if !holds && self.0.is_none() {
+            self.0 = Some((key.into(), otherwise.into()));
         }
-        _ => Err(problem(key, "tail-probability and tail-mean belong together: name both or neither")),
+    }
+
+    fn all(&mut self, range: Range, table: &str, rows: &[Row]) {
+        for (key, value) in rows {
+            self.demand(value.si().is_none_or(range.0), format!("{table}.{key}"), range.1);
+        }
+    }
+
+    fn tail(&mut self, table: &str, probability: Option<f64>, mean: Option<Seconds>) {
+        const APART: &str = "tail-probability and tail-mean belong together: name both or neither";
+        self.demand(probability.is_some() == mean.is_some(), table, APART);
+        self.all(PROBABILITY, table, &[("tail-probability", &probability)]);
+        self.all(POSITIVE, table, &[("tail-mean", &mean)]);
+    }
+
+    fn threshold(&mut self, key: &str, threshold: Threshold, v_dd: f64) {
+        let rising = threshold.rising.unwrap_or(threshold.falling);
+        self.all(POSITIVE, key, &[("falling", &threshold.falling)]);
+        self.demand(rising >= threshold.falling, format!("{key}.rising"), "must not be below falling");
+        self.demand(rising.0 < v_dd, key, "has to be below v-dd: no input could ever read high");
+    }
+
+    fn node(&mut self, key: &str, node: &NodeScene, v_dd: f64) {
+        if let Some(threshold) = node.threshold {
+            self.threshold(&format!("{key}.threshold"), threshold, v_dd);
+        }
+        let resistances: &[Row] = &[
+            ("leakage-resistance", &node.leakage_resistance),
+            ("pull-up", &node.pull_up),
+            ("pull-down", &node.pull_down),
+        ];
+        self.all(POSITIVE, key, resistances);
+    }
+
+    fn sensor(&mut self, key: &str, sensor: &Sensor) {
+        match sensor {
+            Sensor::Constant(r) => self.demand((NOT_NEGATIVE.0)(r.0), key, NOT_NEGATIVE.1),
+            Sensor::Step { before, after, at } => {
+                let values: &[Row] = &[("before", before), ("after", after), ("at", at)];
+                self.all(NOT_NEGATIVE, key, values);
+            }
+            Sensor::Ramp { from, to, start, duration } => {
+                self.all(NOT_NEGATIVE, key, &[("from", from), ("to", to), ("start", start)]);
+                self.all(POSITIVE, key, &[("duration", duration)]);
+            }
+            Sensor::Sine { mean, amplitude, frequency } => {
+                self.all(POSITIVE, key, &[("frequency", frequency)]);
+                self.all(NOT_NEGATIVE, key, &[("amplitude", amplitude)]);
+                let is_sound = mean.0.is_finite() && mean >= amplitude;
+                let otherwise = "must not be above the mean: R would be negative";
+                self.demand(is_sound, format!("{key}.amplitude"), otherwise);
+            }
+            Sensor::File { points, .. } => {
+                self.demand(!points.is_empty(), key, "the file has no rows time_s,ohm");
+            }
+            Sensor::Hand { alpha, peak, period } => {
+                self.all(POSITIVE, key, &[("alpha", alpha), ("peak", peak), ("period", period)]);
+            }
+        }
     }
 }
 
 impl Scene {
     /// Itself, if every value makes sense.
     pub(super) fn checked(self, origin: &Path) -> Result<Scene, SceneError> {
-        match self.problem() {
-            Ok(()) => Ok(self),
-            Err((key, problem)) => Err(SceneError::Value { origin: origin.to_owned(), key, problem }),
-        }
-    }
-
-    fn problem(&self) -> Result<(), Problem> {
-        self.check_circuit()?;
-        if self.sensors.len() > MAX_CHANNELS {
-            return Err(problem("sensor", format!("there can be at most {MAX_CHANNELS}")));
-        }
+        let mut check = Check::default();
+        self.check_circuit(&mut check);
+        let most = format!("there can be at most {MAX_CHANNELS}");
+        check.demand(self.sensors.len() <= MAX_CHANNELS, "sensor", most);
         for (channel, sensor) in self.sensors.iter().enumerate() {
-            check_sensor(&format!("sensor {channel}"), sensor)?;
+            check.sensor(&format!("sensor {channel}"), sensor);
         }
-        positive("sample-interval", self.sample_interval.0 - 0.5e-9)?;
-        if let Some(period) = self.clock_period {
-            let ns = period.0 * 1e9;
-            if ns < 0.999 || (ns - ns.round()).abs() > 1e-6 {
-                return Err(problem("clock-period", "has to be a whole number of nanoseconds, at least 1"));
-            }
-            if self.calls.is_some() || self.stamps.is_some() || self.wake.is_some() || self.sleep.is_some() {
-                return Err(problem(
-                    "clock-period",
-                    "excludes calls, stamps, wake and sleep: with a common clock nothing else is late",
-                ));
-            }
+        // At least half a nanosecond, so that it rounds to one.
+        let is_long_enough = (POSITIVE.0)(self.sample_interval.0 - 0.5e-9);
+        check.demand(is_long_enough, "sample-interval", POSITIVE.1);
+        self.check_clock(&mut check);
+        self.check_latencies(&mut check);
+        self.check_effects(&mut check);
+        match check.0 {
+            None => Ok(self),
+            Some((key, problem)) => Err(SceneError::Value { origin: origin.to_owned(), key, problem }),
         }
-        if let Some(drift) = &self.drift {
-            let rates = [
-                Some(drift.c_per_minute),
-                drift.v_th_per_minute.map(|v| v.0),
-                drift.v_dd_per_minute.map(|v| v.0),
-            ];
-            if rates.into_iter().flatten().any(|rate| !rate.is_finite()) {
-                return Err(problem("drift", "has to be finite"));
-            }
-        }
-        self.check_latencies()?;
-        self.check_events()
     }
 
-    fn check_circuit(&self) -> Result<(), Problem> {
+    fn check_circuit(&self, check: &mut Check) {
         let circuit = &self.circuit;
         let wanted = match circuit.kind {
-            Kind::TwoCapacitor => vec![("circuit.c-a", circuit.c_a), ("circuit.c-b", circuit.c_b)],
-            Kind::OneCapacitor | Kind::SeriesCalibration => vec![("circuit.c", circuit.c)],
+            Kind::TwoCapacitor => &[("c-a", circuit.c_a), ("c-b", circuit.c_b)][..],
+            Kind::OneCapacitor | Kind::SeriesCalibration => &[("c", circuit.c)],
         };
         for (key, capacitor) in wanted {
-            let farad = capacitor.ok_or_else(|| problem(key, "is missing: this kind of circuit has it"))?;
-            positive(key, farad.0)?;
+            let otherwise = "is missing: this kind of circuit has it";
+            check.demand(capacitor.is_some(), format!("circuit.{key}"), otherwise);
+            check.all(POSITIVE, "circuit", &[(key, capacitor)]);
         }
-        positive("circuit.v-dd", circuit.v_dd.0)?;
-        positive("circuit.r-c1", circuit.r_c1.0)?;
-        positive("circuit.r-c2", circuit.r_c2.0)?;
-        positive("circuit.r-o", circuit.r_o.0)?;
-        not_negative("circuit.r-p", circuit.r_p.map_or(0.0, |r| r.0))?;
+        let values: &[Row] = &[
+            ("v-dd", &circuit.v_dd),
+            ("r-c1", &circuit.r_c1),
+            ("r-c2", &circuit.r_c2),
+            ("r-o", &circuit.r_o),
+        ];
+        check.all(POSITIVE, "circuit", values);
+        check.all(NOT_NEGATIVE, "circuit", &[("r-p", &circuit.r_p)]);
         for (name, value) in &circuit.r_o_of {
-            let key = format!("circuit.r-o-of.{name}");
-            line_named(name)
-                .ok_or_else(|| problem(&key, "is no line: charge-a, charge-b, c1, c2, x0 .. x15"))?;
-            positive(&key, value.0)?;
+            let otherwise = "is no line: charge-a, charge-b, c1, c2, x0 .. x15";
+            check.demand(line_named(name).is_some(), format!("circuit.r-o-of.{name}"), otherwise);
+            check.all(POSITIVE, "circuit.r-o-of", &[(name, value)]);
         }
-        self.check_threshold("circuit.threshold", circuit.threshold)?;
-        self.check_node("circuit.node-a", &circuit.node_a)?;
-        self.check_node("circuit.node-b", &circuit.node_b)
+        check.threshold("circuit.threshold", circuit.threshold, circuit.v_dd.0);
+        check.node("circuit.node-a", &circuit.node_a, circuit.v_dd.0);
+        check.node("circuit.node-b", &circuit.node_b, circuit.v_dd.0);
     }
 
-    fn check_threshold(&self, key: &str, threshold: Threshold) -> Result<(), Problem> {
-        let falling = threshold.falling.0;
-        let rising = threshold.rising.unwrap_or(threshold.falling).0;
-        positive(&format!("{key}.falling"), falling)?;
-        if rising < falling {
-            return Err(problem(&format!("{key}.rising"), "must not be below falling"));
-        }
-        if rising >= self.circuit.v_dd.0 {
-            return Err(problem(key, "has to be below v-dd: no input could ever read high"));
-        }
-        Ok(())
+    fn check_clock(&self, check: &mut Check) {
+        let Some(period) = self.clock_period else { return };
+        let ns = period.0 * 1e9;
+        let is_whole = ns >= 0.999 && (ns - ns.round()).abs() <= 1e-6;
+        check.demand(is_whole, "clock-period", "has to be a whole number of nanoseconds, at least 1");
+        let is_alone =
+            (self.calls.is_none() && self.stamps.is_none()) && (self.wake.is_none() && self.sleep.is_none());
+        let otherwise = "excludes calls, stamps, wake and sleep: with a common clock nothing else is late";
+        check.demand(is_alone, "clock-period", otherwise);
     }
 
-    fn check_node(&self, key: &str, node: &NodeScene) -> Result<(), Problem> {
-        if let Some(threshold) = node.threshold {
-            self.check_threshold(&format!("{key}.threshold"), threshold)?;
-        }
-        for (name, r) in [
-            ("leakage-resistance", node.leakage_resistance),
-            ("pull-up", node.pull_up),
-            ("pull-down", node.pull_down),
-        ] {
-            if let Some(r) = r {
-                positive(&format!("{key}.{name}"), r.0)?;
-            }
-        }
-        Ok(())
-    }
-
-    fn check_latencies(&self) -> Result<(), Problem> {
-        for (key, delay) in [("stamps", &self.stamps), ("wake", &self.wake), ("sleep", &self.sleep)] {
-            if let Some(DelayScene { mean, jitter, tail_probability, tail_mean }) = delay {
-                not_negative(&format!("{key}.mean"), mean.0)?;
-                not_negative(&format!("{key}.jitter"), jitter.map_or(0.0, |s| s.0))?;
-                tail(key, *tail_probability, *tail_mean)?;
+    fn check_latencies(&self, check: &mut Check) {
+        for (key, delay) in [("stamps", self.stamps), ("wake", self.wake), ("sleep", self.sleep)] {
+            if let Some(delay) = delay {
+                check.all(NOT_NEGATIVE, key, &[("mean", &delay.mean), ("jitter", &delay.jitter)]);
+                check.tail(key, delay.tail_probability, delay.tail_mean);
             }
         }
         if let Some(calls) = &self.calls {
-            not_negative("calls.fixed", calls.fixed.0)?;
-            not_negative("calls.per-line", calls.per_line.0)?;
-            not_negative("calls.jitter", calls.jitter.unwrap_or(0.0))?;
-            tail("calls", calls.tail_probability, calls.tail_mean)?;
-            let [from, to] = calls.moves_at.unwrap_or([0.5; 2]);
-            if !(0.0 <= from && from <= to && to <= 1.0) {
-                return Err(problem("calls.moves-at", "is [from, to] with 0 <= from <= to <= 1"));
-            }
+            let values: &[Row] =
+                &[("fixed", &calls.fixed), ("per-line", &calls.per_line), ("jitter", &calls.jitter)];
+            check.all(NOT_NEGATIVE, "calls", values);
+            check.tail("calls", calls.tail_probability, calls.tail_mean);
+            let is_ordered = calls.moves_at.is_none_or(|[from, to]| 0.0 <= from && from <= to && to <= 1.0);
+            check.demand(is_ordered, "calls.moves-at", "is [from, to] with 0 <= from <= to <= 1");
         }
-        if let Some(reads) = &self.reads {
-            for (key, cost) in
-                [("reads.clock", reads.clock), ("reads.levels", reads.levels), ("reads.arm", reads.arm)]
-            {
-                not_negative(key, cost.map_or(0.0, |s| s.0))?;
-            }
-        }
-        Ok(())
+        let reads = self.reads.unwrap_or_default();
+        let costs: &[Row] = &[("clock", &reads.clock), ("levels", &reads.levels), ("arm", &reads.arm)];
+        check.all(NOT_NEGATIVE, "reads", costs);
     }
 
-    fn check_events(&self) -> Result<(), Problem> {
-        if let Some(events) = &self.events {
-            if !(1..=1024).contains(&events.buffer.unwrap_or(16)) {
-                return Err(problem("events.buffer", "the kernel allows 1 to 1024 events"));
-            }
-            probability("events.lost", events.lost.unwrap_or(0.0))?;
-            probability("events.coalesced", events.coalesced.unwrap_or(0.0))?;
-            match (events.coalesced, events.bounce) {
-                (None, None) => {}
-                (Some(_), Some(bounce)) => positive("events.bounce", bounce.0)?,
-                _ => {
-                    return Err(problem(
-                        "events.bounce",
-                        "and coalesced belong together: name both or neither",
-                    ));
-                }
-            }
-        }
+    fn check_effects(&self, check: &mut Check) {
+        let events = self.events.unwrap_or_default();
+        let is_kept = events.buffer.is_none_or(|buffer| (1..=MOST_EVENTS).contains(&buffer));
+        check.demand(is_kept, "events.buffer", format!("the kernel allows 1 to {MOST_EVENTS} events"));
+        check.all(PROBABILITY, "events", &[("lost", &events.lost), ("coalesced", &events.coalesced)]);
+        let is_whole = events.coalesced.is_some() == events.bounce.is_some();
+        check.demand(is_whole, "events.bounce", "and coalesced belong together: name both or neither");
+        check.all(POSITIVE, "events", &[("bounce", &events.bounce)]);
         if let Some(noise) = &self.noise {
-            positive("noise.voltage", noise.voltage.0)?;
-            if let Some(bandwidth) = noise.bandwidth {
-                positive("noise.bandwidth", bandwidth.0)?;
-            }
+            let values: &[Row] = &[("voltage", &noise.voltage), ("bandwidth", &noise.bandwidth)];
+            check.all(POSITIVE, "noise", values);
         }
-        Ok(())
-    }
-}
-
-fn check_sensor(key: &str, sensor: &Sensor) -> Result<(), Problem> {
-    match sensor {
-        Sensor::Constant(r) => not_negative(key, r.0),
-        Sensor::Step { before, after, at } => {
-            not_negative(&format!("{key}.before"), before.0)?;
-            not_negative(&format!("{key}.after"), after.0)?;
-            not_negative(&format!("{key}.at"), at.0)
-        }
-        Sensor::Ramp { from, to, start, duration } => {
-            not_negative(&format!("{key}.from"), from.0)?;
-            not_negative(&format!("{key}.to"), to.0)?;
-            not_negative(&format!("{key}.start"), start.0)?;
-            positive(&format!("{key}.duration"), duration.0)
-        }
-        Sensor::Sine { mean, amplitude, frequency } => {
-            positive(&format!("{key}.frequency"), frequency.0)?;
-            not_negative(&format!("{key}.amplitude"), amplitude.0)?;
-            if mean.0.is_finite() && mean.0 >= amplitude.0 {
-                Ok(())
-            } else {
-                Err(problem(&format!("{key}.amplitude"), "must not be above the mean: R would be negative"))
-            }
-        }
-        Sensor::File { points, .. } => {
-            if points.is_empty() {
-                return Err(problem(key, "the file has no rows time_s,ohm"));
-            }
-            Ok(())
-        }
-        Sensor::Hand { alpha, peak, period } => {
-            positive(&format!("{key}.alpha"), alpha.0)?;
-            positive(&format!("{key}.peak"), peak.0)?;
-            positive(&format!("{key}.period"), period.0)
-        }
+        let drift = self.drift.unwrap_or_default();
+        let rates: &[Row] = &[
+            ("c-per-minute", &drift.c_per_minute),
+            ("v-th-per-minute", &drift.v_th_per_minute),
+            ("v-dd-per-minute", &drift.v_dd_per_minute),
+        ];
+        check.all(FINITE, "drift", rates);
     }
 }

@@ -72,9 +72,9 @@ fn errors_name_the_key_and_the_remedy() {
 fn single_pins_may_differ() {
     let text = IDEAL.replace("v-dd =", "r-o-of = { x2 = \"55 ohm\", c1 = \"41 ohm\" }\nv-dd =");
     let circuit = Scene::parse(&text, Path::new("")).unwrap().network();
-    assert_eq!(circuit.r_o[network::line_index(Drives::x(2))], 55.0);
-    assert_eq!(circuit.r_o[network::line_index(Drives::C1)], 41.0);
-    assert_eq!(circuit.r_o[network::line_index(Drives::C2)], 40.0);
+    assert_eq!(circuit.r_o[line_index(Drives::x(2))], 55.0);
+    assert_eq!(circuit.r_o[line_index(Drives::C1)], 41.0);
+    assert_eq!(circuit.r_o[line_index(Drives::C2)], 40.0);
     assert!(error(&text.replace("x2", "x16")).contains("is no line"));
 }
 

@@ -1,10 +1,10 @@
-//! For: what any [`Pins`] must do, as checks that run on the simulated circuit, on fakes and on real kernels alike.
-//! Must not know: which backend it is given.
+//! What any [`Pins`] must do, as checks that run on the simulated circuit, on fakes and on real kernels alike.
 //!
 //! A clause leaves nothing driving, whether it holds or not, so clauses can follow each other on one backend.
 
-use super::{Bracket, Drives, Edge, Node, Pins, PinsError};
-use crate::units::Nanos;
+use cermd::circuit::Node;
+use cermd::pins::{Bracket, Drives, Edge, Pins, PinsError};
+use cermd::units::Nanos;
 
 /// A wait in which nothing is expected to happen.
 const A_WHILE: Nanos = Nanos(200_000);
@@ -270,6 +270,3 @@ fn releasing_stops<P: Pins>(pins: &mut P, bench: &Bench) -> Result<(), String> {
     let levels = pins.levels().map_err(said)?;
     demand(levels.a && levels.b, || format!("{levels:?} some time after the release"))
 }
-
-#[cfg(test)]
-mod tests;

@@ -1,7 +1,9 @@
 //! The contract, on a fake that keeps it and on fakes that break it in one way each.
 
-use super::*;
-use crate::pins::{Armed, Levels};
+use super::clauses::{Bench, check, clauses, dropping_releases};
+use cermd::circuit::Node;
+use cermd::pins::{Armed, Bracket, Drives, Edge, Levels, Particulars, Pins, PinsError};
+use cermd::units::Nanos;
 use std::collections::VecDeque;
 
 const BENCH: Bench = Bench { charge: Nanos(500_000), discharge: Nanos(10_000_000), node_b: true };
@@ -145,6 +147,10 @@ impl Pins for Fake {
         let high = |node: Node| self.flaw == Flaw::ReadsHigh || self.progress < CROSSINGS[node.index()];
         Ok(Levels { a: high(Node::A), b: high(Node::B) })
     }
+
+    fn particulars(&self) -> Particulars<'_> {
+        Particulars::default()
+    }
 }
 
 fn broken(flaw: Flaw) -> Vec<&'static str> {
@@ -212,8 +218,17 @@ fn a_drop_that_leaves_a_sink_on_is_noticed() {
         fn sleep_until(&mut self, at: Nanos) -> Result<(), PinsError> {
             self.0.borrow_mut().sleep_until(at)
         }
+        fn rest_until(&mut self, at: Nanos) -> Result<(), PinsError> {
+            self.0.borrow_mut().rest_until(at)
+        }
+        fn rest_before_edge(&mut self, at: Nanos) -> Result<(), PinsError> {
+            self.0.borrow_mut().rest_before_edge(at)
+        }
         fn levels(&mut self) -> Result<Levels, PinsError> {
             self.0.borrow_mut().levels()
+        }
+        fn particulars(&self) -> Particulars<'_> {
+            Particulars::default()
         }
     }
     for releases in [true, false] {

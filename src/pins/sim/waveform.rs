@@ -1,15 +1,11 @@
-//! The voltage of one node between two changes, and when it passes a threshold.
-//!
-//! For: evaluating V(t) = V(0) + k1 phi(r1, t) + k2 phi(r2, t) and inverting it safely. Must not know: circuits.
+//! The voltage of one node between two changes, V(t) = V(0) + k1 phi(r1, t) + k2 phi(r2, t), and when it passes a
+//! threshold.
 
-/// Bounds the search for the end of a bracket: the slowest circuit of interest is far below 2^200 time constants.
-const MAX_DOUBLINGS: u32 = 200;
-/// Bounds the root search: bisection alone needs about 60 halvings per decade of uncertainty it starts with.
-const MAX_STEPS: u32 = 400;
+use crate::pins::limits::{MOST_DOUBLINGS, MOST_ROOT_STEPS};
 
 /// A voltage as a function of time, with at most one extremum.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Course {
+pub struct Waveform {
     /// Volt at time 0.
     pub start: f64,
     /// Decay of each mode, 1/s, not negative.
@@ -23,23 +19,28 @@ fn progress(rate: f64, t: f64) -> f64 {
     if rate > 0.0 { -(-rate * t).exp_m1() / rate } else { t }
 }
 
-impl Course {
+impl Waveform {
     /// Volt at time `t` (seconds).
     pub fn at(&self, t: f64) -> f64 {
-        let mode = |i: usize| {
-            let slope: f64 = self.slopes[i];
-            if slope == 0.0 { 0.0 } else { slope * progress(self.rates[i], t) }
-        };
-        self.start + mode(0) + mode(1)
+        let [first, second] = self.modes(|slope, rate| slope * progress(rate, t));
+        self.start + first + second
     }
 
     /// dV/dt at time `t`, V/s.
     pub fn slope(&self, t: f64) -> f64 {
-        let mode = |i: usize| {
-            let slope: f64 = self.slopes[i];
-            if slope == 0.0 { 0.0 } else { slope * (-self.rates[i] * t).exp() }
-        };
-        mode(0) + mode(1)
+        let [first, second] = self.modes(|slope, rate| slope * (-rate * t).exp());
+        first + second
+    }
+
+    /// Where it goes in the end, volt.
+    fn end(&self) -> f64 {
+        let [first, second] = self.modes(|slope, rate| slope / rate);
+        self.start + first + second
+    }
+
+    /// What each mode contributes; one without a slope contributes nothing, at whatever rate.
+    fn modes(&self, of: impl Fn(f64, f64) -> f64) -> [f64; 2] {
+        [0, 1].map(|i| if self.slopes[i] == 0.0 { 0.0 } else { of(self.slopes[i], self.rates[i]) })
     }
 
     /// The time after 0 at which the voltage turns, if there is one.
@@ -95,11 +96,11 @@ impl Course {
         if until.is_finite() {
             return (self.at(until) <= threshold).then(|| self.root(threshold, from, until));
         }
-        if self.final_voltage() >= threshold {
+        if self.end() >= threshold {
             return None;
         }
         let mut step = if self.rates[0] > 0.0 { 1.0 / self.rates[0] } else { 1e-6 };
-        for _ in 0..MAX_DOUBLINGS {
+        for _ in 0..MOST_DOUBLINGS {
             if self.at(from + step) <= threshold {
                 return Some(self.root(threshold, from, from + step));
             }
@@ -108,21 +109,13 @@ impl Course {
         None
     }
 
-    fn final_voltage(&self) -> f64 {
-        let mode = |i: usize| {
-            let slope: f64 = self.slopes[i];
-            if slope == 0.0 { 0.0 } else { slope / self.rates[i] }
-        };
-        self.start + mode(0) + mode(1)
-    }
-
     /// The crossing in `above`..=`below`, which bracket it: Newton's method, halving where it would leave the
     /// bracket or does not converge.
     fn root(&self, threshold: f64, above: f64, below: f64) -> f64 {
         let (mut above, mut below) = (above, below);
         let mut t = 0.5 * (above + below);
         let mut width = below - above;
-        for _ in 0..MAX_STEPS {
+        for _ in 0..MOST_ROOT_STEPS {
             let excess = self.at(t) - threshold;
             if excess > 0.0 {
                 above = t;
