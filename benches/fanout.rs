@@ -8,8 +8,9 @@
 
 use cermd::reading::{Branch, Measured, Method, Reading, Status};
 use cermd::stream::server::{Limits, Listener, Server};
-use cermd::stream::wire::{ChannelInfo, Unit, UnixTime};
+use cermd::stream::wire::{ChannelInfo, Unit};
 use cermd::units::Nanos;
+use jiff::Timestamp;
 use nix::poll::{PollFd, PollFlags, PollTimeout, poll};
 use nix::sys::resource::{Resource, UsageWho, getrlimit, getrusage, setrlimit};
 use std::io::Read;
@@ -56,9 +57,6 @@ fn round(reading_clients: usize) {
     let channels = [ChannelInfo { id: "thumb".to_owned(), unit: Unit::Newton }];
     let listener = Listener::bind(&path, 0o600).unwrap();
     let mut server = Server::new(listener, &channels, Limits::default()).unwrap();
-    // The ring is filled first: it belongs to the server and not to the clients.
-    let line = format!("{:>500}\n", "");
-    (0..1024).for_each(|_| server.publish_raw(None, Nanos::ZERO, &line));
     let mut clients = ourselves("clients", reading_clients).arg(&path).spawn().unwrap();
 
     let (memory_before, kernel_before) = (status_kib("/proc/self/status", "RssAnon"), kernel_kib());
@@ -73,7 +71,7 @@ fn round(reading_clients: usize) {
             turn(&mut server);
         }
         let published = Instant::now();
-        server.publish_reading(&reading(seq), UnixTime(1_795_232_400_123_456_789));
+        server.publish_reading(&reading(seq), Timestamp::constant(1_795_232_400, 123_456_789));
         turn(&mut server);
         durations.push(published.elapsed());
     }
@@ -121,7 +119,7 @@ fn reading(seq: u64) -> Reading {
 }
 
 fn turn(server: &mut Server) {
-    server.turn(Nanos::ZERO, &mut |_| ()).unwrap();
+    server.turn(Nanos::ZERO, &Default::default).unwrap();
 }
 
 /// Whether the server has something to do before the time is over.

@@ -36,14 +36,28 @@
 //! Equation numbers are those of the paper on the compact error reduction method (wide range calibration for direct
 //! interface circuits).
 
+//!
+//! # Features
+//!
+//! `programs` (default): everything. Without default features there is what a program needs that only listens to the
+//! daemon, and its few dependencies: [`client`], [`wire`], and [`tape`] with the timings of a recording.
+
 pub mod circuit;
+#[cfg(feature = "programs")]
 pub mod config;
+#[cfg(feature = "programs")]
 pub mod ctl;
+#[cfg(feature = "programs")]
 pub mod daemon;
+#[cfg(feature = "programs")]
 pub mod estimate;
+#[cfg(feature = "programs")]
 pub mod instrument;
+#[cfg(feature = "programs")]
 pub mod pins;
 pub mod reading;
 pub mod record;
 pub mod stream;
 pub mod units;
+
+pub use stream::{client, tape, wire};

@@ -5,6 +5,11 @@
 
 use crate::units::Nanos;
 
+/// The most sensors that share one pair of capacitors.
+pub const MAX_CHANNELS: usize = 16;
+/// What is longer is no latency offset d: a slip of the unit.
+pub const LONGEST_LATENCY: Nanos = Nanos(1_000_000);
+
 /// Which resistors a discharge (or a part of it) runs through.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Through {

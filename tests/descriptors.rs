@@ -29,7 +29,7 @@ fn without_descriptors_the_server_neither_spins_nor_forgets() {
     assert_eq!(bench.lines(&mut first).len(), 2, "the others are served meanwhile");
 
     drop(hoard);
-    let turn = |bench: &mut Bench, now| bench.server.turn(now, &mut |_| ()).unwrap();
+    let turn = |bench: &mut Bench, now| bench.server.turn(now, &Default::default).unwrap();
     turn(&mut bench, wake_at - Nanos(1));
     assert_eq!(bench.server.clients(), 1);
     turn(&mut bench, wake_at);

@@ -60,12 +60,17 @@ impl<'a> Recording<'a> {
     fn go_on(&mut self, stream: &mut Stream, interrupt: &Interrupt) -> Result<(), CtlError> {
         while !self.is_over(interrupt) {
             match stream.next()? {
-                Next::Line(_, ServerMessage::Error { message, .. }) => self.lose(&message),
+                // A loss: any other ERROR has ended the recording.
+                Next::Line(_, ServerMessage::Error(error)) => self.lost += error.lost.unwrap_or(1),
                 Next::Line(line, ServerMessage::Reading(reading)) if !self.arguments.raw => {
                     self.reading(&line, &reading)?;
                 }
-                Next::Line(line, ServerMessage::Other { class }) if self.arguments.raw => {
-                    self.of_tape(&line, &class)?;
+                Next::Line(line, ServerMessage::Tape(header)) if self.arguments.raw => {
+                    self.header(&line, *header)?;
+                }
+                Next::Line(line, ServerMessage::Discharge(_)) if self.header.is_some() => {
+                    self.count += 1;
+                    self.write(&line)?;
                 }
                 Next::Line(..) | Next::Quiet => {}
                 Next::Ended => return Err(CtlError::Ended("cermd closed the connection")),
@@ -93,35 +98,17 @@ impl<'a> Recording<'a> {
         }
     }
 
-    /// A header, or a discharge under it. A daemon that has just found its latency offset sends a second header: the
-    /// first one stays, for this tape holds the discharges that the offset was found from.
-    fn of_tape(&mut self, line: &str, class: &str) -> Result<(), CtlError> {
-        match (class, &self.header) {
-            ("TAPE", None) => {
-                let header = Header::parse(line);
-                self.header =
-                    Some(header.map_err(|_| CtlError::Ended("cermd sent a header of another release"))?);
+    /// A daemon that has just found its latency offset sends a second header: the first one stays, for this tape holds the
+    /// discharges that the offset was found from.
+    fn header(&mut self, line: &str, header: Header) -> Result<(), CtlError> {
+        match &self.header {
+            None => {
+                self.header = Some(header);
                 self.write(line)
             }
-            ("TAPE", Some(header)) => {
-                let same = Header::parse(line).is_ok_and(|mut new| {
-                    new.offset_ns = header.offset_ns;
-                    new == *header
-                });
-                if same { Ok(()) } else { Err(CtlError::Ended("the configuration of cermd has changed")) }
-            }
-            ("DISCHARGE", Some(_)) => {
-                self.count += 1;
-                self.write(line)
-            }
-            _ => Ok(()),
+            Some(first) if *first == (Header { offset_ns: first.offset_ns, ..header }) => Ok(()),
+            Some(_) => Err(CtlError::Ended("the configuration of cermd has changed")),
         }
-    }
-
-    /// "N lines of the tape were lost here".
-    fn lose(&mut self, message: &str) {
-        let digits: String = message.chars().take_while(char::is_ascii_digit).collect();
-        self.lost += digits.parse().unwrap_or(1);
     }
 
     /// One line in one call, so that a process that is killed leaves no half line.

@@ -11,8 +11,13 @@ use serde_json::{Map, Value};
 
 /// Prints.
 pub fn run(arguments: &cli::Stats) -> Result<(), CtlError> {
-    let (line, stats) = Stream::connect(&arguments.connection.socket, &[])?.stats()?;
-    print(&(if arguments.json { line + "\n" } else { table(&stats, Terminal::new().unicode()) }))
+    let (line, _) = Stream::connect(&arguments.connection.socket, &[])?.stats()?;
+    if arguments.json {
+        return print(&(line + "\n"));
+    }
+    let mut stats: Map<String, Value> = serde_json::from_str(&line).unwrap_or_default();
+    stats.remove("class");
+    print(&table(&stats, Terminal::new().unicode()))
 }
 
 /// The fields that are known, in the order in which a person asks; later releases have more.

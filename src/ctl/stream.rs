@@ -3,7 +3,7 @@
 use super::CtlError;
 use super::limits::{ANSWER, LOOK_AROUND};
 use crate::stream::client::{Client, ClientError};
-use crate::stream::wire::{ErrorCode, Request, ServerMessage, VersionLine, Watch};
+use crate::stream::wire::{ErrorCode, Request, ServerMessage, StatsLine, VersionLine, Watch};
 use std::path::Path;
 use std::time::{Duration, Instant};
 
@@ -67,10 +67,11 @@ impl Stream {
 
     /// The same; a refusal is an error. What is lost, or not there yet, is none.
     pub fn next(&mut self) -> Result<Next, CtlError> {
-        let is_note = |code: &str| [ErrorCode::Lost, ErrorCode::NoReading].iter().any(|c| c.as_str() == code);
         match self.next_line()? {
-            Next::Line(_, ServerMessage::Error { code, message }) if !is_note(&code) => {
-                Err(CtlError::Refused(message))
+            Next::Line(_, ServerMessage::Error(error))
+                if !matches!(error.code, ErrorCode::Lost | ErrorCode::NoReading) =>
+            {
+                Err(CtlError::Refused(error.message))
             }
             next => Ok(next),
         }
@@ -99,11 +100,11 @@ impl Stream {
         }
     }
 
-    /// What the daemon has counted and learned: the line of STATS, and its fields.
-    pub fn stats(&mut self) -> Result<(String, serde_json::Map<String, serde_json::Value>), CtlError> {
+    /// What the daemon has counted and learned: the line of STATS, and what it says.
+    pub fn stats(&mut self) -> Result<(String, StatsLine), CtlError> {
         self.request(&Request::Stats)?;
         self.wait_for(ANSWER, |line, message| match message {
-            ServerMessage::Stats(stats) => Some((line, stats)),
+            ServerMessage::Stats(stats) => Some((line, *stats)),
             _ => None,
         })
     }

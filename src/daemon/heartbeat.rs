@@ -1,12 +1,8 @@
-//! When to tell the service manager that all is well.
-//!
-//! For: never a sign of life while the measuring thread is stuck. Must not know: clocks, or how the sign is sent.
+//! When to tell the service manager that all is well: never while the measuring thread is stuck.
 
+use super::limits::STATUS_EVERY;
 use crate::units::Nanos;
 use std::time::Duration;
-
-/// From one status line to the next without a watchdog.
-const WITHOUT_WATCHDOG: Duration = Duration::from_secs(5);
 
 /// Decides when the next sign of life is due.
 #[derive(Debug, Clone, Copy)]
@@ -23,7 +19,7 @@ impl Heartbeat {
     /// Half as long as the service manager waits for its watchdog, as sd_watchdog_enabled(3) recommends; `None`: it
     /// does not wait.
     pub fn new(watchdog: Option<Duration>) -> Heartbeat {
-        let every = watchdog.map_or(WITHOUT_WATCHDOG, |timeout| timeout / 2);
+        let every = watchdog.map_or(STATUS_EVERY, |timeout| timeout / 2);
         let every = Nanos(i64::try_from(every.as_nanos()).unwrap_or(i64::MAX));
         Heartbeat { every, due: Nanos::ZERO, beat: None }
     }

@@ -1,19 +1,18 @@
-//! The measuring thread.
-//!
-//! For: running the instrument without ever waiting for anybody: results leave through a ring, and an event
-//! descriptor wakes whoever reads it. Must not know: clients, or what a result is used for.
+//! The measuring thread: it runs the instrument and never waits for anybody. Results leave through a ring, and an event
+//! descriptor wakes whoever reads it.
 //!
 //! In the loop nothing is allocated, logged or locked. A full ring loses results and counts them.
 
 mod interruptible;
 
+use super::limits::{NAP, NAPS_TO_REOPEN, RING, STATS_EVERY, TAKEN_APART};
 use crate::config::Config;
 use crate::config::backend::{self, AnyPins, OpenError};
 use crate::instrument::settings::Settings;
 use crate::instrument::stats::Stats;
 use crate::instrument::{Instrument, Message};
 use crate::pins::realtime::{self, Realtime};
-use crate::pins::{Armed, Bracket, Drives, Edge, Levels, Particulars, Pins, PinsError};
+use crate::pins::{Pins, PinsError};
 use crate::units::Nanos;
 use interruptible::Interruptible;
 use nix::sys::eventfd::{EfdFlags, EventFd};
@@ -24,18 +23,9 @@ use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::thread::{self, JoinHandle};
 use std::time::Duration;
 
-/// Results that the ring holds: a second or more of the fastest cycle with all channels.
-const RING: usize = 4096;
-/// How long to wait before pins that failed are opened again.
-const REOPEN_AFTER: Duration = Duration::from_secs(1);
-/// How long the kernel takes at most to take a chip apart.
-const TAKEN_APART: Duration = Duration::from_millis(100);
-/// How often counters are sent.
-const STATS_EVERY: Nanos = Nanos(250_000_000);
-
 /// What the measuring thread tells.
 #[derive(Debug)]
-pub enum Report {
+pub enum Update {
     /// A reading or a discharge.
     Message(Message),
     /// What became of the wishes of `[realtime]`. Comes first.
@@ -74,7 +64,7 @@ impl Shared {
 #[derive(Debug)]
 pub struct Measuring {
     shared: Arc<Shared>,
-    results: Consumer<Report>,
+    results: Consumer<Update>,
     thread: Option<JoinHandle<()>>,
 }
 
@@ -93,7 +83,7 @@ impl Measuring {
             watched: AtomicBool::new(true),
             wake: EventFd::from_flags(EfdFlags::EFD_CLOEXEC | EfdFlags::EFD_NONBLOCK)?,
         });
-        let worker = Worker { shared: Arc::clone(&shared), sender, config, said: String::new() };
+        let worker = Worker { shared: Arc::clone(&shared), sender, config, said: None };
         let thread = thread::Builder::new()
             .name("cermd-measure".to_owned())
             .spawn(move || worker.run(pins, settings))?;
@@ -106,7 +96,7 @@ impl Measuring {
     }
 
     /// The next result, if there is one.
-    pub fn next(&mut self) -> Option<Report> {
+    pub fn next(&mut self) -> Option<Update> {
         self.results.pop().ok()
     }
 
@@ -153,29 +143,27 @@ impl Drop for Measuring {
 
 struct Worker {
     shared: Arc<Shared>,
-    sender: Producer<Report>,
+    sender: Producer<Update>,
     config: Config,
-    /// What was said last about pins that do not work; empty while they do.
-    said: String,
+    /// What was said last about pins that do not work; `None` while they do.
+    said: Option<String>,
 }
 
 impl Worker {
     fn run(mut self, pins: Option<AnyPins>, settings: Settings) {
         // Rights are the thread's own, and held as long as it lives.
         let realtime = Realtime::request(&self.config.realtime);
-        self.send(Report::Realtime(realtime.rights.clone()));
-        let is_open = pins.is_some();
-        let pins = pins.unwrap_or_else(|| Box::new(Closed));
+        self.send(Update::Realtime(realtime.rights.clone()));
         let mut instrument =
             Instrument::new(Interruptible { pins, shared: Arc::clone(&self.shared) }, settings);
-        if !is_open {
+        if instrument.pins().pins.is_none() {
             self.reopen(&mut instrument);
         }
         let mut stats_due = Nanos::ZERO;
         let mut offset_was_known = false;
         let mut cycles_before = 0;
         while !self.shared.is_stopped() {
-            let result = instrument.step(&mut |message| self.send(Report::Message(message)));
+            let result = instrument.step(&mut |message| self.send(Update::Message(message)));
             if let Err(error) = result {
                 if matches!(error, PinsError::Stopped) {
                     return;
@@ -186,21 +174,21 @@ impl Worker {
                     // above it; a line closed there makes the kernel (7.3) warn in free_irq.
                     thread::sleep(TAKEN_APART);
                 }
-                self.complain(error.to_string(), Report::Failed(error));
+                self.complain(error.to_string(), Update::Failed(error));
                 // The faults are counted, and it may be long until the next word.
-                self.send(Report::Stats(instrument.stats()));
+                self.send(Update::Stats(instrument.stats()));
                 self.reopen(&mut instrument);
             }
-            if !self.said.is_empty() && instrument.stats().cycles > cycles_before {
-                self.said.clear();
-                self.send(Report::Recovered);
+            if self.said.is_some() && instrument.stats().cycles > cycles_before {
+                self.said = None;
+                self.send(Update::Recovered);
             }
             let now = instrument.pins().now();
             let offset_is_known = instrument.cycle().offset_is_known();
             if now >= stats_due || offset_is_known != offset_was_known {
                 stats_due = now + STATS_EVERY;
                 offset_was_known = offset_is_known;
-                self.send(Report::Stats(instrument.stats()));
+                self.send(Update::Stats(instrument.stats()));
             }
         }
     }
@@ -208,95 +196,55 @@ impl Worker {
     /// Opens the pins again until that works or the thread is to stop. What was learned stays.
     fn reopen(&mut self, instrument: &mut Instrument<Interruptible>) {
         // The old pins go first: a line has one holder at a time.
-        instrument.pins().pins = Box::new(Closed);
+        instrument.pins().pins = None;
         loop {
-            let naps = REOPEN_AFTER.as_millis() / 100;
-            for _ in 0..naps {
+            for _ in 0..NAPS_TO_REOPEN {
                 if self.shared.is_stopped() {
                     return;
                 }
-                thread::sleep(Duration::from_millis(100));
+                thread::sleep(Duration::from_nanos(NAP.0.unsigned_abs()));
             }
             let now = instrument.pins().now();
             match backend::open(&self.config, now) {
                 Ok(pins) => {
-                    instrument.pins().pins = pins;
+                    instrument.pins().pins = Some(pins);
                     return;
                 }
-                Err(error) => self.complain(error.to_string(), Report::NotOpened(error)),
+                Err(error) => self.complain(error.to_string(), Update::NotOpened(error)),
             }
             // Silence would look like a daemon that hangs.
-            instrument.report_failure(&mut |message| self.send(Report::Message(message)));
-            self.send(Report::Stats(instrument.stats()));
+            instrument.report_failure(&mut |message| self.send(Update::Message(message)));
+            self.send(Update::Stats(instrument.stats()));
         }
     }
 
     /// Says why the pins do not work, unless that was said last: the same reason every second would fill the log.
-    fn complain(&mut self, why: String, report: Report) {
-        if why != self.said {
-            self.said = why;
-            self.send(report);
+    fn complain(&mut self, why: String, update: Update) {
+        if self.said.as_ref() != Some(&why) {
+            self.said = Some(why);
+            self.send(update);
         }
     }
 
-    fn send(&mut self, report: Report) {
-        let lost = match report {
-            Report::Message(Message::Reading(_)) => Some(&self.shared.lost_readings),
-            Report::Message(Message::Discharge { .. }) => Some(&self.shared.lost_discharges),
-            _ => None,
+    fn send(&mut self, update: Update) {
+        let shared = &self.shared;
+        let (lost, is_urgent) = match update {
+            Update::Message(Message::Reading(_)) => {
+                (Some(&shared.lost_readings), shared.watched.load(Ordering::Relaxed))
+            }
+            // It waits for the reading that it leads to.
+            Update::Message(Message::Discharge { .. }) => (Some(&shared.lost_discharges), false),
+            _ => (None, true),
         };
-        // Discharges wait for the reading that they lead to.
-        let is_urgent = match report {
-            Report::Message(Message::Discharge { .. }) => false,
-            Report::Message(Message::Reading(_)) => self.shared.watched.load(Ordering::Relaxed),
-            _ => true,
-        };
-        if self.sender.push(report).is_err() {
+        if self.sender.push(update).is_err() {
             if let Some(counter) = lost {
                 counter.fetch_add(1, Ordering::Relaxed);
             }
         }
         if is_urgent {
             // It fails only when the counter would overflow: then it is readable anyway.
-            let _ = self.shared.wake.write(1);
+            let _ = shared.wake.write(1);
         }
-    }
-}
-
-/// Stands in while there are no pins.
-struct Closed;
-
-fn closed() -> PinsError {
-    PinsError::Gone { chip: "of before".to_owned(), call: "open", line: "it".to_owned() }
-}
-
-impl Pins for Closed {
-    fn now(&mut self) -> Nanos {
-        super::monotonic()
-    }
-    fn drive(&mut self, _on: Drives) -> Result<Bracket, PinsError> {
-        Err(closed())
-    }
-    fn arm(&mut self) -> Result<Armed, PinsError> {
-        Err(closed())
-    }
-    fn edge(&mut self, _until: Nanos) -> Result<Option<Edge>, PinsError> {
-        Err(closed())
-    }
-    fn sleep_until(&mut self, _at: Nanos) -> Result<(), PinsError> {
-        Err(closed())
-    }
-    fn levels(&mut self) -> Result<Levels, PinsError> {
-        Err(closed())
-    }
-    fn rest_until(&mut self, _at: Nanos) -> Result<(), PinsError> {
-        Err(closed())
-    }
-    fn rest_before_edge(&mut self, _at: Nanos) -> Result<(), PinsError> {
-        Err(closed())
-    }
-    fn particulars(&self) -> Particulars<'_> {
-        Particulars::default()
     }
 }
 

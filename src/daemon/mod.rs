@@ -7,6 +7,7 @@
 //! for it.
 
 mod heartbeat;
+mod limits;
 mod measuring;
 mod publish;
 mod signals;
@@ -17,21 +18,20 @@ use crate::config::{Backend, Config, ConfigError, Finding, Severity};
 use crate::instrument::settings::Settings;
 use crate::pins::Pins;
 use crate::stream::server::{Limits, ListenError, Listener, Server};
+use crate::stream::tape::Header;
 use crate::units::Nanos;
 use heartbeat::Heartbeat;
+use limits::LOOK_AFTER;
 use measuring::Measuring;
 use nix::poll::{PollFd, PollFlags, PollTimeout, poll};
 use nix::time::{ClockId, clock_gettime};
-use publish::Told;
+use publish::Known;
 use sd_notify::NotifyState;
 pub use signals::{Signals, StopHandle};
 use std::io;
 use std::os::fd::AsFd;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
-
-/// How often the main thread looks after the measuring thread when nothing else wakes it.
-const LOOK_AFTER: Duration = Duration::from_millis(500);
 
 /// What is said when a reload fails.
 const KEPT: &str = "the old configuration stays in force";
@@ -91,6 +91,8 @@ fn clock(id: ClockId) -> Nanos {
 pub struct Loaded {
     config: Config,
     settings: Settings,
+    /// Of a tape that begins now, but for an offset that was found since.
+    tape_header: Header,
 }
 
 impl Loaded {
@@ -117,7 +119,8 @@ impl Loaded {
         if config.gpio.backend == Backend::Mock {
             backend::scene(&config)?;
         }
-        Ok(Loaded { settings: config.settings()?, config })
+        let settings = config.settings()?;
+        Ok(Loaded { tape_header: config.tape_header(&settings), settings, config })
     }
 
     /// The configuration.
@@ -145,7 +148,7 @@ pub struct Daemon {
     server: Server,
     signals: Signals,
     loaded: Loaded,
-    told: Told,
+    known: Known,
     started: Nanos,
     heartbeat: Heartbeat,
     /// Whether the service manager waits for signs of life.
@@ -180,7 +183,7 @@ impl Daemon {
         };
         let mut server = Server::new(listener, &publish::channels(&loaded.settings), Limits::default())
             .map_err(system("epoll"))?;
-        server.set_tape_header(&publish::header(config, &loaded.settings, None));
+        server.set_tape_header(&loaded.tape_header);
         let measuring = start_measuring(Some(open(config)?), &loaded)?;
         log::info!("serving {} channel(s) on {place}", config.channels.len());
         let watchdog = sd_notify::watchdog_enabled();
@@ -190,7 +193,7 @@ impl Daemon {
             server,
             signals,
             loaded,
-            told: Told::default(),
+            known: Known::default(),
             started: monotonic(),
             heartbeat: Heartbeat::new(watchdog),
             has_watchdog: watchdog.is_some(),
@@ -208,7 +211,7 @@ impl Daemon {
             let now = monotonic();
             let uptime = now - self.started;
             self.server
-                .turn(now, &mut publish::stats(&self.told, &self.loaded.config, uptime))
+                .turn(now, &|| publish::stats(&self.known, &self.loaded.config, uptime))
                 .map_err(system("epoll_wait"))?;
             self.measuring.set_watched(self.server.is_watched());
             let asked = self.signals.take();
@@ -216,7 +219,7 @@ impl Daemon {
                 notify(&[NotifyState::Stopping, NotifyState::Status("stopping")]);
                 log::info!(
                     "stopping: {} readings in {:.0} s",
-                    self.told.stats.readings,
+                    self.known.stats.readings,
                     (now - self.started).as_seconds()
                 );
                 return Ok(());
@@ -247,10 +250,10 @@ impl Daemon {
     fn publish(&mut self) {
         // Empty when nothing was written since: that is no error.
         let _ = self.measuring.wake().read();
-        let before = self.told.stats;
+        let before = self.known.stats;
         let to_wall = clock(ClockId::CLOCK_REALTIME) - monotonic();
-        while let Some(report) = self.measuring.next() {
-            publish::report(&mut self.server, &mut self.told, &self.loaded, report, to_wall);
+        while let Some(update) = self.measuring.next() {
+            publish::publish(&mut self.server, &mut self.known, &self.loaded, update, to_wall);
         }
         let (readings, discharges) = self.measuring.take_lost();
         if readings + discharges > 0 {
@@ -260,7 +263,7 @@ impl Daemon {
             self.server.miss_readings(readings);
             self.server.miss_raw(discharges);
         }
-        let found = self.told.stats;
+        let found = self.known.stats;
         let is_found = found.offset_is_known && !before.offset_is_known;
         if is_found {
             publish::log_offset(&found);
@@ -273,9 +276,10 @@ impl Daemon {
 
     /// With the offset as soon as it is known: a tape that begins later holds no split discharges to find it from.
     fn announce_tape_header(&mut self) {
-        let stats = &self.told.stats;
-        let found = stats.offset_is_known.then_some(stats.offset.d_ns);
-        self.server.set_tape_header(&publish::header(&self.loaded.config, &self.loaded.settings, found));
+        let stats = &self.known.stats;
+        let mut header = self.loaded.tape_header.clone();
+        header.offset_ns = header.offset_ns.or(stats.offset_is_known.then_some(stats.offset.d_ns));
+        self.server.set_tape_header(&header);
     }
 
     /// Reads the configuration again. The service manager waits for the second of two messages: sd_notify(3) on
@@ -321,7 +325,7 @@ impl Daemon {
                 self.measuring = start_measuring(pins.ok(), &self.loaded)?;
             }
         }
-        self.told = Told::default();
+        self.known = Known::default();
         self.server.set_channels(&publish::channels(&self.loaded.settings));
         self.announce_tape_header();
         Ok(())
@@ -332,7 +336,7 @@ impl Daemon {
         if !self.heartbeat.is_due(now, self.measuring.beat()) {
             return;
         }
-        let status = publish::status_line(&self.told.stats, self.server.clients());
+        let status = publish::status_line(&self.known.stats, self.server.clients());
         let states = [NotifyState::Status(&status), NotifyState::Watchdog];
         notify(if self.has_watchdog { &states } else { &states[..1] });
     }

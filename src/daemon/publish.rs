@@ -1,40 +1,32 @@
-//! What the daemon tells: results to the server, and itself to the log and the service manager.
-//!
-//! For: putting the instrument's results into the words of the stream. Must not know: threads, descriptors.
+//! What the daemon tells: results to the server in the words of the stream, and itself to the log and the service manager.
 
 use super::Loaded;
-use super::measuring::Report;
+use super::limits::GONE_AFTER;
+use super::measuring::Update;
 use crate::config::{Backend, Config};
 use crate::instrument::Message;
 use crate::instrument::diagnosis::LEAKS;
-use crate::instrument::settings::Settings;
+use crate::instrument::settings::{self, Settings};
 use crate::instrument::stats::Stats;
 use crate::pins::realtime::{self, Right};
-use crate::reading::Suspect;
-use crate::reading::{Fault, Reading, Status};
+use crate::reading::{Fault, Reading, Status, Suspect};
 use crate::stream::server::Server;
-use crate::stream::wire::{ChannelInfo, Object, Unit, UnixTime};
+use crate::stream::wire::{ChannelInfo, InstrumentStats, Unit};
 use crate::units::{Nanos, Ohm};
+use jiff::Timestamp;
 
 /// The channels as VERSION announces them.
 pub fn channels(settings: &Settings) -> Vec<ChannelInfo> {
-    let info = |channel: &crate::instrument::settings::Channel| ChannelInfo {
+    let info = |channel: &settings::Channel| ChannelInfo {
         id: channel.id.clone(),
         unit: if channel.force.is_some() { Unit::Newton } else { Unit::Ohm },
     };
     settings.channels.iter().map(info).collect()
 }
 
-/// The header of a tape, as a line; `found`: the latency offset that a calibration has found, ns.
-pub fn header(config: &Config, settings: &Settings, found: Option<f64>) -> String {
-    let mut header = config.tape_header(settings);
-    header.offset_ns = header.offset_ns.or(found);
-    header.to_line() + "\n"
-}
-
-/// What the measuring thread has told about itself.
+/// What is known of the measuring thread and its board.
 #[derive(Debug, Default)]
-pub struct Told {
+pub struct Known {
     /// Its counters.
     pub stats: Stats,
     /// What became of the wishes of `[realtime]`; `None` before its first word.
@@ -42,37 +34,37 @@ pub struct Told {
     /// The GPIO lines cannot be used, and are tried again.
     pub is_away: bool,
     /// What the log has about the board.
-    board: Board,
+    logged: Logged,
 }
-
-/// A suspect that has not shown for so long is gone.
-const GONE_AFTER: Nanos = Nanos(10_000_000_000);
 
 /// What was said about the board, so that it is said once and not with each reading.
 #[derive(Debug, Default)]
-struct Board {
-    suspect: Option<Suspect>,
-    seen: Nanos,
-    leaks: bool,
+struct Logged {
+    /// The last suspect, and when a fault pointed to it last.
+    suspect: Option<(Suspect, Nanos)>,
+    leak: bool,
 }
 
-impl Board {
+impl Logged {
     fn reading(&mut self, reading: &Reading) {
-        if let (Some(suspect), Status::Fault(fault)) = (reading.suspect, reading.status) {
-            self.seen = reading.at;
-            if self.suspect != Some(suspect) {
-                self.suspect = Some(suspect);
-                log::warn!("{fault}: {suspect}");
+        match (reading.status, reading.suspect, self.suspect) {
+            (Status::Fault(fault), Some(suspect), before) => {
+                if before.is_none_or(|(before, _)| before != suspect) {
+                    log::warn!("{fault}: {suspect}");
+                }
+                self.suspect = Some((suspect, reading.at));
             }
-        } else if self.suspect.is_some() && reading.at - self.seen > GONE_AFTER {
-            self.suspect = None;
-            log::info!("nothing is wrong with the board any more");
+            (_, _, Some((_, seen))) if reading.at - seen > GONE_AFTER => {
+                self.suspect = None;
+                log::info!("nothing is wrong with the board any more");
+            }
+            _ => {}
         }
     }
 
     fn stats(&mut self, stats: &Stats) {
-        if let (Some(siemens), false) = (stats.leak_siemens, self.leaks) {
-            self.leaks = true;
+        if let (Some(siemens), false) = (stats.leak_siemens, self.leak) {
+            self.leak = true;
             log::warn!(
                 "a leak of about {:.2}: readings are less certain by what it does to them; look for {LEAKS}",
                 Ohm(1.0 / siemens)
@@ -82,86 +74,79 @@ impl Board {
 }
 
 /// Passes one result on. `to_wall`: from `CLOCK_MONOTONIC` to `CLOCK_REALTIME`.
-pub fn report(server: &mut Server, told: &mut Told, loaded: &Loaded, report: Report, to_wall: Nanos) {
-    match report {
-        Report::Message(Message::Reading(reading)) => {
-            told.board.reading(&reading);
-            server.publish_reading(&reading, UnixTime((reading.at + to_wall).0));
+pub fn publish(server: &mut Server, known: &mut Known, loaded: &Loaded, update: Update, to_wall: Nanos) {
+    match update {
+        Update::Message(Message::Reading(reading)) => {
+            known.logged.reading(&reading);
+            server.publish_reading(&reading, wall_time(reading.at + to_wall));
         }
-        Report::Message(Message::Discharge { seq, record }) => {
+        Update::Message(Message::Discharge { seq, record }) => {
             if server.wants_raw() {
-                let line = loaded.config.tape_header(&loaded.settings).discharge_line(seq, &record) + "\n";
-                server.publish_raw(record.through.channel(), record.start, &line);
+                server.publish_discharge(loaded.tape_header.discharge(seq, &record));
             }
         }
-        Report::Stats(counted) => {
-            told.board.stats(&counted);
-            told.stats = counted;
+        Update::Stats(stats) => {
+            known.logged.stats(&stats);
+            known.stats = stats;
         }
-        Report::Realtime(report) => {
+        Update::Realtime(report) => {
             log_realtime(&report);
-            told.realtime = Some(report);
+            known.realtime = Some(report);
         }
-        Report::Failed(error) => {
-            told.is_away = true;
+        Update::Failed(error) => {
+            known.is_away = true;
             log::error!("{error}; trying again every second");
         }
-        Report::NotOpened(error) => {
-            told.is_away = true;
+        Update::NotOpened(error) => {
+            known.is_away = true;
             log::warn!("{error}");
         }
-        Report::Recovered => {
-            told.is_away = false;
+        Update::Recovered => {
+            known.is_away = false;
             log::info!("the GPIO lines work again");
         }
     }
 }
 
+/// An instant on `CLOCK_REALTIME`. 64 bits of nanoseconds end in 2262, long before the calendar of jiff does.
+fn wall_time(at: Nanos) -> Timestamp {
+    Timestamp::from_nanosecond(at.0.into()).unwrap_or_default()
+}
+
 /// The daemon's own fields of STATS.
-pub fn stats(told: &Told, config: &Config, uptime: Nanos) -> impl FnMut(&mut Object<'_>) {
-    let Told { stats, realtime, is_away, .. } = told;
+pub fn stats(known: &Known, config: &Config, uptime: Nanos) -> InstrumentStats {
+    let Known { stats, realtime, is_away, .. } = known;
     let backend = match config.gpio.backend {
         Backend::Chardev => "chardev",
         Backend::ChardevV1 => "chardev-v1",
         Backend::Mock => "mock",
     };
-    let method = config.method().as_str();
-    move |object| {
-        object.text("backend", backend);
-        object.text("method", method);
-        object.flag("gpio_works", !is_away);
-        object.number("uptime_s", uptime.as_seconds(), 9);
-        object.integer("cycles", stats.cycles);
-        object.integer("readings", stats.readings);
-        object.integer("ok", stats.ok);
-        object.integer("open", stats.open);
-        object.integer("short", stats.short);
-        object.object("faults", |object| {
-            for fault in Fault::ALL {
-                object.integer(fault.as_str(), stats.faults[fault as usize]);
-            }
-        });
-        if let Some(suspect) = stats.suspect {
-            object.text("hint", suspect.as_str());
-        }
-        object.number("leak_ohm", stats.leak_siemens.map(|siemens| 1.0 / siemens), 3);
-        object.integer("retried", stats.retried);
-        object.flag("offset_known", stats.offset_is_known);
-        if stats.offset_is_known {
-            object.number("offset_ns", stats.offset.d_ns, 7);
-            object.number("offset_u_ns", stats.offset.u_d_ns, 3);
-            object.number("r_o_ohm", stats.offset.r_o_ohm.map(|r_o| r_o.0), 5);
-            object.number("r_o_u_ohm", stats.offset.r_o_ohm.map(|r_o| r_o.1), 3);
-        }
-        if let Some(margin) = stats.spin_margin {
-            object.integer("spin_margin_ns", margin.0.unsigned_abs());
-        }
-        object.integer("blind_spots", stats.blind_spots as u64);
-        object.object("realtime", |object| {
-            for (key, outcome) in realtime.iter().flatten() {
-                object.text(key, &outcome.to_string());
-            }
-        });
+    let offset = stats.offset_is_known.then_some(stats.offset);
+    let r_o_ohm = offset.and_then(|offset| offset.r_o_ohm);
+    let faults = Fault::ALL.map(|fault| (fault.as_str().to_owned(), stats.faults[fault as usize]));
+    let wishes = realtime.iter().flatten();
+    InstrumentStats {
+        backend: backend.to_owned(),
+        method: config.method().as_str().to_owned(),
+        gpio_works: !is_away,
+        uptime_s: uptime.as_seconds(),
+        cycles: stats.cycles,
+        readings: stats.readings,
+        ok: stats.ok,
+        open: stats.open,
+        short: stats.short,
+        faults: faults.into(),
+        hint: stats.suspect.map(|suspect| suspect.as_str().to_owned()),
+        leak_ohm: stats.leak_siemens.map(|siemens| 1.0 / siemens),
+        retried: stats.retried,
+        offset_known: stats.offset_is_known,
+        offset_ns: offset.map(|offset| offset.d_ns),
+        offset_u_ns: offset.map(|offset| offset.u_d_ns),
+        r_o_ohm: r_o_ohm.map(|(r_o, _)| r_o),
+        r_o_u_ohm: r_o_ohm.map(|(_, u_r_o)| u_r_o),
+        spin_margin_ns: stats.spin_margin.map(|margin| margin.0.unsigned_abs()),
+        blind_spots: stats.blind_spots as u64,
+        realtime: wishes.map(|(key, outcome)| ((*key).to_owned(), outcome.to_string())).collect(),
     }
 }
 

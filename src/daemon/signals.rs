@@ -1,6 +1,4 @@
-//! Signals as a descriptor to poll.
-//!
-//! For: SIGTERM and SIGINT (end), SIGHUP (reload). Must not know: what either means.
+//! Signals as a descriptor to poll: SIGTERM and SIGINT ask for the end, SIGHUP for a reload.
 
 use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM};
 use signal_hook::{flag, low_level};
@@ -33,9 +31,7 @@ impl Signals {
     /// # Errors
     /// The system refuses a descriptor or a handler.
     pub fn new() -> io::Result<Signals> {
-        let (woken, waker) = UnixStream::pair()?;
-        woken.set_nonblocking(true)?;
-        let signals = Signals { woken, end: Arc::default(), reload: Arc::default() };
+        let (signals, StopHandle { waker, .. }) = Signals::from_handle()?;
         for (signal, asked) in [(SIGTERM, &signals.end), (SIGINT, &signals.end), (SIGHUP, &signals.reload)] {
             // The flag first: handlers run in the order of their registration.
             flag::register(signal, Arc::clone(asked))?;

@@ -20,10 +20,8 @@
 use crate::estimate::noise::{Covariance, Noise};
 use crate::estimate::scatter::SwitchScatter;
 use crate::record::{Record, UNLIKE_CALLS};
-use crate::units::Nanos;
 
-/// What is longer is no latency: a slip of the unit.
-pub const LONGEST: Nanos = Nanos(1_000_000);
+pub use crate::record::LONGEST_LATENCY as LONGEST;
 
 /// What the split calibration found; each uncertainty is 1 sigma.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]

@@ -55,8 +55,7 @@ mod limits;
 pub mod realtime;
 pub mod sim;
 
-/// The most sensor channels that share one pair of capacitors.
-pub const MAX_CHANNELS: usize = 16;
+pub use crate::record::MAX_CHANNELS;
 
 /// The set of lines that drive; every other line is an input.
 ///

@@ -1,9 +1,8 @@
-//! The other end of the socket: what `cermctl` and other Rust programs use.
-//!
-//! For: a connection as lines or messages, and errors that say what to do. Must not know: what is done with them.
+//! The other end of the socket: what `cermctl` and other Rust programs use. It needs no feature of the crate
+//! (`default-features = false`).
 //!
 //! ```no_run
-//! # fn main() -> Result<(), cermd::stream::client::ClientError> {
+//! # fn main() -> Result<(), cermd::client::ClientError> {
 //! use cermd::{client::Client, wire::ServerMessage};
 //! use std::{path::Path, time::Duration};
 //!
@@ -18,12 +17,9 @@
 //! ```
 
 use crate::stream::wire::{
-    Line, LineSplitter, PROTO_MAJOR, Request, ServerMessage, UnreadableLine, VersionLine,
+    ErrorLine, LineSplitter, LineTooLong, PROTO_MAJOR, Request, ServerMessage, UnreadableLine, VersionLine,
 };
-use nix::sys::socket::{self, MsgFlags};
-use nix::unistd::{Gid, Group};
-use std::io::{self, Read};
-use std::os::fd::AsRawFd;
+use std::io::{self, Read, Write};
 use std::os::unix::fs::MetadataExt;
 use std::os::unix::net::UnixStream;
 use std::path::{Path, PathBuf};
@@ -69,10 +65,8 @@ pub enum ClientError {
 /// A connection to a running daemon. Calls wait, at most as long as the time-out.
 #[derive(Debug)]
 pub struct Client {
-    socket: UnixStream,
-    input: LineSplitter,
+    lines: Lines,
     version: VersionLine,
-    timeout: Duration,
 }
 
 impl Client {
@@ -84,15 +78,14 @@ impl Client {
         let socket = UnixStream::connect(path).map_err(|error| explain(path, error))?;
         socket.set_read_timeout(Some(timeout))?;
         socket.set_write_timeout(Some(timeout))?;
-        let version =
-            VersionLine { proto_major: 0, proto_minor: 0, release: String::new(), channels: Vec::new() };
-        let mut client = Client { socket, input: LineSplitter::default(), version, timeout };
-        match client.message()?.ok_or(ClientError::Closed)? {
+        let mut lines = Lines { socket, input: LineSplitter::default(), timeout };
+        let first = lines.next()?.ok_or(ClientError::Closed)?;
+        match ServerMessage::parse(&first)? {
             ServerMessage::Version(version) if version.proto_major != PROTO_MAJOR => {
                 Err(ClientError::OtherProtocol(version.proto_major))
             }
-            ServerMessage::Version(_) => Ok(client),
-            ServerMessage::Error { message, .. } => Err(ClientError::Refused(message)),
+            ServerMessage::Version(version) => Ok(Client { lines, version }),
+            ServerMessage::Error(ErrorLine { message, .. }) => Err(ClientError::Refused(message)),
             _ => Err(UnreadableLine::new("the first line is no VERSION").into()),
         }
     }
@@ -102,8 +95,8 @@ impl Client {
     /// # Errors
     /// The system refuses the time-out.
     pub fn set_timeout(&mut self, timeout: Duration) -> Result<(), ClientError> {
-        self.socket.set_read_timeout(Some(timeout))?;
-        self.timeout = timeout;
+        self.lines.socket.set_read_timeout(Some(timeout))?;
+        self.lines.timeout = timeout;
         Ok(())
     }
 
@@ -117,14 +110,7 @@ impl Client {
     /// # Errors
     /// [`ClientError::Closed`] or [`ClientError::TimedOut`].
     pub fn request(&mut self, request: &Request) -> Result<(), ClientError> {
-        let mut line = Vec::new();
-        request.write(&mut line);
-        let mut rest = line.as_slice();
-        while !rest.is_empty() {
-            let sent = socket::send(self.socket.as_raw_fd(), rest, MsgFlags::MSG_NOSIGNAL);
-            rest = &rest[sent.map_err(|errno| self.failed(errno.into()))?..];
-        }
-        Ok(())
+        self.lines.socket.write_all(&request.to_line()).map_err(|error| self.lines.failed(error))
     }
 
     /// The next line, as it came. `None`: the server has closed the connection; a last line without a newline is
@@ -133,21 +119,7 @@ impl Client {
     /// # Errors
     /// [`ClientError::TimedOut`]: nothing is lost, the call may be repeated.
     pub fn line(&mut self) -> Result<Option<Vec<u8>>, ClientError> {
-        let mut chunk = [0; 16 * 1024];
-        loop {
-            match self.input.next_line() {
-                Some(Line::Whole(line)) => return Ok(Some(line)),
-                Some(Line::TooLong) => return Err(UnreadableLine::new("a line that never ends").into()),
-                None => {}
-            }
-            match self.socket.read(&mut chunk) {
-                Ok(0) => return Ok(None),
-                Ok(length) => self.input.feed(&chunk[..length]),
-                Err(error) if error.kind() == io::ErrorKind::Interrupted => {}
-                Err(error) if error.kind() == io::ErrorKind::ConnectionReset => return Ok(None),
-                Err(error) => return Err(self.failed(error)),
-            }
-        }
+        self.lines.next()
     }
 
     /// The next line, read. `None`: the server has closed the connection.
@@ -169,6 +141,34 @@ impl Client {
             self.version.clone_from(version);
         }
         Ok(message)
+    }
+}
+
+/// The socket as lines.
+#[derive(Debug)]
+struct Lines {
+    socket: UnixStream,
+    input: LineSplitter,
+    timeout: Duration,
+}
+
+impl Lines {
+    fn next(&mut self) -> Result<Option<Vec<u8>>, ClientError> {
+        let mut chunk = [0; 16 * 1024];
+        loop {
+            match self.input.next_line() {
+                Some(Ok(line)) => return Ok(Some(line)),
+                Some(Err(LineTooLong)) => return Err(UnreadableLine::new("a line that never ends").into()),
+                None => {}
+            }
+            match self.socket.read(&mut chunk) {
+                Ok(0) => return Ok(None),
+                Ok(length) => self.input.feed(&chunk[..length]),
+                Err(error) if error.kind() == io::ErrorKind::Interrupted => {}
+                Err(error) if error.kind() == io::ErrorKind::ConnectionReset => return Ok(None),
+                Err(error) => return Err(self.failed(error)),
+            }
+        }
     }
 
     fn failed(&self, error: io::Error) -> ClientError {
@@ -195,10 +195,30 @@ fn who_may_write(path: &Path) -> String {
     let Ok(metadata) = path.metadata() else {
         return "its directory may not be searched by this user".to_owned();
     };
-    let group = Group::from_gid(Gid::from_raw(metadata.gid())).ok().flatten();
-    let group = group.map_or_else(|| metadata.gid().to_string(), |group| group.name);
     if metadata.mode() & 0o020 == 0 {
         return "it is open to its owner only: try sudo, or set [server] mode = \"0660\"".to_owned();
     }
+    let group = group_name(metadata.gid()).unwrap_or_else(|| metadata.gid().to_string());
     format!("it is open to group {group}: sudo usermod -aG {group} $USER, then log in again")
+}
+
+/// Of a local group, where a daemon's group is; usermod takes a number as well.
+fn group_name(gid: u32) -> Option<String> {
+    let groups = std::fs::read_to_string("/etc/group").ok()?;
+    let mut groups = groups.lines().map(|line| line.split(':'));
+    groups.find_map(|mut fields| {
+        let name = fields.next()?;
+        (fields.nth(1)?.parse() == Ok(gid)).then(|| name.to_owned())
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn groups_have_names() {
+        assert_eq!(group_name(0).as_deref(), Some("root"));
+        assert_eq!(group_name(u32::MAX), None);
+    }
 }

@@ -2,8 +2,10 @@
 //!
 //! For: units in types and in text ("2.2 uF"). Must not know: what a quantity is used for.
 
+mod number;
 mod quantity;
 
+pub use number::{measured, rough, rounded, to_places};
 pub use quantity::{
     Ampere, Farad, Hertz, Newton, NewtonOhm, Ohm, ParseQuantityError, Quantity, Seconds, Volt,
 };

@@ -1,7 +1,6 @@
 //! Physical quantities as text: a number, an optional prefix, a unit.
-//!
-//! For: one grammar and one spelling for every quantity of the crate. Must not know: sensible ranges.
 
+use super::number::rounded;
 use serde::de::{self, Visitor};
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 use std::fmt;
@@ -80,11 +79,6 @@ fn write<Q: Quantity>(quantity: Q, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         size if size >= 1e6 || (size < 1e-6 && size > 0.0) => write!(f, "{value:e} {}", Q::UNITS[0]),
         _ => write!(f, "{scaled} {prefix}{}", Q::UNITS[0]),
     }
-}
-
-/// The nearest number with so many significant digits; itself if it is not finite.
-fn rounded(value: f64, digits: usize) -> f64 {
-    format!("{value:.*e}", digits - 1).parse().unwrap_or(value)
 }
 
 /// Reads a quantity out of a string; a bare number is refused, because its unit would be a guess.

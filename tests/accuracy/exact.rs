@@ -68,8 +68,9 @@ fn tape(case: &Case, offset_ns: Option<f64>, splits: usize) -> String {
     let calibration = [case.full(Through::C1), case.full(case.second())];
     let split = std::iter::repeat_n(case.split(0.9), splits);
     let records = calibration.into_iter().chain(split).chain([case.of_sensor()]);
-    let lines = records.zip(1..).map(|(record, seq)| header.discharge_line(seq, &record));
-    [header.to_line()].into_iter().chain(lines).collect::<Vec<_>>().join("\n")
+    let lines =
+        records.zip(1..).map(|(record, seq)| serde_json::to_string(&header.discharge(seq, &record)).unwrap());
+    [serde_json::to_string(&header).unwrap()].into_iter().chain(lines).collect::<Vec<_>>().join("\n")
 }
 
 /// What `cermctl estimate` prints, as relative error of R_x.

@@ -5,9 +5,8 @@
 use super::{CalibrateError, CtlError};
 use crate::ctl::check;
 use crate::estimate::fit::{Fit, Pair};
-use crate::stream::wire::UnixTime;
-use crate::units::{Newton, NewtonOhm};
-use nix::time::{ClockId, clock_gettime};
+use crate::units::{Newton, NewtonOhm, to_places};
+use jiff::Timestamp;
 use std::fs::{self, File};
 use std::io::Write;
 use std::os::unix::fs::{MetadataExt, chown};
@@ -84,7 +83,7 @@ fn edit(text: &str, id: &str, value: &Value, table_name: &str) -> Result<String,
     let channels = document.get_mut("channel").ok_or("there is no [[channel]]")?;
     let channel = find(channels, id).ok_or_else(|| format!("there is no [[channel]] with id = \"{id}\""))?;
     match value {
-        Value::ZeroOhm(ohm) => set(channel, "zero-ohm", rounded(*ohm, 4).into()),
+        Value::ZeroOhm(ohm) => set(channel, "zero-ohm", to_places(*ohm, 4).into()),
         Value::Force(fit, _) => set(channel, "force", characteristic(fit, table_name).into()),
     }
     Ok(document.to_string())
@@ -123,23 +122,17 @@ fn characteristic(fit: &Fit, table_name: &str) -> InlineTable {
     let mut table = InlineTable::new();
     match fit {
         Fit::Alpha { alpha } => {
-            table.insert("alpha", NewtonOhm(rounded(alpha.value, 2)).to_string().into());
+            table.insert("alpha", NewtonOhm(to_places(alpha.value, 2)).to_string().into());
         }
         Fit::Power { at_1_kohm, exponent } => {
-            table.insert("at-1-kohm", Newton(rounded(at_1_kohm.value, 6)).to_string().into());
-            table.insert("exponent", rounded(exponent.value, 6).into());
+            table.insert("at-1-kohm", Newton(to_places(at_1_kohm.value, 6)).to_string().into());
+            table.insert("exponent", to_places(exponent.value, 6).into());
         }
         Fit::Table(_) => {
             table.insert("table", table_name.into());
         }
     }
     table
-}
-
-/// What is written, to so many decimal places: far below what a sensor repeats to.
-fn rounded(value: f64, places: i32) -> f64 {
-    let scale = 10f64.powi(places);
-    (value * scale).round() / scale
 }
 
 fn csv(pairs: &[Pair]) -> String {
@@ -154,10 +147,7 @@ fn file_name(id: &str) -> String {
 
 /// Now, as part of a file name: `20261121T034000Z`.
 fn stamp() -> String {
-    let now = clock_gettime(ClockId::CLOCK_REALTIME).map_or(0, |now| now.tv_sec());
-    let text = UnixTime(now * 1_000_000_000).to_string();
-    let to_seconds: String = text.chars().take(19).filter(char::is_ascii_alphanumeric).collect();
-    to_seconds + "Z"
+    Timestamp::now().strftime("%Y%m%dT%H%M%SZ").to_string()
 }
 
 #[cfg(test)]

@@ -63,10 +63,7 @@ fn take(target: &Target, arguments: &Zero, part: &'static str) -> Result<Vec<f64
     stream.watch(&channels, None, true)?;
     let mut tape = Tape::default();
     while tape.of_sensor < arguments.count {
-        let next = stream.wait_for(NEXT_READING, |line, message| match message {
-            ServerMessage::Other { class } => tape.take(&line, &class),
-            _ => None,
-        });
+        let next = stream.wait_for(NEXT_READING, |_, message| tape.take(message));
         next.map_err(silent("discharge"))?;
     }
     let Some(header) = tape.header else { return Err(CalibrateError::Silent("discharge").into()) };
@@ -84,8 +81,7 @@ fn take(target: &Target, arguments: &Zero, part: &'static str) -> Result<Vec<f64
 /// The method of the daemon.
 fn method(stream: &mut Stream) -> Result<Method, CtlError> {
     let (_, stats) = stream.stats()?;
-    let name = stats.get("method").and_then(serde_json::Value::as_str);
-    let known = Method::ALL.into_iter().find(|method| Some(method.as_str()) == name);
+    let known = Method::ALL.into_iter().find(|method| method.as_str() == stats.instrument.method);
     known.ok_or_else(|| CalibrateError::Silent("method that this release knows").into())
 }
 
@@ -100,13 +96,16 @@ struct Tape {
 
 impl Tape {
     /// Takes a line; `None` if it is of no use.
-    fn take(&mut self, line: &str, class: &str) -> Option<()> {
-        if class == "TAPE" {
+    fn take(&mut self, message: ServerMessage) -> Option<()> {
+        let entry = match message {
             // A later one tells an offset that was found meanwhile: what is before it does not count.
-            *self = Tape { header: Header::parse(line).ok(), ..Tape::default() };
-            return self.header.as_ref().map(|_| ());
-        }
-        let entry = self.header.as_ref()?.parse_discharge(1, line).ok().filter(|_| class == "DISCHARGE")?;
+            ServerMessage::Tape(header) => {
+                *self = Tape { header: Some(*header), ..Tape::default() };
+                return Some(());
+            }
+            ServerMessage::Discharge(line) => self.header.as_ref()?.entry(&line).ok()?,
+            _ => return None,
+        };
         let Entry { record, .. } = entry;
         if record.through.channel().is_some() {
             if self.is_calibrated != [true; 2] {

@@ -100,13 +100,11 @@ fn is_held_by_cermd(refusal: &OpenError) -> bool {
 
 /// The daemon holds the lines: it tells how it fares.
 fn ask_the_daemon(config: &Config) -> Result<Finding, CtlError> {
-    let (_, told) = Stream::connect(&config.server.socket, &[])?.stats()?;
-    let count = |key: &str| told.get(key).and_then(serde_json::Value::as_u64).unwrap_or_default();
-    let faults = told.get("faults").and_then(serde_json::Value::as_object);
-    let faults: u64 = faults.map_or(0, |faults| faults.values().filter_map(serde_json::Value::as_u64).sum());
+    let (_, stats) = Stream::connect(&config.server.socket, &[])?.stats()?;
+    let readings = stats.instrument.readings;
+    let faults: u64 = stats.instrument.faults.values().sum();
     let reason = format!(
-        "cermd holds the lines and measures: {} readings, {faults} of them faults; the circuit was not tested",
-        count("readings")
+        "cermd holds the lines and measures: {readings} readings, {faults} of them faults; the circuit was not tested"
     );
     Ok(Finding::info("gpio", reason)
         .try_this("`cermctl stats` for more, or `systemctl stop cermd`, then this again"))

@@ -4,10 +4,9 @@
 use super::super::text::{measured, rough};
 use super::board::Board;
 use crate::pins::sim::SimPins;
-use crate::stream::wire::{ReadingLine, StatusName};
+use crate::stream::wire::{ReadingLine, StatsLine, StatusName};
 use crate::units::Nanos;
 use console::{Style, style};
-use serde_json::{Map, Value};
 use std::collections::BTreeMap;
 
 /// What to do next.
@@ -67,13 +66,24 @@ impl Tally {
     }
 
     /// The last lines of the demo.
-    pub fn summary(&self, board: &Board, stats: &Map<String, Value>, unicode: bool) -> Vec<String> {
-        let found = Found { stats, unicode };
+    pub fn summary(&self, board: &Board, stats: &StatsLine, unicode: bool) -> Vec<String> {
+        let stats = &stats.instrument;
+        let found = Found { is_sought: !stats.offset_known, unicode };
         let mut lines = vec![String::new(), self.counts()];
         lines.extend(self.fault_names());
         let latency_ns = board.latency_ns();
-        lines.extend(found.row("latency offset", ["offset_ns", "offset_u_ns"], (1e-3, "us"), latency_ns));
-        lines.extend(found.row("pin resistance", ["r_o_ohm", "r_o_u_ohm"], (1.0, "ohm"), board.r_o_ohm()));
+        lines.extend(found.row(
+            "latency offset",
+            [stats.offset_ns, stats.offset_u_ns],
+            (1e-3, "us"),
+            latency_ns,
+        ));
+        lines.extend(found.row(
+            "pin resistance",
+            [stats.r_o_ohm, stats.r_o_u_ohm],
+            (1.0, "ohm"),
+            board.r_o_ohm(),
+        ));
         lines.extend([self.honesty(board), String::new()]);
         lines.extend(
             HINTS.map(|(command, what)| format!(" {}{what}", style(format!("{command:<36}")).bold())),
@@ -134,23 +144,28 @@ fn row(name: &str, text: &str) -> String {
 }
 
 /// What the instrument has found.
-struct Found<'a> {
-    stats: &'a Map<String, Value>,
+struct Found {
+    /// Not everything yet.
+    is_sought: bool,
     unicode: bool,
 }
 
-impl Found<'_> {
-    /// A value with its uncertainty by their keys, and the truth; nothing for a method that does not look for it.
-    fn row(&self, name: &str, keys: [&str; 2], (scale, unit): (f64, &str), truth: f64) -> Option<String> {
-        let [value, u] =
-            keys.map(|key| self.stats.get(key).and_then(Value::as_f64).map(|value| value * scale));
+impl Found {
+    /// A value with its uncertainty, and the truth; nothing for a method that does not look for it.
+    fn row(
+        &self,
+        name: &str,
+        found: [Option<f64>; 2],
+        (scale, unit): (f64, &str),
+        truth: f64,
+    ) -> Option<String> {
+        let [value, u] = found.map(|number| number.map(|number| number * scale));
         let truth = rough(truth * scale, unit);
         if let (Some(value), Some(_)) = (value, u) {
             let found = measured(value, u, unit, self.unicode);
             return Some(row(name, &format!("{found}{}", style(format!(" found, {truth} true")).dim())));
         }
-        let is_sought = self.stats.get("offset_known") == Some(&Value::Bool(false));
-        is_sought
-            .then(|| row(name, &style(format!("still being looked for; {truth} true")).dim().to_string()))
+        let text = style(format!("still being looked for; {truth} true")).dim();
+        self.is_sought.then(|| row(name, &text.to_string()))
     }
 }

@@ -1,5 +1,6 @@
 use super::*;
 use crate::pins::sim::{Scene, SimPins};
+use crate::pins::{Armed, Bracket, Drives, Edge, Levels, Particulars};
 use std::sync::atomic::AtomicU32;
 
 const CONFIG: &str = "[circuit]\nkind = \"two-capacitor\"\nc-a = \"2.2 uF\"\nc-b = \"680 nF\"\nv-th = \"1.1 V\"\n\
@@ -122,8 +123,8 @@ fn a_long_discharge_looks_alive_and_ends_when_it_is_to() {
     // 60 s in pieces of 100 ms.
     assert!(waits.load(Ordering::SeqCst) < 600, "the discharge went on to its deadline");
     assert_eq!(driving.load(Ordering::SeqCst), 0);
-    while let Some(report) = measuring.next() {
-        assert!(matches!(report, Report::Realtime(_) | Report::Stats(_)), "{report:?}");
+    while let Some(update) = measuring.next() {
+        assert!(matches!(update, Update::Realtime(_) | Update::Stats(_)), "{update:?}");
     }
 }
 
@@ -138,8 +139,8 @@ fn a_panic_ends_the_measurement_with_every_line_released() {
         thread::yield_now();
     }
     assert_eq!(driving.load(Ordering::SeqCst), 0);
-    assert!(matches!(measuring.next(), Some(Report::Realtime(_))));
-    assert!(matches!(measuring.next(), Some(Report::Message(_))), "what was measured before is still there");
+    assert!(matches!(measuring.next(), Some(Update::Realtime(_))));
+    assert!(matches!(measuring.next(), Some(Update::Message(_))), "what was measured before is still there");
     measuring.stop();
 }
 
@@ -156,16 +157,16 @@ fn readings_wake_nobody_while_nobody_watches() {
         let (mut readings, mut others) = (0, 1);
         while readings < 200 {
             match measuring.next() {
-                Some(Report::Message(Message::Reading(_))) => readings += 1,
-                Some(Report::Message(Message::Discharge { .. })) => {}
+                Some(Update::Message(Message::Reading(_))) => readings += 1,
+                Some(Update::Message(Message::Discharge { .. })) => {}
                 Some(_) => others += 1,
                 None => thread::yield_now(),
             }
         }
         measuring.stop();
         let wakes = measuring.wake().read().unwrap_or(0);
-        while let Some(report) = measuring.next() {
-            others += u64::from(!matches!(report, Report::Message(_)));
+        while let Some(update) = measuring.next() {
+            others += u64::from(!matches!(update, Update::Message(_)));
         }
         assert_eq!(wakes > others + 100, watched, "{wakes} wake-ups, {others} reports that are no readings");
     }
@@ -191,8 +192,8 @@ fn pins_that_are_missing_are_opened_by_and_by() {
     let mut measuring = Measuring::start(None, config, settings).unwrap();
     let reading = loop {
         match measuring.next() {
-            Some(Report::Message(Message::Reading(reading))) => break reading,
-            Some(Report::NotOpened(error)) => panic!("{error}"),
+            Some(Update::Message(Message::Reading(reading))) => break reading,
+            Some(Update::NotOpened(error)) => panic!("{error}"),
             _ => thread::yield_now(),
         }
     };
@@ -210,14 +211,14 @@ fn a_reason_is_told_once() {
     }
     measuring.stop();
     let (mut complaints, mut faults) = (0, 0);
-    while let Some(report) = measuring.next() {
-        match report {
-            Report::NotOpened(_) => complaints += 1,
-            Report::Message(Message::Reading(reading)) => {
+    while let Some(update) = measuring.next() {
+        match update {
+            Update::NotOpened(_) => complaints += 1,
+            Update::Message(Message::Reading(reading)) => {
                 assert_eq!(reading.status, crate::reading::Status::Fault(crate::reading::Fault::Pins));
                 faults += 1;
             }
-            Report::Realtime(_) | Report::Stats(_) => {}
+            Update::Realtime(_) | Update::Stats(_) => {}
             other => panic!("{other:?}"),
         }
     }

@@ -1,6 +1,5 @@
-//! The socket that clients connect to: handed over by systemd, or bound by ourselves.
-//!
-//! For: never two daemons on one path, never somebody else's file deleted. Must not know: what is said over it.
+//! The socket that clients connect to: handed over by systemd, or bound by ourselves. Never two daemons on one path, never
+//! somebody else's file deleted.
 
 use nix::errno::Errno;
 use nix::fcntl::{Flock, FlockArg};

@@ -1,21 +1,15 @@
-//! One connected client: its socket and its session.
-//!
-//! For: moving bytes between the two without ever waiting. Must not know: other clients.
+//! One connected client: its socket and its session, and the bytes between them. Nothing here ever waits.
 
-use super::StatsFields;
+use super::StatsSource;
 use super::hub::Hub;
 use super::session::Session;
+use crate::stream::limits::serving::{LINES_PER_TURN, READ_BYTES};
 use nix::errno::Errno;
 use nix::sys::epoll::{Epoll, EpollEvent, EpollFlags};
 use nix::sys::socket::{self, MsgFlags, sockopt};
 use nix::unistd::Uid;
 use std::os::fd::AsRawFd;
 use std::os::unix::net::UnixStream;
-
-/// Bytes that are read of one client before the next one has its turn.
-const READ_BYTES: usize = 4096;
-/// Lines that are written to one client before the next one has its turn.
-const LINES_PER_TURN: usize = 32;
 
 /// How every line is sent: never waiting, never raising SIGPIPE.
 pub(super) const SEND: MsgFlags = MsgFlags::MSG_DONTWAIT.union(MsgFlags::MSG_NOSIGNAL);
@@ -36,10 +30,15 @@ pub(super) struct Gone;
 
 impl Peer {
     /// Takes the connection into the watch of `epoll`.
-    pub fn new(socket: UnixStream, hub: &Hub, epoll: &Epoll, token: u64) -> nix::Result<Peer> {
+    pub fn new(
+        socket: UnixStream,
+        hub: &Hub,
+        queue_lines: usize,
+        (epoll, token): (&Epoll, u64),
+    ) -> nix::Result<Peer> {
         let interest = EpollFlags::EPOLLIN;
         epoll.add(&socket, EpollEvent::new(interest, token))?;
-        let session = Session::new(hub, is_privileged(&socket));
+        let session = Session::new(hub, queue_lines, is_privileged(&socket));
         Ok(Peer { socket, session, interest, has_ended: false })
     }
 
@@ -53,7 +52,7 @@ impl Peer {
         &mut self,
         events: EpollFlags,
         hub: &Hub,
-        stats: &mut StatsFields<'_>,
+        stats: &StatsSource<'_>,
         (epoll, token): (&Epoll, u64),
     ) -> Result<(), Gone> {
         if events.intersects(EpollFlags::EPOLLHUP | EpollFlags::EPOLLERR) {
@@ -89,7 +88,7 @@ impl Peer {
     }
 
     /// Returns whether the client has been sent everything there is.
-    fn send(&mut self, hub: &Hub, stats: &mut StatsFields<'_>) -> Result<bool, Gone> {
+    fn send(&mut self, hub: &Hub, stats: &StatsSource<'_>) -> Result<bool, Gone> {
         for _ in 0..LINES_PER_TURN {
             let line = self.session.next_output(hub, stats);
             if line.is_empty() {

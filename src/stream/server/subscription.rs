@@ -1,16 +1,14 @@
-//! What one client wants of the stream.
-//!
-//! For: the filters of WATCH. Must not know: whether, or how, a line gets to the client.
+//! What one client wants of the stream: the filters of WATCH.
 
-use super::ring::{ChannelKey, Entry, Kind};
+use super::published::Content;
 use crate::units::Nanos;
 
 /// What one client wants. A new client wants every reading.
 #[derive(Debug)]
 pub(super) struct Subscription {
     pub enable: bool,
-    /// `None`: every channel.
-    pub channels: Option<Box<[ChannelKey]>>,
+    /// Ids; `None`: every channel.
+    pub channels: Option<Vec<String>>,
     /// Lines of a tape in the place of readings.
     pub raw: bool,
     pub limit: Option<RateLimit>,
@@ -23,24 +21,34 @@ impl Default for Subscription {
 }
 
 impl Subscription {
-    /// Whether this line is wanted. To be asked once for each line, in their order: a wanted one counts
-    /// against the rate.
-    pub fn wants(&mut self, entry: &Entry) -> bool {
-        if !self.enable {
-            return false;
-        }
-        match (entry.kind, self.raw) {
-            (Kind::Reading(channel), false) => {
-                self.wants_channel(channel)
-                    && self.limit.as_mut().is_none_or(|limit| limit.passes(channel, entry.at))
-            }
-            (Kind::Raw(channel), true) => channel.is_none_or(|channel| self.wants_channel(channel)),
-            _ => false,
+    /// Whether lines of this kind are a part of the stream at all.
+    pub fn is_of(&self, content: &Content) -> bool {
+        match content {
+            Content::Version => true,
+            Content::Reading(_) => self.enable && !self.raw,
+            Content::Tape | Content::Discharge(_) => self.enable && self.raw,
         }
     }
 
-    fn wants_channel(&self, channel: ChannelKey) -> bool {
-        self.channels.as_ref().is_none_or(|wanted| wanted.contains(&channel))
+    /// Whether this line is wanted. To be asked once for each line, in their order: a wanted one counts
+    /// against the rate.
+    pub fn wants(&mut self, content: &Content) -> bool {
+        self.is_of(content)
+            && match content {
+                Content::Version | Content::Tape => true,
+                Content::Reading(reading) => {
+                    let (channel, at) = (&reading.channel, Nanos(reading.t_mono_ns));
+                    self.wants_channel(channel)
+                        && self.limit.as_mut().is_none_or(|limit| limit.passes(channel, at))
+                }
+                Content::Discharge(channel) => {
+                    channel.as_ref().is_none_or(|channel| self.wants_channel(channel))
+                }
+            }
+    }
+
+    fn wants_channel(&self, channel: &str) -> bool {
+        self.channels.as_ref().is_none_or(|wanted| wanted.iter().any(|id| id == channel))
     }
 }
 
@@ -49,7 +57,7 @@ impl Subscription {
 pub(super) struct RateLimit {
     period: Nanos,
     /// From when on the next reading of a channel passes.
-    due: Vec<(ChannelKey, Nanos)>,
+    due: Vec<(String, Nanos)>,
 }
 
 impl RateLimit {
@@ -60,9 +68,9 @@ impl RateLimit {
     /// Each passing reading moves the due instant on by at least one period, so the mean rate stays below
     /// `max_hz`; by the grid and not by the last reading, so that jitter of the readings does not turn "at most
     /// 10 Hz" into "every third of 20 Hz".
-    fn passes(&mut self, channel: ChannelKey, at: Nanos) -> bool {
-        let Some((_, due)) = self.due.iter_mut().find(|(key, _)| *key == channel) else {
-            self.due.push((channel, at + self.period));
+    fn passes(&mut self, channel: &str, at: Nanos) -> bool {
+        let Some((_, due)) = self.due.iter_mut().find(|(id, _)| id == channel) else {
+            self.due.push((channel.to_owned(), at + self.period));
             return true;
         };
         // `due` is never more than a period ahead, unless the clock was set back by a restarted simulation.
@@ -83,11 +91,18 @@ mod tests {
     use super::*;
     use proptest::prelude::*;
 
-    const THUMB: ChannelKey = ChannelKey(0);
-    const INDEX: ChannelKey = ChannelKey(1);
+    const THUMB: &str = "thumb";
+    const INDEX: &str = "index";
 
-    fn entry(kind: Kind, at: i64) -> Entry {
-        Entry { kind, at: Nanos(at), line: Vec::new() }
+    fn reading(channel: &str) -> Content {
+        let line = format!(
+            r#"{{"class":"READING","channel":"{channel}","seq":1,"time":"","t_mono_ns":0,"status":"open","lost":0}}"#
+        );
+        Content::Reading(Box::new(serde_json::from_str(&line).unwrap()))
+    }
+
+    fn discharge(channel: Option<&str>) -> Content {
+        Content::Discharge(channel.map(str::to_owned))
     }
 
     fn passed(max_hz: f64, instants: impl IntoIterator<Item = i64>) -> Vec<i64> {
@@ -98,19 +113,20 @@ mod tests {
     #[test]
     fn filters() {
         let mut all = Subscription::default();
-        let mut thumb = Subscription { channels: Some([THUMB].into()), ..Subscription::default() };
+        let mut thumb = Subscription { channels: Some(vec![THUMB.to_owned()]), ..Subscription::default() };
         let mut raw_thumb =
-            Subscription { channels: Some([THUMB].into()), raw: true, ..Subscription::default() };
+            Subscription { channels: Some(vec![THUMB.to_owned()]), raw: true, ..Subscription::default() };
         let mut none = Subscription { enable: false, ..Subscription::default() };
-        let mut wanted_by = |kind| {
-            let entry = entry(kind, 0);
-            [all.wants(&entry), thumb.wants(&entry), raw_thumb.wants(&entry), none.wants(&entry)]
+        let mut wanted_by = |content: Content| {
+            [all.wants(&content), thumb.wants(&content), raw_thumb.wants(&content), none.wants(&content)]
         };
-        assert_eq!(wanted_by(Kind::Reading(THUMB)), [true, true, false, false]);
-        assert_eq!(wanted_by(Kind::Reading(INDEX)), [true, false, false, false]);
-        assert_eq!(wanted_by(Kind::Raw(Some(THUMB))), [false, false, true, false]);
-        assert_eq!(wanted_by(Kind::Raw(Some(INDEX))), [false, false, false, false]);
-        assert_eq!(wanted_by(Kind::Raw(None)), [false, false, true, false]);
+        assert_eq!(wanted_by(reading(THUMB)), [true, true, false, false]);
+        assert_eq!(wanted_by(reading(INDEX)), [true, false, false, false]);
+        assert_eq!(wanted_by(discharge(Some(THUMB))), [false, false, true, false]);
+        assert_eq!(wanted_by(discharge(Some(INDEX))), [false, false, false, false]);
+        assert_eq!(wanted_by(discharge(None)), [false, false, true, false]);
+        assert_eq!(wanted_by(Content::Tape), [false, false, true, false]);
+        assert_eq!(wanted_by(Content::Version), [true; 4]);
     }
 
     #[test]

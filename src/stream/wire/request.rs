@@ -1,14 +1,14 @@
-//! What a client may ask, and how it is refused.
-//!
-//! For: requests in both directions of translation; refusals that say what to do. Must not know: who asks, or
-//! what the answer is.
+//! What a client may ask.
 
-use super::{Line, MAX_LINE_BYTES, Object};
-use serde::Deserialize;
+use super::number::{is_unknown, rate};
+use super::{ErrorCode, ErrorLine, LineTooLong, MAX_LINE_BYTES, to_line};
+use crate::stream::limits::{COMPLAINT, EXCERPT};
+use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value};
 
 /// A request.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[serde(tag = "class", rename_all = "UPPERCASE")]
 pub enum Request {
     /// Choose what is streamed.
     Watch(Watch),
@@ -16,37 +16,27 @@ pub enum Request {
     Poll,
     /// Figures of the daemon.
     Stats,
-    /// What changes the instrument; for root and the daemon's own user.
-    Instrument(Instrument),
-}
-
-/// A request that changes the instrument.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Instrument {
-    /// Calibrate again.
+    /// Calibrate again; for root and the daemon's own user.
     Calibrate,
-    /// Take the present resistance of a channel as a short circuit.
+    /// Take the present resistance of a channel as a short circuit; for root and the daemon's own user.
     Zero,
 }
 
 /// The subscription of one client. Each WATCH replaces the one before; a field left out has its default.
-#[derive(Debug, Clone, PartialEq, Deserialize)]
-#[serde(deny_unknown_fields)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
 pub struct Watch {
     /// Whether anything is streamed. Default: true.
-    #[serde(default = "enabled")]
     pub enable: bool,
     /// Ids of the channels that are wanted. Default: every channel.
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub channels: Option<Vec<String>>,
     /// At most so many readings a second of each channel, Hz. Default: every reading.
+    #[serde(serialize_with = "rate", skip_serializing_if = "is_unknown")]
     pub max_hz: Option<f64>,
     /// The discharges themselves, as lines of a tape, in the place of readings. Default: false.
-    #[serde(default)]
+    #[serde(skip_serializing_if = "std::ops::Not::not")]
     pub raw: bool,
-}
-
-fn enabled() -> bool {
-    true
 }
 
 impl Default for Watch {
@@ -55,84 +45,22 @@ impl Default for Watch {
     }
 }
 
-/// Why a request is refused.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum ErrorCode {
-    /// Not a JSON object with a class, or not the fields of that class.
-    BadRequest,
-    /// No request has this class.
-    UnknownClass,
-    /// No channel has this id.
-    UnknownChannel,
-    /// More than [`MAX_LINE_BYTES`].
-    LineTooLong,
-    /// POLL, but a channel has no reading yet.
-    NoReading,
-    /// Discharges of a raw stream were lost, because the client reads too slowly.
-    Lost,
-    /// Only for root and the daemon's own user.
-    Forbidden,
-    /// Not possible in this version.
-    Unsupported,
-    /// Too many clients.
-    Busy,
-}
-
-impl ErrorCode {
-    /// The name in the stream.
-    pub fn as_str(self) -> &'static str {
-        match self {
-            ErrorCode::BadRequest => "bad-request",
-            ErrorCode::UnknownClass => "unknown-class",
-            ErrorCode::UnknownChannel => "unknown-channel",
-            ErrorCode::LineTooLong => "line-too-long",
-            ErrorCode::NoReading => "no-reading",
-            ErrorCode::Lost => "lost",
-            ErrorCode::Forbidden => "forbidden",
-            ErrorCode::Unsupported => "unsupported",
-            ErrorCode::Busy => "busy",
-        }
-    }
-}
-
-/// An ERROR of the server: what was wrong, and what to do.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Refusal {
-    /// For programs.
-    pub code: ErrorCode,
-    /// For people.
-    pub message: String,
-}
-
-impl Refusal {
-    /// From its parts.
-    pub fn new(code: ErrorCode, message: impl Into<String>) -> Refusal {
-        Refusal { code, message: message.into() }
-    }
-
-    /// Appends it as a line.
-    pub fn write(&self, out: &mut Vec<u8>) {
-        let mut object = Object::line(out, "ERROR");
-        object.text("code", self.code.as_str());
-        object.text("message", &self.message);
-        object.end();
-    }
-}
-
 impl Request {
+    /// As a line, with its newline.
+    pub fn to_line(&self) -> Vec<u8> {
+        to_line(self)
+    }
+
     /// Reads a request.
     ///
     /// # Errors
     /// What is wrong with it, as the answer to its sender.
-    pub fn parse(line: &Line) -> Result<Request, Refusal> {
-        let bytes = match line {
-            Line::Whole(bytes) => bytes,
-            Line::TooLong => {
-                let message =
-                    format!("a line has at most {MAX_LINE_BYTES} bytes; skipped up to the next newline");
-                return Err(Refusal::new(ErrorCode::LineTooLong, message));
-            }
-        };
+    pub fn parse(line: Result<&[u8], LineTooLong>) -> Result<Request, ErrorLine> {
+        let bytes = line.map_err(|LineTooLong| {
+            let message =
+                format!("a line has at most {MAX_LINE_BYTES} bytes; skipped up to the next newline");
+            ErrorLine::new(ErrorCode::LineTooLong, message)
+        })?;
         let text = std::str::from_utf8(bytes).map_err(|error| {
             bad(format!("not UTF-8 after byte {}: send JSON as UTF-8", error.valid_up_to()))
         })?;
@@ -152,31 +80,31 @@ impl Request {
         }
     }
 
-    fn of_class(class: &str, fields: Map<String, Value>) -> Result<Request, Refusal> {
+    fn of_class(class: &str, fields: Map<String, Value>) -> Result<Request, ErrorLine> {
         let request = match class {
-            "WATCH" => return Request::watch(fields),
+            "WATCH" => return Watch::read(fields).map(Request::Watch),
             "POLL" => Request::Poll,
             "STATS" => Request::Stats,
-            "CALIBRATE" => Request::Instrument(Instrument::Calibrate),
-            "ZERO" => Request::Instrument(Instrument::Zero),
+            // The fields of what changes the instrument are judged where it is done.
+            "CALIBRATE" => return Ok(Request::Calibrate),
+            "ZERO" => return Ok(Request::Zero),
             _ => {
                 let message =
                     format!("no class \"{}\": it is one of \"WATCH\", \"POLL\", \"STATS\"", excerpt(class));
-                return Err(Refusal::new(ErrorCode::UnknownClass, message));
+                return Err(ErrorLine::new(ErrorCode::UnknownClass, message));
             }
         };
         match fields.keys().next() {
-            // The fields of what changes the instrument are judged where it is done.
-            Some(key) if !matches!(request, Request::Instrument(_)) => {
-                Err(bad(format!("{class} has no field \"{}\": leave it out", excerpt(key))))
-            }
-            _ => Ok(request),
+            Some(key) => Err(bad(format!("{class} has no field \"{}\": leave it out", excerpt(key)))),
+            None => Ok(request),
         }
     }
+}
 
-    fn watch(fields: Map<String, Value>) -> Result<Request, Refusal> {
+impl Watch {
+    fn read(fields: Map<String, Value>) -> Result<Watch, ErrorLine> {
         let watch: Watch = serde_json::from_value(Value::Object(fields))
-            .map_err(|error| bad(format!("WATCH: {}", excerpt_of(&error.to_string(), 200))))?;
+            .map_err(|error| bad(format!("WATCH: {}", shortened(&error.to_string(), COMPLAINT))))?;
         if watch.channels.as_ref().is_some_and(Vec::is_empty) {
             return Err(bad("WATCH: \"channels\" is empty: leave it out for every channel, or name some"));
         }
@@ -186,43 +114,20 @@ impl Request {
         if watch.raw && watch.max_hz.is_some() {
             return Err(bad("WATCH: \"raw\" does not go with \"max_hz\": a tape has no gaps"));
         }
-        Ok(Request::Watch(watch))
-    }
-
-    /// Appends it as a line.
-    pub fn write(&self, out: &mut Vec<u8>) {
-        let class = match self {
-            Request::Watch(_) => "WATCH",
-            Request::Poll => "POLL",
-            Request::Stats => "STATS",
-            Request::Instrument(Instrument::Calibrate) => "CALIBRATE",
-            Request::Instrument(Instrument::Zero) => "ZERO",
-        };
-        let mut object = Object::line(out, class);
-        if let Request::Watch(watch) = self {
-            object.flag("enable", watch.enable);
-            if let Some(channels) = &watch.channels {
-                object.texts("channels", channels.iter().map(String::as_str));
-            }
-            object.number("max_hz", watch.max_hz, 9);
-            if watch.raw {
-                object.flag("raw", true);
-            }
-        }
-        object.end();
+        Ok(watch)
     }
 }
 
-fn bad(message: impl Into<String>) -> Refusal {
-    Refusal::new(ErrorCode::BadRequest, message)
+fn bad(message: impl Into<String>) -> ErrorLine {
+    ErrorLine::new(ErrorCode::BadRequest, message)
 }
 
-/// As much of a client's own text as an answer repeats: answers stay short whatever was sent.
+/// As much of a client's own text as an answer repeats.
 pub(crate) fn excerpt(text: &str) -> String {
-    excerpt_of(text, 40)
+    shortened(text, EXCERPT)
 }
 
-fn excerpt_of(text: &str, characters: usize) -> String {
+fn shortened(text: &str, characters: usize) -> String {
     match text.char_indices().nth(characters) {
         Some((end, _)) => format!("{}...", &text[..end]),
         None => text.to_owned(),
@@ -234,8 +139,8 @@ mod tests {
     use super::*;
     use proptest::prelude::*;
 
-    fn parse(text: &str) -> Result<Request, Refusal> {
-        Request::parse(&Line::Whole(text.as_bytes().to_vec()))
+    fn parse(text: &str) -> Result<Request, ErrorLine> {
+        Request::parse(Ok(text.as_bytes()))
     }
 
     fn code(text: &str) -> ErrorCode {
@@ -254,7 +159,7 @@ mod tests {
         assert_eq!(parse(r#"{"class":"WATCH"}"#), Ok(Request::Watch(Watch::default())));
         assert_eq!(parse(r#" {"class" : "POLL"} "#), Ok(Request::Poll));
         assert_eq!(parse(r#"{"class":"STATS"}"#), Ok(Request::Stats));
-        assert_eq!(parse(r#"{"class":"ZERO","channel":"thumb"}"#), Ok(Request::Instrument(Instrument::Zero)));
+        assert_eq!(parse(r#"{"class":"ZERO","channel":"thumb"}"#), Ok(Request::Zero));
     }
 
     #[test]
@@ -269,13 +174,12 @@ mod tests {
             Request::Watch(Watch { raw: true, ..Watch::default() }),
             Request::Poll,
             Request::Stats,
-            Request::Instrument(Instrument::Calibrate),
+            Request::Calibrate,
         ];
         for request in requests {
-            let mut line = Vec::new();
-            request.write(&mut line);
+            let mut line = request.to_line();
             assert_eq!(line.pop(), Some(b'\n'));
-            assert_eq!(Request::parse(&Line::Whole(line)), Ok(request));
+            assert_eq!(Request::parse(Ok(&line)), Ok(request));
         }
     }
 
@@ -308,8 +212,8 @@ mod tests {
             assert_eq!(code(text), ErrorCode::BadRequest, "{text}");
         }
         assert_eq!(code(r#"{"class":"watch"}"#), ErrorCode::UnknownClass);
-        assert_eq!(Request::parse(&Line::TooLong).unwrap_err().code, ErrorCode::LineTooLong);
-        let binary = Request::parse(&Line::Whole(vec![b'{', 0xff, 0x00])).unwrap_err();
+        assert_eq!(Request::parse(Err(LineTooLong)).unwrap_err().code, ErrorCode::LineTooLong);
+        let binary = Request::parse(Ok(&[b'{', 0xff, 0x00])).unwrap_err();
         assert_eq!((binary.code, binary.message.contains("UTF-8")), (ErrorCode::BadRequest, true));
         assert_eq!(code(&"[".repeat(60_000)), ErrorCode::BadRequest);
     }
@@ -320,8 +224,7 @@ mod tests {
         let bad_requests =
             [format!(r#"{{"class":"{long}"}}"#), format!(r#"{{"class":"WATCH","{long}":1}}"#), long.clone()];
         for text in bad_requests {
-            let mut answer = Vec::new();
-            parse(&text).unwrap_err().write(&mut answer);
+            let answer = to_line(&parse(&text).unwrap_err());
             assert!(answer.len() < 600, "{} bytes", answer.len());
         }
     }
@@ -329,7 +232,7 @@ mod tests {
     proptest! {
         #[test]
         fn any_bytes_get_an_answer(bytes in prop::collection::vec(any::<u8>(), 0..200)) {
-            let _ = Request::parse(&Line::Whole(bytes));
+            let _ = Request::parse(Ok(&bytes));
         }
     }
 }

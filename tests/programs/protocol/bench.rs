@@ -2,8 +2,9 @@
 
 use cermd::reading::{Branch, Measured, Method, Reading, Status};
 use cermd::stream::server::{Limits, Listener, Server};
-use cermd::stream::wire::{ChannelInfo, Unit, UnixTime};
+use cermd::stream::wire::{ChannelInfo, InstrumentStats, Unit};
 use cermd::units::Nanos;
+use jiff::Timestamp;
 use nix::poll::{PollFd, PollFlags, PollTimeout, poll};
 use serde_json::Value;
 use std::io::{ErrorKind, Read, Write};
@@ -13,7 +14,7 @@ use std::os::unix::net::UnixStream;
 use std::path::PathBuf;
 
 /// The wall-clock time of every reading.
-pub const TIME: UnixTime = UnixTime(1_795_232_400_123_456_789);
+pub const TIME: Timestamp = Timestamp::constant(1_795_232_400, 123_456_789);
 
 /// Two channels.
 pub fn channels() -> [ChannelInfo; 2] {
@@ -67,7 +68,8 @@ impl Bench {
     /// Lets the server do all it can do now.
     pub fn settle(&mut self) {
         loop {
-            self.server.turn(Nanos::ZERO, &mut |stats| stats.number("uptime_s", 12.5, 3)).unwrap();
+            let stats = || InstrumentStats { uptime_s: 12.5, ..InstrumentStats::default() };
+            self.server.turn(Nanos::ZERO, &stats).unwrap();
             let mut fds = [PollFd::new(self.server.as_fd(), PollFlags::POLLIN)];
             if poll(&mut fds, PollTimeout::ZERO).unwrap() == 0 {
                 return;

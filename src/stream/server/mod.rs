@@ -1,11 +1,10 @@
 //! The unix socket: readings to any number of clients, none of which can delay the instrument or another client.
 //!
-//! For: who is connected, who is ready, who is gone. Must not know: how readings come to be, or threads.
-//!
-//! Each line is formatted once into a ring. A client is a position in that ring, a subscription and at
-//! most one answer that it has not read yet. The kernel's buffer of each socket is kept small. So a
-//! client that never reads costs a bounded amount of memory and no time; when the ring overtakes it, it loses its
-//! oldest lines and the next one it gets says how many.
+//! Each line is made once and shared. A client is a queue of such lines, a subscription and at most one answer that it has
+//! not read yet. The kernel's buffer of each socket is kept small. So a client that never reads costs a bounded amount of
+//! memory and no time; when its queue is full, it loses its oldest reading and the next one it gets says how many. That is,
+//! with the default [`Limits`]: 8 KiB for the queue, 64 KiB for an unfinished request, one answer, and 32 KiB in the kernel;
+//! the lines that queues share are the last 1024 readings and as many discharges, whatever the number of clients.
 //!
 //! One thread drives it: poll the descriptor of the [`Server`] for input beside whatever else there is, and call
 //! [`turn`](Server::turn) whenever it is ready, something was published, or [`wake_at`](Server::wake_at) has come.
@@ -13,56 +12,55 @@
 mod hub;
 mod listener;
 mod peer;
-mod ring;
+mod published;
 mod session;
 mod subscription;
 
 pub use listener::{ListenError, Listener};
 
+use super::limits::serving::{
+    ACCEPT_PAUSE, ACCEPTS_PER_TURN, CLIENTS, EVENTS_PER_TURN, QUEUE_LINES, SEND_BUFFER_BYTES,
+};
+use super::tape::{DischargeLine, Header};
+use super::wire::{ChannelInfo, ErrorCode, ErrorLine, InstrumentStats, to_line};
 use crate::reading::Reading;
-use crate::stream::wire::{ChannelInfo, ErrorCode, Object, Refusal, UnixTime};
 use crate::units::Nanos;
 use hub::Hub;
+use jiff::Timestamp;
 use nix::errno::Errno;
 use nix::sys::epoll::{Epoll, EpollCreateFlags, EpollEvent, EpollFlags, EpollTimeout};
 use nix::sys::socket::{self, sockopt};
 use peer::{Peer, SEND};
-use ring::Kind;
+use published::Published;
 use std::collections::BTreeMap;
 use std::io;
 use std::os::fd::{AsFd, AsRawFd, BorrowedFd};
 use std::os::unix::net::UnixStream;
+use std::sync::Arc;
 
 /// What bounds the server.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Limits {
     /// Clients at a time; the next one is told "busy" and closed.
     pub clients: usize,
-    /// Lines that are kept for clients that read slowly.
-    pub ring_lines: usize,
+    /// Lines that wait for a client that reads slowly.
+    pub queue_lines: usize,
     /// `SO_SNDBUF` of each client, bytes; the kernel takes twice that for a client that does not read (and no
     /// line that is longer than that in one piece).
     pub send_buffer_bytes: usize,
 }
 
 impl Default for Limits {
-    /// 10 s at 100 lines/s; 32 MiB in the kernel with 1024 clients that all do not read.
     fn default() -> Limits {
-        Limits { clients: 1024, ring_lines: 1024, send_buffer_bytes: 16 * 1024 }
+        Limits { clients: CLIENTS, queue_lines: QUEUE_LINES, send_buffer_bytes: SEND_BUFFER_BYTES }
     }
 }
 
-/// Connections that are accepted in one turn.
-const ACCEPTS_PER_TURN: usize = 64;
-/// Ready descriptors of one turn; the others stay ready.
-const EVENTS_PER_TURN: usize = 64;
-/// How long accepting rests when the process or the system is out of descriptors or memory.
-const ACCEPT_PAUSE: Nanos = Nanos(100_000_000);
 /// The token of the listener; clients count from 1.
 const LISTENER: u64 = 0;
 
-/// Writes the daemon's own fields of a STATS answer.
-pub type StatsFields<'a> = dyn FnMut(&mut Object<'_>) + 'a;
+/// Tells the daemon's own part of a STATS answer.
+pub type StatsSource<'a> = dyn Fn() -> InstrumentStats + 'a;
 
 /// The server. Its descriptor is readable when a [`turn`](Server::turn) has something to do.
 #[derive(Debug)]
@@ -90,7 +88,7 @@ impl Server {
         Ok(Server {
             epoll,
             listener,
-            hub: Hub::new(channels, limits.ring_lines),
+            hub: Hub::new(channels),
             clients: BTreeMap::new(),
             limits,
             last_token: LISTENER,
@@ -104,7 +102,7 @@ impl Server {
         self.clients.len()
     }
 
-    /// Whether any client wants the lines of [`publish_raw`](Server::publish_raw). If not, spare the formatting.
+    /// Whether any client wants the lines of [`publish_discharge`](Server::publish_discharge).
     pub fn wants_raw(&self) -> bool {
         self.clients.values().any(|client| client.session.wants_raw())
     }
@@ -118,34 +116,35 @@ impl Server {
     /// hold by id.
     pub fn set_channels(&mut self, channels: &[ChannelInfo]) {
         self.hub.set_channels(channels);
-        self.has_news = true;
+        self.publish(&Arc::clone(&self.hub.version));
     }
 
-    /// The line (with its newline) that begins a tape: whoever watches raw gets it first, and when it changes.
-    pub fn set_tape_header(&mut self, line: &str) {
-        self.hub.tape_header = line.as_bytes().to_vec();
-        let at = self.hub.ring.next();
-        self.clients.values_mut().for_each(|client| client.session.announce_tape_header(at));
-        self.has_news = true;
+    /// What begins a tape: whoever watches raw gets it first, and when it changes.
+    pub fn set_tape_header(&mut self, header: &Header) {
+        let header = Published::tape(header);
+        self.hub.tape_header = Some(Arc::clone(&header));
+        self.publish(&header);
     }
 
     /// Publishes a reading. `time` is `reading.at` on the wall clock. It is sent by the next turn, and formatted only if
     /// somebody wants it.
-    pub fn publish_reading(&mut self, reading: &Reading, time: UnixTime) {
+    pub fn publish_reading(&mut self, reading: &Reading, time: Timestamp) {
         self.hub.keep_reading(reading, time);
         if self.clients.values().any(|client| client.session.wants_readings()) {
-            self.make_room();
-            self.hub.push_reading(reading.channel);
-            self.has_news = true;
+            if let Some(published) = self.hub.last_reading(reading.channel) {
+                self.publish(&published);
+            }
         }
     }
 
-    /// Publishes a line of a tape, with its newline; of one channel (by index), or of all. `at`: when the
-    /// discharge began.
-    pub fn publish_raw(&mut self, channel: Option<usize>, at: Nanos, line: &str) {
-        self.make_room();
-        let key = channel.and_then(|index| self.hub.key(index));
-        self.hub.ring.push(Kind::Raw(key), at, |out| out.extend_from_slice(line.as_bytes()));
+    /// Publishes a discharge to those that watch raw.
+    pub fn publish_discharge(&mut self, discharge: DischargeLine) {
+        self.publish(&Published::discharge(discharge));
+    }
+
+    /// Each client takes it into its queue; the next turn sends it.
+    fn publish(&mut self, published: &Arc<Published>) {
+        self.hub.lost += self.clients.values_mut().map(|client| client.session.queue(published)).sum::<u64>();
         self.has_news = true;
     }
 
@@ -165,17 +164,6 @@ impl Server {
         }
     }
 
-    /// Counts the line that goes next as lost by those that have not got it.
-    fn make_room(&mut self) {
-        if let Some((position, entry)) = self.hub.ring.oldest_to_go() {
-            let overtaken = self
-                .clients
-                .values_mut()
-                .filter_map(|client| client.session.overtaken(position, entry).then_some(()));
-            self.hub.lost += overtaken.count() as u64;
-        }
-    }
-
     /// When a turn is due even if nothing happens; `None`: never.
     pub fn wake_at(&self) -> Option<Nanos> {
         self.accept_again_at
@@ -185,7 +173,7 @@ impl Server {
     ///
     /// # Errors
     /// Only of epoll itself: no failure of a client is one of the server.
-    pub fn turn(&mut self, now: Nanos, stats: &mut StatsFields<'_>) -> io::Result<()> {
+    pub fn turn(&mut self, now: Nanos, stats: &StatsSource<'_>) -> io::Result<()> {
         let mut events = [EpollEvent::empty(); EVENTS_PER_TURN];
         let ready = match self.epoll.wait(&mut events, EpollTimeout::ZERO) {
             Ok(ready) => ready,
@@ -209,7 +197,7 @@ impl Server {
     }
 
     /// Offers what is new to every client that is not busy with something older.
-    fn spread_news(&mut self, stats: &mut StatsFields<'_>) {
+    fn spread_news(&mut self, stats: &StatsSource<'_>) {
         let waiting = self.clients.iter().filter(|(_, client)| !client.is_behind());
         let tokens: Vec<u64> = waiting.map(|(&token, _)| token).collect();
         for token in tokens {
@@ -217,7 +205,7 @@ impl Server {
         }
     }
 
-    fn attend(&mut self, token: u64, events: EpollFlags, stats: &mut StatsFields<'_>) {
+    fn attend(&mut self, token: u64, events: EpollFlags, stats: &StatsSource<'_>) {
         let Some(client) = self.clients.get_mut(&token) else { return };
         if client.attend(events, &self.hub, stats, (&self.epoll, token)).is_err() {
             // Closing the socket takes it out of epoll, too.
@@ -227,7 +215,7 @@ impl Server {
         }
     }
 
-    fn accept_some(&mut self, now: Nanos, stats: &mut StatsFields<'_>) -> io::Result<()> {
+    fn accept_some(&mut self, now: Nanos, stats: &StatsSource<'_>) -> io::Result<()> {
         for _ in 0..ACCEPTS_PER_TURN {
             match self.listener.accept() {
                 Ok(socket) => self.admit(socket, stats),
@@ -258,11 +246,10 @@ impl Server {
         Ok(is_due)
     }
 
-    fn admit(&mut self, socket: UnixStream, stats: &mut StatsFields<'_>) {
+    fn admit(&mut self, socket: UnixStream, stats: &StatsSource<'_>) {
         if self.clients.len() >= self.limits.clients {
-            let mut line = Vec::new();
             let message = format!("all {} connections are in use: try again later", self.limits.clients);
-            Refusal::new(ErrorCode::Busy, message).write(&mut line);
+            let line = to_line(&ErrorLine::new(ErrorCode::Busy, message));
             let _ = socket::send(socket.as_raw_fd(), &line, SEND);
             return;
         }
@@ -270,7 +257,7 @@ impl Server {
         let _ = socket::setsockopt(&socket, sockopt::SndBuf, &self.limits.send_buffer_bytes);
         self.last_token += 1;
         let token = self.last_token;
-        match Peer::new(socket, &self.hub, &self.epoll, token) {
+        match Peer::new(socket, &self.hub, self.limits.queue_lines, (&self.epoll, token)) {
             Ok(peer) => {
                 self.clients.insert(token, peer);
                 self.hub.clients = self.clients.len();

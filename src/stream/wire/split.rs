@@ -1,17 +1,10 @@
 //! Framing: from chunks of bytes to lines.
-//!
-//! For: a bound on what an unfinished line can cost. Must not know: what is in a line.
 
 use super::MAX_LINE_BYTES;
 
-/// What stands between two newlines.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub enum Line {
-    /// Its bytes, without the newline (and without a carriage return before it).
-    Whole(Vec<u8>),
-    /// More than [`MAX_LINE_BYTES`]; its bytes were thrown away.
-    TooLong,
-}
+/// A line had more than [`MAX_LINE_BYTES`]; its bytes were thrown away.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct LineTooLong;
 
 /// Cuts a stream of bytes into lines.
 ///
@@ -44,18 +37,18 @@ impl LineSplitter {
         self.buffer.extend_from_slice(fresh);
     }
 
-    /// The next line, if all of it (or too much of it) has come.
-    pub fn next_line(&mut self) -> Option<Line> {
+    /// The next line, if all of it (or too much of it) has come, without its newline (and a carriage return before that).
+    pub fn next_line(&mut self) -> Option<Result<Vec<u8>, LineTooLong>> {
         let line = match self.end_of_line() {
             Some(end) => {
                 let bytes = &self.buffer[self.start..end];
                 self.start = end + 1;
-                if bytes.len() < MAX_LINE_BYTES { Line::Whole(without_return(bytes)) } else { Line::TooLong }
+                if bytes.len() < MAX_LINE_BYTES { Ok(without_return(bytes)) } else { Err(LineTooLong) }
             }
             None if self.is_full() => {
                 self.skipping = true;
                 self.start = self.buffer.len();
-                Line::TooLong
+                Err(LineTooLong)
             }
             None => {
                 self.searched = self.buffer.len();
@@ -103,7 +96,7 @@ mod tests {
     use super::*;
     use proptest::prelude::*;
 
-    fn split(stream: &[u8], chunk_lengths: impl Iterator<Item = usize>) -> Vec<Line> {
+    fn split(stream: &[u8], chunk_lengths: impl Iterator<Item = usize>) -> Vec<Result<Vec<u8>, LineTooLong>> {
         let (mut splitter, mut lines, mut rest) = (LineSplitter::default(), Vec::new(), stream);
         for length in chunk_lengths {
             let (chunk, later) = rest.split_at(length.min(rest.len()));
@@ -119,17 +112,19 @@ mod tests {
     }
 
     /// The same by the definition: everything between newlines.
-    fn reference(stream: &[u8]) -> Vec<Line> {
+    fn reference(stream: &[u8]) -> Vec<Result<Vec<u8>, LineTooLong>> {
         let mut pieces: Vec<&[u8]> = stream.split(|&byte| byte == b'\n').collect();
         let unfinished = pieces.pop().unwrap();
-        let mut lines: Vec<Line> = pieces
+        let mut lines: Vec<Result<Vec<u8>, LineTooLong>> = pieces
             .into_iter()
-            .map(|piece| {
-                if piece.len() < MAX_LINE_BYTES { Line::Whole(without_return(piece)) } else { Line::TooLong }
-            })
+            .map(
+                |piece| {
+                    if piece.len() < MAX_LINE_BYTES { Ok(without_return(piece)) } else { Err(LineTooLong) }
+                },
+            )
             .collect();
         if unfinished.len() >= MAX_LINE_BYTES {
-            lines.push(Line::TooLong);
+            lines.push(Err(LineTooLong));
         }
         lines
     }
@@ -160,13 +155,13 @@ mod tests {
     fn nothing_is_held_between_lines() {
         let mut splitter = LineSplitter::default();
         splitter.feed(b"one\r\ntwo\nthr");
-        assert_eq!(splitter.next_line(), Some(Line::Whole(b"one".to_vec())));
+        assert_eq!(splitter.next_line(), Some(Ok(b"one".to_vec())));
         assert!(splitter.has_line());
-        assert_eq!(splitter.next_line(), Some(Line::Whole(b"two".to_vec())));
+        assert_eq!(splitter.next_line(), Some(Ok(b"two".to_vec())));
         assert!(!splitter.has_line() && splitter.is_amid_line());
         assert_eq!(splitter.next_line(), None);
         splitter.feed(b"ee\n");
-        assert_eq!(splitter.next_line(), Some(Line::Whole(b"three".to_vec())));
+        assert_eq!(splitter.next_line(), Some(Ok(b"three".to_vec())));
         assert!(!splitter.is_amid_line());
         assert_eq!(splitter.buffer.capacity(), 0);
     }
@@ -178,12 +173,12 @@ mod tests {
         for _ in 0..256 {
             splitter.feed(&[b'x'; 4096]);
             while let Some(line) = splitter.next_line() {
-                assert_eq!(line, Line::TooLong);
+                assert_eq!(line, Err(LineTooLong));
                 told += 1;
             }
         }
         assert_eq!(told, 1);
         splitter.feed(b"xx\nnext\n");
-        assert_eq!(splitter.next_line(), Some(Line::Whole(b"next".to_vec())));
+        assert_eq!(splitter.next_line(), Some(Ok(b"next".to_vec())));
     }
 }

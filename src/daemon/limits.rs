@@ -1,0 +1,22 @@
+//! The constants of the daemon.
+
+use crate::units::Nanos;
+use std::time::Duration;
+
+/// How often the main thread looks after the measuring thread when nothing else wakes it.
+pub const LOOK_AFTER: Duration = Duration::from_millis(500);
+/// From one status line to the next where the service manager has no watchdog.
+pub const STATUS_EVERY: Duration = Duration::from_secs(5);
+/// A suspect of the board that has not shown for so long is gone.
+pub const GONE_AFTER: Nanos = Nanos(10_000_000_000);
+
+/// Results that wait between the threads: a second or more of the fastest cycle with all channels.
+pub const RING: usize = 4096;
+/// How often the measuring thread tells its counters.
+pub const STATS_EVERY: Nanos = Nanos(250_000_000);
+/// The longest wait of the measuring thread without a look at whether to stop.
+pub const NAP: Nanos = Nanos(100_000_000);
+/// Naps before pins that failed are opened again: a second.
+pub const NAPS_TO_REOPEN: usize = 10;
+/// How long the kernel takes at most to take a chip apart.
+pub const TAKEN_APART: Duration = Duration::from_millis(100);

@@ -1,0 +1,52 @@
+//! The constants of the stream: what is agreed with clients, and what bounds the cost of one.
+
+/// Changes when old clients can no longer understand the stream; a tape has the same.
+pub const PROTO_MAJOR: u32 = 1;
+/// Changes when fields or classes are added.
+pub const PROTO_MINOR: u32 = 0;
+/// The longest line either side may send, bytes, its newline included.
+pub const MAX_LINE_BYTES: usize = 64 * 1024;
+
+/// Significant digits of a value: more than any reading has of its own.
+pub const VALUE_DIGITS: usize = 7;
+/// Significant digits of an uncertainty (GUM 7.2.6: two are enough, one more against rounding).
+pub const UNCERTAINTY_DIGITS: usize = 3;
+/// Significant digits of a time since the start, and of a rate: ns in a second.
+pub const TIME_DIGITS: usize = 9;
+
+/// Characters of a client's own text that an answer repeats: answers stay short whatever was sent.
+pub const EXCERPT: usize = 40;
+/// Characters of serde's complaint about a request, which may repeat that text, too.
+pub const COMPLAINT: usize = 200;
+
+/// The longest time on a tape, ns (one hour): a greater number is a mistake of units.
+pub const LONGEST_NS: f64 = 3.6e12;
+/// The largest resistance and force on a tape, ohm, newton; the smallest is its reciprocal.
+pub const LARGEST: f64 = 1e12;
+
+/// What the server spends on one turn and one client.
+#[cfg(feature = "programs")]
+pub mod serving {
+    use crate::units::Nanos;
+
+    /// Clients at a time; the next one is told "busy" and closed.
+    pub const CLIENTS: usize = 1024;
+    /// Lines that wait for a client that reads slowly: 10 s at 100 lines/s.
+    pub const QUEUE_LINES: usize = 1024;
+    /// `SO_SNDBUF` of each client, bytes: 32 MiB in the kernel when 1024 clients do not read.
+    pub const SEND_BUFFER_BYTES: usize = 16 * 1024;
+    /// Connections that are accepted in one turn.
+    pub const ACCEPTS_PER_TURN: usize = 64;
+    /// Ready descriptors of one turn; the others stay ready.
+    pub const EVENTS_PER_TURN: usize = 64;
+    /// How long accepting rests when the process or the system is out of descriptors or memory.
+    pub const ACCEPT_PAUSE: Nanos = Nanos(100_000_000);
+    /// Bytes that are read of one client before the next one has its turn.
+    pub const READ_BYTES: usize = 4096;
+    /// Lines that are written to one client before the next one has its turn.
+    pub const LINES_PER_TURN: usize = 32;
+    /// An output buffer above this size is given back as soon as it is empty, bytes.
+    pub const KEPT_OUTPUT_BYTES: usize = 1024;
+    /// A queue with room for more than this is given back as soon as it is empty, lines.
+    pub const KEPT_QUEUE_LINES: usize = 32;
+}

@@ -1,0 +1,184 @@
+//! What a client gets, and in which order, however slowly it reads.
+
+use super::*;
+use crate::reading::{Fault, Method, Reading, Status};
+use crate::stream::tape::{DischargeLine, Header};
+use crate::stream::wire::{ChannelInfo, InstrumentStats, Unit};
+use crate::units::Nanos;
+use jiff::Timestamp;
+use proptest::prelude::*;
+
+/// Lines that a client's queue holds.
+const LINES: usize = 4;
+
+fn channels(unit: Unit) -> [ChannelInfo; 1] {
+    [ChannelInfo { id: "thumb".into(), unit }]
+}
+
+fn hub() -> Hub {
+    Hub::new(&channels(Unit::Newton))
+}
+
+fn session(hub: &Hub) -> Session {
+    Session::new(hub, LINES, false)
+}
+
+/// As the server does it.
+fn reload(hub: &mut Hub, session: &mut Session, unit: Unit) {
+    hub.set_channels(&channels(unit));
+    session.queue(&hub.version);
+}
+
+fn publish(hub: &mut Hub, session: &mut Session, seq: u64) {
+    let status = Status::Fault(Fault::MissedEdge);
+    let at = Nanos(seq as i64);
+    let reading =
+        Reading { channel: 0, seq, at, status, suspect: None, method: Method::Cerm, duration: Nanos::ZERO };
+    hub.keep_reading(&reading, Timestamp::UNIX_EPOCH);
+    session.queue(&hub.last_reading(0).unwrap());
+}
+
+/// Sends at most so many bytes, as a kernel with little room would.
+fn send(hub: &Hub, session: &mut Session, mut room: usize, stream: &mut Vec<u8>) {
+    while room > 0 {
+        let line = session.next_output(hub, &InstrumentStats::default);
+        let length = line.len().min(room);
+        if length == 0 {
+            return;
+        }
+        stream.extend_from_slice(&line[..length]);
+        session.sent(length);
+        room -= length;
+    }
+}
+
+fn answers(session: &mut Session, hub: &Hub, request: &str) -> String {
+    let mut stream = Vec::new();
+    session.receive(request.as_bytes());
+    send(hub, session, usize::MAX, &mut stream);
+    String::from_utf8(stream).unwrap()
+}
+
+#[test]
+fn the_instrument_is_for_the_privileged() {
+    let hub = hub();
+    for request in ["{\"class\":\"CALIBRATE\"}\n", "{\"class\":\"ZERO\",\"channel\":\"thumb\"}\n"] {
+        let [mut other, mut owner] = [false, true].map(|privileged| Session::new(&hub, LINES, privileged));
+        assert!(answers(&mut other, &hub, request).contains("\"code\":\"forbidden\""));
+        assert!(answers(&mut owner, &hub, request).contains("\"code\":\"unsupported\""));
+    }
+}
+
+#[test]
+fn a_tape_begins_with_its_header_and_has_no_past() {
+    let header = r#"{"class":"TAPE","proto_major":1,"circuit":{"kind":"one-capacitor","r_c1_ohm":1.0,"r_c2_ohm":2.0},"channels":[]}"#;
+    let mut hub = hub();
+    hub.tape_header = Some(Published::tape(&serde_json::from_str::<Header>(header).unwrap()));
+    let mut session = session(&hub);
+    let discharge = |seq: u64| {
+        let line = format!(r#"{{"class":"DISCHARGE","seq":{seq},"through":"c1"}}"#);
+        (Published::discharge(serde_json::from_str::<DischargeLine>(&line).unwrap()), line + "\n")
+    };
+    session.queue(&discharge(1).0);
+    let watch = answers(&mut session, &hub, "{\"class\":\"WATCH\",\"raw\":true}\n");
+    assert!(watch.ends_with(&format!("]}}\n{header}\n")), "{watch}");
+    let (after, line) = discharge(2);
+    session.queue(&after);
+    assert_eq!(answers(&mut session, &hub, ""), line);
+    assert_eq!(answers(&mut session, &hub, "{\"class\":\"WATCH\",\"raw\":true}\n"), "");
+
+    // A slow client gets the header that its next discharge belongs to, and what it has lost.
+    session.queue(hub.tape_header.as_ref().unwrap());
+    let lines: Vec<String> = (3..=7)
+        .map(|seq| {
+            let (published, line) = discharge(seq);
+            session.queue(&published);
+            line
+        })
+        .collect();
+    let stream = answers(&mut session, &hub, "");
+    let lost = String::from_utf8(to_line(&ErrorLine::lost(1))).unwrap();
+    assert_eq!(stream, format!("{header}\n{lost}{}", lines[1..].concat()));
+}
+
+#[test]
+fn an_idle_client_holds_next_to_nothing() {
+    let hub = hub();
+    let mut session = session(&hub);
+    answers(&mut session, &hub, &"{\"class\":\"POLL\"}\n".repeat(1000));
+    answers(&mut session, &hub, &format!("{{\"x\":\"{}\"}}\n", "y".repeat(60_000)));
+    assert!(session.output.capacity() <= KEPT_OUTPUT_BYTES && session.is_listening());
+}
+
+#[test]
+fn every_reading_comes_after_its_own_version() {
+    let mut hub = hub();
+    let mut session = session(&hub);
+    answers(&mut session, &hub, "");
+    publish(&mut hub, &mut session, 1);
+    reload(&mut hub, &mut session, Unit::Ohm);
+    publish(&mut hub, &mut session, 2);
+    let stream = answers(&mut session, &hub, "");
+    let wanted = ["\"seq\":1,", "\"unit\":\"ohm\"", "\"seq\":2,"];
+    let lines: Vec<&str> = stream.lines().collect();
+    assert!(lines.len() == 3 && lines.iter().zip(wanted).all(|(line, part)| line.contains(part)), "{stream}");
+    // Two at once: nothing was said under the first of them.
+    reload(&mut hub, &mut session, Unit::Ohm);
+    reload(&mut hub, &mut session, Unit::Newton);
+    publish(&mut hub, &mut session, 3);
+    let stream = answers(&mut session, &hub, "");
+    assert!(stream.lines().count() == 2 && stream.contains("\"unit\":\"N\""), "{stream}");
+    for seq in 4..1000 {
+        reload(&mut hub, &mut session, Unit::Ohm);
+        publish(&mut hub, &mut session, seq);
+    }
+    let stream = answers(&mut session, &hub, "");
+    let lines: Vec<&str> = stream.lines().collect();
+    assert!(
+        lines.len() <= LINES + 1 && lines[0].contains("VERSION") && lines[1].contains("\"lost\":99"),
+        "{stream}"
+    );
+    assert!(lines[lines.len() - 1].contains("\"seq\":999,"), "{stream}");
+}
+
+#[test]
+fn a_new_stream_keeps_the_version_that_was_not_sent_yet() {
+    let mut hub = hub();
+    let mut session = session(&hub);
+    answers(&mut session, &hub, "{\"class\":\"WATCH\",\"enable\":false}\n");
+    reload(&mut hub, &mut session, Unit::Ohm);
+    publish(&mut hub, &mut session, 1);
+    let stream = answers(&mut session, &hub, "{\"class\":\"WATCH\"}\n");
+    assert!(stream.lines().count() == 1 && stream.contains("\"unit\":\"ohm\""), "{stream}");
+    publish(&mut hub, &mut session, 2);
+    assert!(answers(&mut session, &hub, "").contains("\"seq\":2,"));
+}
+
+proptest! {
+    /// However little the kernel takes at a time: whole lines in order, and received + lost = published.
+    #[test]
+    fn every_reading_is_received_or_counted(
+        steps in prop::collection::vec((0u64..12, 0usize..900), 1..60),
+        lines in 1usize..9,
+    ) {
+        let mut hub = hub();
+        let mut session = Session::new(&hub, lines, false);
+        let (mut stream, mut published) = (Vec::new(), 0);
+        for (readings, room) in steps {
+            for _ in 0..readings {
+                published += 1;
+                publish(&mut hub, &mut session, published);
+            }
+            send(&hub, &mut session, room, &mut stream);
+        }
+        send(&hub, &mut session, usize::MAX, &mut stream);
+        let mut previous = 0;
+        for line in stream.split_inclusive(|&byte| byte == b'\n').skip(1) {
+            let line: serde_json::Value = serde_json::from_slice(line).unwrap();
+            let (seq, lost) = (line["seq"].as_u64().unwrap(), line["lost"].as_u64().unwrap());
+            prop_assert_eq!(seq, previous + lost + 1);
+            previous = seq;
+        }
+        prop_assert_eq!(previous, published, "the newest is never lost");
+    }
+}

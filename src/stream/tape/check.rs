@@ -1,0 +1,94 @@
+//! Whether a tape can be: resistors, channels and times that a circuit may have.
+
+use super::{Header, PROTO_MAJOR, TapeChannel, TapeCircuit, TapeForce};
+use crate::record::{LONGEST_LATENCY, MAX_CHANNELS, Record};
+use crate::stream::limits::{LARGEST, LONGEST_NS};
+
+impl Header {
+    /// The first thing that is wrong with it.
+    pub(super) fn check(&self) -> Result<(), String> {
+        let found = self.proto_major;
+        if found != PROTO_MAJOR {
+            return Err(format!(
+                "this is a tape of version {found}; this release reads version {PROTO_MAJOR}"
+            ));
+        }
+        let TapeCircuit { r_c1_ohm, r_c2_ohm, .. } = self.circuit;
+        if !(is_of_a_part(r_c1_ohm) && is_of_a_part(r_c2_ohm)) {
+            return Err(format!(
+                "r_c1_ohm and r_c2_ohm must be resistances above 0, and are {r_c1_ohm:e} and {r_c2_ohm:e}"
+            ));
+        }
+        let [r1, r2] = self.r_ohm();
+        if r1 >= r2 {
+            return Err(format!("r_c1_ohm = {r1} is not below r_c2_ohm = {r2}; are they swapped?"));
+        }
+        if self.channels.is_empty() || self.channels.len() > MAX_CHANNELS {
+            return Err(format!("a tape has 1 to {MAX_CHANNELS} channels"));
+        }
+        if self.offset_ns.is_some_and(|d_ns| d_ns.abs() >= LONGEST_LATENCY.as_ns()) {
+            return Err("offset_ns is a latency: it must be below 1 ms".to_owned());
+        }
+        for (index, channel) in self.channels.iter().enumerate() {
+            if self.channels[..index].iter().any(|other| other.id == channel.id) {
+                return Err(format!("two channels have the id {:?}", channel.id));
+            }
+            channel.check().map_err(|reason| format!("channel {:?}: {reason}", channel.id))?;
+        }
+        Ok(())
+    }
+}
+
+impl TapeChannel {
+    fn check(&self) -> Result<(), String> {
+        if self.zero_ohm.abs() > LARGEST {
+            return Err(format!("zero_ohm = {:e} is no resistance of wires and pins", self.zero_ohm));
+        }
+        match self.force {
+            Some(TapeForce::Pair { fc1_n, fc2_n })
+                if !(is_of_a_part(fc1_n) && is_of_a_part(fc2_n) && fc1_n > fc2_n) =>
+            {
+                Err(format!(
+                    "fc1_n = {fc1_n:e} must exceed fc2_n = {fc2_n:e}, and both be above 0: more force, less resistance"
+                ))
+            }
+            Some(TapeForce::Alpha { alpha_n_ohm }) if !is_of_a_part(alpha_n_ohm) => {
+                Err(format!("alpha_n_ohm = {alpha_n_ohm:e} must be above 0, such as 13346"))
+            }
+            _ => Ok(()),
+        }
+    }
+}
+
+/// Whether a force or a resistance is that of a part.
+fn is_of_a_part(value: f64) -> bool {
+    (1.0 / LARGEST..=LARGEST).contains(&value)
+}
+
+/// Whether times are positive, not absurd, and in order.
+pub(super) fn times(record: &Record) -> Result<(), String> {
+    let times = [
+        ("a_ns", record.a_ns),
+        ("b_ns", record.b_ns),
+        ("switch.at_ns", record.switch.map(|switch| switch.at_ns)),
+        ("switch.on_ns", record.switch.map(|switch| switch.on_ns)),
+    ];
+    for (name, time) in times.into_iter().filter_map(|(name, time)| Some((name, time?))) {
+        if time <= 0.0 {
+            return Err(format!("{name} is {time}; a time since the start is above 0"));
+        }
+        if time > LONGEST_NS {
+            return Err(format!("{name} is {time:e}; times are in nanoseconds"));
+        }
+    }
+    if !(0.0..=LONGEST_NS).contains(&record.second_ns) {
+        return Err(format!("second_ns is {}; it is 0 or a short time", record.second_ns));
+    }
+    if record.switch.is_some_and(|switch| switch.on_ns < switch.at_ns) {
+        return Err(
+            "switch.on_ns is before switch.at_ns: the first resistor is released before the next is sunk"
+                .to_owned(),
+        );
+    }
+    Ok(())
+}

@@ -1,0 +1,314 @@
+//! Tapes: the timings of discharges as lines of JSON, for recording and for estimating again later.
+//!
+//! The first line is a `TAPE`, every other one a `DISCHARGE`; times are in ns since the start of that discharge:
+//!
+//! ```
+//! use cermd::tape::Header;
+//!
+//! let header = r#"{"class":"TAPE","proto_major":1,"circuit":{"kind":"two-capacitor","r_c1_ohm":2320,"r_c2_ohm":12700},"offset_ns":8000,"channels":[{"id":"thumb"}]}"#;
+//! let discharge = r#"{"class":"DISCHARGE","seq":3,"channel":"thumb","through":"x","switch":{"at_ns":74700,"on_ns":74950,"to":"c2"},"a_ns":911000,"b_ns":1742000}"#;
+//! let header = Header::parse(header)?;
+//! let entry = header.parse_discharge(2, discharge)?;
+//! assert_eq!((entry.seq, entry.record.a_ns), (3, Some(911_000.0)));
+//! # Ok::<(), cermd::tape::TapeError>(())
+//! ```
+
+mod check;
+
+use super::limits::{MAX_LINE_BYTES, PROTO_MAJOR};
+use crate::record::{Record, Switch, Through};
+use crate::units::Nanos;
+use serde::de::{DeserializeOwned, Error as _};
+use serde::{Deserialize, Serialize};
+
+/// The first line of a tape.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(tag = "class", rename = "TAPE")]
+pub struct Header {
+    /// Major version of the format.
+    pub proto_major: u32,
+    /// The resistors and how they are wired.
+    pub circuit: TapeCircuit,
+    /// The latency offset d of the crossings, ns; absent: not known.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub offset_ns: Option<f64>,
+    /// The sensors.
+    pub channels: Vec<TapeChannel>,
+}
+
+/// The circuit of a tape.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct TapeCircuit {
+    /// Which circuit.
+    pub kind: Kind,
+    /// Rc1, ohm.
+    pub r_c1_ohm: f64,
+    /// Rc2, ohm.
+    pub r_c2_ohm: f64,
+}
+
+/// How the calibration resistors are wired.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Kind {
+    /// Two capacitors, Fig. 1(c).
+    TwoCapacitor,
+    /// One capacitor, Fig. 1(a).
+    OneCapacitor,
+    /// One capacitor, Rc1 and Rc2 in series, Fig. 1(b).
+    SeriesCalibration,
+}
+
+/// A sensor of a tape.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct TapeChannel {
+    /// Its name.
+    pub id: String,
+    /// What a short circuit in its place reads, ohm.
+    #[serde(default, skip_serializing_if = "is_zero")]
+    pub zero_ohm: f64,
+    /// Its characteristic.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub force: Option<TapeForce>,
+}
+
+fn is_zero(value: &f64) -> bool {
+    *value == 0.0
+}
+
+/// The characteristic of a sensor on a tape.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(
+    untagged,
+    deny_unknown_fields,
+    expecting = "force is one of {\"fc1_n\", \"fc2_n\"}, {\"alpha_n_ohm\"}"
+)]
+pub enum TapeForce {
+    /// The forces that belong to Rc1 and Rc2, newton.
+    Pair {
+        /// F_c1.
+        fc1_n: f64,
+        /// F_c2.
+        fc2_n: f64,
+    },
+    /// Eq. (1).
+    Alpha {
+        /// N ohm.
+        alpha_n_ohm: f64,
+    },
+}
+
+/// The timings of one discharge as a line of a tape, ns since its start.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(tag = "class", rename = "DISCHARGE")]
+pub struct DischargeLine {
+    /// Its number on the tape.
+    pub seq: u64,
+    /// The channel whose sensor takes part; absent: a calibration.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub channel: Option<String>,
+    /// What it started through.
+    pub through: Resistor,
+    /// The second of two resistors was sunk by then; absent: at the start.
+    #[serde(default, skip_serializing_if = "is_zero")]
+    pub second_ns: f64,
+    /// Where it was switched to another resistor.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub switch: Option<SwitchLine>,
+    /// The crossing of node A; absent: not seen.
+    #[serde(default, skip_serializing_if = "is_unknown")]
+    pub a_ns: Option<f64>,
+    /// The crossing of node B; absent: not seen.
+    #[serde(default, skip_serializing_if = "is_unknown")]
+    pub b_ns: Option<f64>,
+}
+
+/// From one resistor to the next, ns since the start.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct SwitchLine {
+    /// The first resistor was released.
+    pub at_ns: f64,
+    /// The next one was sunk.
+    pub on_ns: f64,
+    /// The next one.
+    pub to: Resistor,
+}
+
+/// What a discharge runs through.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Resistor {
+    /// Rc1.
+    #[serde(rename = "c1")]
+    C1,
+    /// Rc2.
+    #[serde(rename = "c2")]
+    C2,
+    /// Rc1 and Rc2 in series.
+    #[serde(rename = "c12")]
+    C12,
+    /// The sensor.
+    #[serde(rename = "x")]
+    X,
+    /// The sensor, and Rc1 and Rc2 in series, at once.
+    #[serde(rename = "x+c12")]
+    XWithC12,
+}
+
+/// Neither seen nor, as NaN and infinity, a time.
+fn is_unknown(time: &Option<f64>) -> bool {
+    time.is_none_or(|time| !time.is_finite())
+}
+
+/// What is wrong with a tape.
+#[derive(Debug, thiserror::Error)]
+#[error("line {line}: {reason}")]
+pub struct TapeError {
+    /// Counted from 1.
+    pub line: usize,
+    /// What, and what to do.
+    pub reason: String,
+}
+
+/// One discharge of a tape.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Entry {
+    /// The number that it has on the tape.
+    pub seq: u64,
+    /// Its timings.
+    pub record: Record,
+}
+
+impl Header {
+    /// A header of this release's protocol. `offset_ns`: `None` while it is not known.
+    pub fn new(circuit: TapeCircuit, offset_ns: Option<f64>, channels: Vec<TapeChannel>) -> Header {
+        Header { proto_major: PROTO_MAJOR, circuit, offset_ns, channels }
+    }
+
+    /// R_1 and R_2 of the ratio that the methods know R_x by, ohm.
+    pub fn r_ohm(&self) -> [f64; 2] {
+        let TapeCircuit { kind, r_c1_ohm, r_c2_ohm } = self.circuit;
+        [r_c1_ohm, if kind == Kind::SeriesCalibration { r_c1_ohm + r_c2_ohm } else { r_c2_ohm }]
+    }
+
+    /// Reads the first line of a tape.
+    ///
+    /// # Errors
+    /// [`TapeError`] of line 1.
+    pub fn parse(text: &str) -> Result<Header, TapeError> {
+        let at = |reason: String| TapeError { line: 1, reason };
+        let header: Header = read(text, "TAPE")
+            .map_err(|error| at(format!("not the header of a tape: {}", explain(&error))))?;
+        header.check().map_err(at)?;
+        Ok(header)
+    }
+
+    /// A record as a line.
+    pub fn discharge(&self, seq: u64, record: &Record) -> DischargeLine {
+        let channel = record.through.channel().and_then(|index| self.channels.get(index));
+        DischargeLine {
+            seq,
+            channel: channel.map(|channel| channel.id.clone()),
+            through: record.through.into(),
+            second_ns: record.second_ns,
+            switch: record.switch.map(|s| SwitchLine { at_ns: s.at_ns, on_ns: s.on_ns, to: s.to.into() }),
+            a_ns: record.a_ns,
+            b_ns: record.b_ns,
+        }
+    }
+
+    /// Reads a `DISCHARGE`; `number` counts the lines of the tape from 1.
+    ///
+    /// # Errors
+    /// [`TapeError`] of that line.
+    pub fn parse_discharge(&self, number: usize, text: &str) -> Result<Entry, TapeError> {
+        let at = |reason: String| TapeError { line: number, reason };
+        if text.len() > MAX_LINE_BYTES {
+            return Err(at(format!("{} bytes long; a line has {MAX_LINE_BYTES} at most", text.len())));
+        }
+        let line = read(text, "DISCHARGE").map_err(|error| at(explain(&error)))?;
+        self.entry(&line).map_err(at)
+    }
+
+    /// What a line says.
+    ///
+    /// # Errors
+    /// Why it cannot be a discharge of this tape.
+    pub fn entry(&self, line: &DischargeLine) -> Result<Entry, String> {
+        let channel = match &line.channel {
+            None => None,
+            Some(id) => match self.channels.iter().position(|channel| channel.id == *id) {
+                None => return Err(format!("channel {id:?} is not in the header")),
+                found => found,
+            },
+        };
+        let through = |resistor| self.through(resistor, channel);
+        let switch = match line.switch {
+            None => None,
+            Some(s) => Some(Switch { at_ns: s.at_ns, on_ns: s.on_ns, to: through(s.to)? }),
+        };
+        let record = Record {
+            through: through(line.through)?,
+            start: Nanos::ZERO,
+            second_ns: line.second_ns,
+            switch,
+            a_ns: line.a_ns,
+            b_ns: line.b_ns,
+            u_switch_ns: 0.0,
+            waited_ns: 0.0,
+        };
+        check::times(&record)?;
+        Ok(Entry { seq: line.seq, record })
+    }
+
+    fn through(&self, resistor: Resistor, channel: Option<usize>) -> Result<Through, String> {
+        let series = self.circuit.kind == Kind::SeriesCalibration;
+        let through = match (resistor, channel) {
+            (Resistor::C1, _) => Through::C1,
+            (Resistor::C2, _) if !series => Through::C2,
+            (Resistor::C12, _) if series => Through::C12,
+            (Resistor::X, Some(channel)) => Through::X(channel),
+            (Resistor::XWithC12, Some(channel)) if series => Through::XWithC12(channel),
+            (Resistor::X | Resistor::XWithC12, None) => {
+                return Err("a discharge of the sensor names its channel".to_owned());
+            }
+            (Resistor::C2, _) => return Err("this circuit has \"c12\" in the place of \"c2\"".to_owned()),
+            _ => return Err("\"c12\" exists only in a circuit with series calibration".to_owned()),
+        };
+        Ok(through)
+    }
+}
+
+impl From<Through> for Resistor {
+    fn from(through: Through) -> Resistor {
+        match through {
+            Through::C1 => Resistor::C1,
+            Through::C2 => Resistor::C2,
+            Through::C12 => Resistor::C12,
+            Through::X(_) => Resistor::X,
+            Through::XWithC12(_) => Resistor::XWithC12,
+        }
+    }
+}
+
+/// Reads a line of this class; serde writes the tag of a struct and does not look at it when it reads.
+fn read<T: DeserializeOwned>(text: &str, class: &str) -> serde_json::Result<T> {
+    #[derive(Deserialize)]
+    struct Class {
+        class: String,
+    }
+    let found: Class = serde_json::from_str(text)?;
+    if found.class != class {
+        return Err(serde_json::Error::custom(format!("the class is {:?}, not {class:?}", found.class)));
+    }
+    serde_json::from_str(text)
+}
+
+/// Without serde_json's own "at line 1 column ..", which counts from the start of one line.
+fn explain(error: &serde_json::Error) -> String {
+    let text = error.to_string();
+    let what = text.split(" at line ").next().unwrap_or_default();
+    if error.column() == 0 { what.to_owned() } else { format!("{what}, in column {}", error.column()) }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,139 @@
+//! The lines of the protocol, byte by byte and read back.
+
+use super::*;
+use crate::reading::{Branch, Fault, Method, Suspect};
+use crate::stream::wire::{InstrumentStats, to_line};
+use crate::units::Nanos;
+
+const TIME: &str = "2026-11-21T03:40:00.123456789Z";
+
+fn reading(status: Status) -> Reading {
+    Reading {
+        channel: 0,
+        seq: 1041,
+        at: Nanos(81_234_567_890),
+        status,
+        suspect: None,
+        method: Method::Cerm,
+        duration: Nanos(18_230_400),
+    }
+}
+
+fn line(message: &impl Serialize) -> String {
+    String::from_utf8(to_line(message)).unwrap()
+}
+
+fn written(status: Status) -> String {
+    line(&ReadingLine::new(&reading(status), "thumb", TIME.to_owned()))
+}
+
+fn ok() -> Status {
+    let r_ohm = Measured { value: 2841.3, u: Some(1.2) };
+    let f_n = Some(Measured { value: 4.697, u: Some(0.002) });
+    Status::Ok { branch: Branch::Direct, r_ohm, f_n }
+}
+
+#[test]
+fn the_lines_of_the_protocol_byte_by_byte() {
+    assert_eq!(
+        written(ok()),
+        "{\"class\":\"READING\",\"channel\":\"thumb\",\"seq\":1041,\"time\":\"2026-11-21T03:40:00.123456789Z\",\
+         \"t_mono_ns\":81234567890,\"status\":\"ok\",\"r_ohm\":2841.3,\"r_u_ohm\":1.2,\"f_n\":4.697,\
+         \"f_u_n\":0.002,\"method\":\"cerm\",\"branch\":\"direct\",\"duration_us\":18230,\"lost\":0}\n"
+    );
+    let head = "{\"class\":\"READING\",\"channel\":\"thumb\",\"seq\":1041,\
+                \"time\":\"2026-11-21T03:40:00.123456789Z\",\"t_mono_ns\":81234567890,\"status\":";
+    assert_eq!(
+        written(Status::Open { r_min_ohm: 1.9e6, f_max_n: Some(0.007) }),
+        format!(
+            "{head}\"open\",\"r_min_ohm\":1900000,\"f_max_n\":0.007,\"duration_us\":18230,\"lost\":0}}\n"
+        )
+    );
+    assert_eq!(
+        written(Status::Short { r_max_ohm: 4.5, f_min_n: None }),
+        format!("{head}\"short\",\"r_max_ohm\":4.5,\"duration_us\":18230,\"lost\":0}}\n")
+    );
+    assert_eq!(
+        written(Status::Fault(Fault::MissedEdge)),
+        format!("{head}\"fault\",\"fault\":\"missed-edge\",\"lost\":0}}\n")
+    );
+    let suspected =
+        Reading { suspect: Some(Suspect::SecondOpen), ..reading(Status::Fault(Fault::NoCalibration)) };
+    assert_eq!(
+        line(&ReadingLine::new(&suspected, "thumb", TIME.to_owned())),
+        format!(
+            "{head}\"fault\",\"fault\":\"no-calibration\",\"hint\":\"nothing falls in a discharge through Rc2; look at \
+             the wire from sink-c2 through Rc2 to node A (series calibration: to Rc1)\",\"lost\":0}}\n"
+        )
+    );
+}
+
+#[test]
+fn version_byte_by_byte() {
+    assert_eq!(
+        line(&VersionLine::new(&[ChannelInfo { id: "thumb".into(), unit: Unit::Newton }])),
+        format!(
+            "{{\"class\":\"VERSION\",\"proto_major\":1,\"proto_minor\":0,\"release\":\"{}\",\
+             \"channels\":[{{\"id\":\"thumb\",\"unit\":\"N\"}}]}}\n",
+            env!("CARGO_PKG_VERSION")
+        )
+    );
+}
+
+#[test]
+fn a_loss_is_a_number_and_a_later_code_is_no_mistake() {
+    let lost = ErrorLine::lost(17);
+    assert_eq!(
+        line(&lost),
+        "{\"class\":\"ERROR\",\"code\":\"lost\",\"message\":\"17 lines of the tape were lost here: read faster\",\
+         \"lost\":17}\n"
+    );
+    assert_eq!(ServerMessage::parse(line(&lost).as_bytes()).unwrap(), ServerMessage::Error(lost));
+    let later = ServerMessage::parse(br#"{"class":"ERROR","code":"new","message":"of a later release"}"#);
+    assert_eq!(later.unwrap(), ServerMessage::Error(ErrorLine::new(ErrorCode::Other, "of a later release")));
+}
+
+#[test]
+fn stats_are_read_back() {
+    let instrument = InstrumentStats {
+        uptime_s: 12.5,
+        faults: [("missed-edge".to_owned(), 2)].into(),
+        offset_ns: Some(8012.3),
+        ..InstrumentStats::default()
+    };
+    let stats = StatsLine { clients: 1, published: 7, lost: 0, instrument };
+    let text = line(&stats);
+    assert!(
+        text.starts_with("{\"class\":\"STATS\",\"clients\":1,\"published\":7,\"lost\":0,\"backend\""),
+        "{text}"
+    );
+    assert_eq!(ServerMessage::parse(text.as_bytes()).unwrap(), ServerMessage::Stats(Box::new(stats)));
+}
+
+#[test]
+fn readings_are_read_back() {
+    let ServerMessage::Reading(line) = ServerMessage::parse(written(ok()).as_bytes()).unwrap() else {
+        panic!("not a reading");
+    };
+    assert_eq!((line.status, line.seq, line.lost), (StatusName::Ok, 1041, 0));
+    assert_eq!(
+        (line.r_ohm, line.r_u_ohm, line.f_n, line.f_u_n),
+        (Some(2841.3), Some(1.2), Some(4.697), Some(0.002))
+    );
+    assert_eq!((line.duration_us, line.r_min_ohm, line.fault), (Some(18230), None, None));
+}
+
+#[test]
+fn unknown_fields_and_classes_pass_wrong_types_do_not() {
+    let text = written(ok());
+    let with = |from: &str, to: &str| ServerMessage::parse(text.replace(from, to).as_bytes());
+    assert!(with("\"lost\":0", "\"lost\":0,\"new\":{\"a\":1}").is_ok());
+    assert!(with("\"lost\":0", "\"lost\":\"0\"").is_err());
+    assert!(with("2841.3", "\"2841.3\"").is_err());
+    assert!(with("\"status\":\"ok\"", "\"status\":\"fine\"").is_err());
+    let other = ServerMessage::parse(br#"{"class":"NEW","x":1}"#).unwrap();
+    assert_eq!(other, ServerMessage::Other { class: "NEW".into() });
+    assert!(ServerMessage::parse(b"{}").is_err());
+    assert!(ServerMessage::parse(b"[1]").is_err());
+    assert!(ServerMessage::parse(b"\xff").is_err());
+}

@@ -1,0 +1,71 @@
+//! Numbers as they stand in a line: rounded to what they are worth, and absent when unknown.
+
+use crate::stream::limits::{TIME_DIGITS, UNCERTAINTY_DIGITS, VALUE_DIGITS};
+use crate::units::rounded;
+use serde::Serializer;
+
+/// Whether a field is left out. NaN and infinity, which JSON cannot say, count as unknown.
+pub(super) fn is_unknown(number: &Option<f64>) -> bool {
+    number.is_none_or(|number| !number.is_finite())
+}
+
+pub(super) fn value<S: Serializer>(number: &Option<f64>, serializer: S) -> Result<S::Ok, S::Error> {
+    write(*number, VALUE_DIGITS, serializer)
+}
+
+pub(super) fn uncertainty<S: Serializer>(number: &Option<f64>, serializer: S) -> Result<S::Ok, S::Error> {
+    write(*number, UNCERTAINTY_DIGITS, serializer)
+}
+
+pub(super) fn rate<S: Serializer>(number: &Option<f64>, serializer: S) -> Result<S::Ok, S::Error> {
+    write(*number, TIME_DIGITS, serializer)
+}
+
+pub(super) fn seconds<S: Serializer>(number: &f64, serializer: S) -> Result<S::Ok, S::Error> {
+    write(Some(*number), TIME_DIGITS, serializer)
+}
+
+/// Whole numbers have no ".0".
+fn write<S: Serializer>(number: Option<f64>, digits: usize, serializer: S) -> Result<S::Ok, S::Error> {
+    /// Below this every whole number is exact as an f64: 2^53.
+    const WHOLE: f64 = 9_007_199_254_740_992.0;
+    match number.map(|number| rounded(number, digits)) {
+        Some(number) if number.fract() == 0.0 && number.abs() < WHOLE => {
+            serializer.serialize_i64(number as i64)
+        }
+        Some(number) => serializer.serialize_f64(number),
+        None => serializer.serialize_none(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use serde::Serialize;
+
+    #[derive(Serialize)]
+    struct Line {
+        #[serde(serialize_with = "value", skip_serializing_if = "is_unknown")]
+        n: Option<f64>,
+        #[serde(serialize_with = "uncertainty", skip_serializing_if = "is_unknown")]
+        u: Option<f64>,
+    }
+
+    fn written(n: f64, u: impl Into<Option<f64>>) -> String {
+        serde_json::to_string(&Line { n: Some(n), u: u.into() }).unwrap()
+    }
+
+    #[test]
+    fn numbers_have_their_digits_and_no_noise() {
+        assert_eq!(written(2_841.300_000_04, 1.204), r#"{"n":2841.3,"u":1.2}"#);
+        assert_eq!(written(1.9e6, 0.000_123_456), r#"{"n":1900000,"u":0.000123}"#);
+        assert_eq!(written(0.1 + 0.2, 999.96), r#"{"n":0.3,"u":1000}"#);
+        assert_eq!(written(-123_456_789.0, 0.0), r#"{"n":-123456800,"u":0}"#);
+    }
+
+    #[test]
+    fn what_is_unknown_is_absent() {
+        assert_eq!(written(f64::NAN, None), "{}");
+        assert_eq!(written(1.0, f64::INFINITY), r#"{"n":1}"#);
+    }
+}

@@ -1,0 +1,87 @@
+//! How numbers are rounded and written, wherever they are shown.
+
+/// The nearest number with so many significant digits; itself if it is not finite.
+pub fn rounded(value: f64, digits: usize) -> f64 {
+    // By way of the decimal text: only there is a decimal rounding exact.
+    format!("{value:.*e}", digits.max(1) - 1).parse().unwrap_or(value)
+}
+
+/// The nearest number with so many decimal places; itself if it is not finite.
+pub fn to_places(value: f64, places: usize) -> f64 {
+    format!("{value:.places$}").parse().unwrap_or(value)
+}
+
+/// With its 1-sigma uncertainty: two digits of the uncertainty (GUM 7.2.6), the value to the same place. Without one, four
+/// digits.
+pub fn measured(value: f64, u: Option<f64>, unit: &str, unicode: bool) -> String {
+    let (scale, prefix) = prefix(value);
+    let value = value / scale;
+    let Some(u) = u.map(|u| u / scale).filter(|u| *u > 0.0) else {
+        return format!("{value:.*} {prefix}{unit}", places(value, 4));
+    };
+    let places = places(u, 2);
+    let sign = if unicode { "±" } else { "+-" };
+    format!("{value:.places$} {sign} {u:.places$} {prefix}{unit}")
+}
+
+/// To three digits.
+pub fn rough(value: f64, unit: &str) -> String {
+    let (scale, prefix) = prefix(value);
+    let value = value / scale;
+    format!("{value:.*} {prefix}{unit}", places(value, 3))
+}
+
+/// A prefix only from six digits before the point on: 28413 ohm, but 284.1 kohm.
+fn prefix(value: f64) -> (f64, &'static str) {
+    match value.abs() {
+        size if size >= 1e6 => (1e6, "M"),
+        size if size >= 1e5 => (1e3, "k"),
+        _ => (1.0, ""),
+    }
+}
+
+/// Decimal places that show so many significant digits.
+fn places(value: f64, digits: i32) -> usize {
+    // By way of the text, so that 0.0999 counts as the 0.10 that it is rounded to.
+    let text = format!("{value:.*e}", digits.max(1) as usize - 1);
+    let exponent: i32 = text.rsplit('e').next().and_then(|exponent| exponent.parse().ok()).unwrap_or(0);
+    (digits - 1 - exponent).clamp(0, 6) as usize
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    #[test]
+    fn the_uncertainty_decides_the_digits() {
+        assert_eq!(measured(2841.349, Some(1.249), "ohm", true), "2841.3 ± 1.2 ohm");
+        assert_eq!(measured(4.69712, Some(0.00199), "N", false), "4.6971 +- 0.0020 N");
+        assert_eq!(measured(284_134.0, Some(312.0), "ohm", false), "284.13 +- 0.31 kohm");
+        assert_eq!(measured(99.98, Some(0.0999), "ohm", false), "99.98 +- 0.10 ohm");
+        assert_eq!(measured(2841.349, None, "ohm", false), "2841 ohm");
+        assert_eq!(measured(16_200.0, Some(123.0), "ohm", false), "16200 +- 123 ohm");
+        assert_eq!(rough(1_912_345.0, "ohm"), "1.91 Mohm");
+        assert_eq!(rough(0.006_979, "N"), "0.00698 N");
+        assert_eq!(rough(0.0, "N"), "0.00 N");
+    }
+
+    #[test]
+    fn rounds_to_digits_or_to_places() {
+        assert_eq!(rounded(2_841.300_000_04, 7), 2841.3);
+        assert_eq!(rounded(0.1 + 0.2, 7), 0.3);
+        assert_eq!(rounded(999.96, 4), 1000.0);
+        assert_eq!(to_places(-40.649_6, 2), -40.65);
+        assert!(rounded(f64::NAN, 3).is_nan() && to_places(f64::INFINITY, 3).is_infinite());
+    }
+
+    proptest! {
+        #[test]
+        fn so_many_digits_are_shown(mantissa in 1.0f64..10.0, exponent in -3i32..5, digits in 1i32..5) {
+            let text = format!("{mantissa:.*}e{exponent}", digits as usize - 1);
+            let value: f64 = text.parse().unwrap();
+            let shown = format!("{value:.*}", places(value, digits));
+            prop_assert_eq!(shown.parse::<f64>().unwrap(), value, "{}", text);
+        }
+    }
+}
