@@ -57,6 +57,9 @@ pub mod instrument;
 pub mod pins;
 pub mod reading;
 pub mod record;
+#[cfg(test)]
+#[path = "../tests/common/seed.rs"]
+pub(crate) mod seed;
 pub mod stream;
 pub mod units;
 

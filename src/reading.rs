@@ -17,130 +17,94 @@ pub struct Measured {
     pub u: Option<f64>,
 }
 
-/// How the estimate was made.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum Method {
-    /// Two-point calibration, one node: eq. (3).
-    Tpcm,
-    /// Quantization error reduction, series calibration.
-    Qerm,
-    /// Two capacitors: eq. (11).
-    Tcdic,
-    /// Compact error reduction: eq. (16)-(19).
-    Cerm,
-    /// Tracked calibration, one discharge per reading.
-    Tracked,
+/// An enum whose variants have names.
+macro_rules! named {
+    ($(#[$meta:meta])* $Enum:ident { $($(#[$doc:meta])* $Variant:ident = $name:literal,)+ }) => {
+        $(#[$meta])*
+        pub enum $Enum {
+            $($(#[$doc])* $Variant,)+
+        }
+
+        impl $Enum {
+            /// All of them.
+            pub const ALL: [$Enum; [$($name),+].len()] = [$($Enum::$Variant),+];
+
+            /// The name in configuration, stream and command line.
+            pub fn as_str(self) -> &'static str {
+                match self {
+                    $($Enum::$Variant => $name,)+
+                }
+            }
+        }
+
+        impl fmt::Display for $Enum {
+            fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+                f.write_str(self.as_str())
+            }
+        }
+    };
 }
 
-impl Method {
-    /// Every method.
-    pub const ALL: [Method; 5] = [Method::Tpcm, Method::Qerm, Method::Tcdic, Method::Cerm, Method::Tracked];
-
-    /// The name in configuration, stream and command line.
-    pub fn as_str(self) -> &'static str {
-        match self {
-            Method::Tpcm => "tpcm",
-            Method::Qerm => "qerm",
-            Method::Tcdic => "tcdic",
-            Method::Cerm => "cerm",
-            Method::Tracked => "tracked",
-        }
+named! {
+    /// How the estimate was made; [`Method::rules`] has what each method decides.
+    #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Deserialize)]
+    #[serde(rename_all = "kebab-case")]
+    Method {
+        /// Two-point calibration, one node: eq. (3).
+        Tpcm = "tpcm",
+        /// Quantization error reduction, series calibration.
+        Qerm = "qerm",
+        /// Two capacitors: eq. (11).
+        Tcdic = "tcdic",
+        /// Compact error reduction: eq. (16)-(19).
+        Cerm = "cerm",
+        /// Tracked calibration, one discharge per reading.
+        Tracked = "tracked",
     }
 }
 
-/// Which line of eq. (19) a reading comes from; for QERM, whether x was released before the crossing.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-pub enum Branch {
-    /// The whole discharge ran through the sensor.
-    Direct,
-    /// The discharge was finished through a calibration resistor.
-    Inferred,
-}
-
-impl Branch {
-    /// The name in the stream.
-    pub fn as_str(self) -> &'static str {
-        match self {
-            Branch::Direct => "direct",
-            Branch::Inferred => "inferred",
-        }
+named! {
+    /// Which line of eq. (19) a reading comes from; for QERM, whether x was released before the crossing.
+    #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+    Branch {
+        /// The whole discharge ran through the sensor.
+        Direct = "direct",
+        /// The discharge was finished through a calibration resistor.
+        Inferred = "inferred",
     }
 }
 
-/// Why there is no number.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-pub enum Fault {
-    /// A node did not reach its high level by the end of the charge.
-    NoCharge,
-    /// A node is below its threshold, but no edge was reported.
-    MissedEdge,
-    /// Events were lost to a full buffer.
-    LostEvent,
-    /// Two interrupts of one line fell together: the stamp is of the second.
-    CoalescedEdge,
-    /// A call that switches lines took so long that its instant is not known well enough, or the program did not get to
-    /// start the discharge for long after its charge.
-    WideBracket,
-    /// A crossing is later than the other node's crossing allows.
-    LatencyOutlier,
-    /// The sensor has changed too much during the discharge.
-    Unsettled,
-    /// A calibration discharge did not end in time.
-    NoCalibration,
-    /// The calibration has changed suddenly; it is being found again.
-    CalibrationStep,
-    /// Current leaves the nodes by a path of its own; through a resistor of 0 ohm a discharge would take time.
-    Leakage,
-    /// Current enters the nodes by a path of its own; through a resistor of 0 ohm a discharge would take less than no time.
-    PullUp,
-    /// The times do not fit the law of the circuit (order or denominators).
-    Implausible,
-    /// The GPIO lines could not be used.
-    Pins,
-}
-
-impl Fault {
-    /// Every fault.
-    pub const ALL: [Fault; 13] = [
-        Fault::NoCharge,
-        Fault::MissedEdge,
-        Fault::LostEvent,
-        Fault::CoalescedEdge,
-        Fault::WideBracket,
-        Fault::LatencyOutlier,
-        Fault::Unsettled,
-        Fault::NoCalibration,
-        Fault::CalibrationStep,
-        Fault::Leakage,
-        Fault::PullUp,
-        Fault::Implausible,
-        Fault::Pins,
-    ];
-
-    /// The name in the stream.
-    pub fn as_str(self) -> &'static str {
-        match self {
-            Fault::NoCharge => "no-charge",
-            Fault::MissedEdge => "missed-edge",
-            Fault::LostEvent => "lost-event",
-            Fault::CoalescedEdge => "coalesced-edge",
-            Fault::WideBracket => "wide-bracket",
-            Fault::LatencyOutlier => "latency-outlier",
-            Fault::Unsettled => "unsettled",
-            Fault::NoCalibration => "no-calibration",
-            Fault::CalibrationStep => "calibration-step",
-            Fault::Leakage => "leakage",
-            Fault::PullUp => "pull-up",
-            Fault::Implausible => "implausible",
-            Fault::Pins => "pins",
-        }
-    }
-}
-
-impl fmt::Display for Fault {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(self.as_str())
+named! {
+    /// Why there is no number.
+    #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+    Fault {
+        /// A node did not reach its high level by the end of the charge.
+        NoCharge = "no-charge",
+        /// A node is below its threshold, but no edge was reported.
+        MissedEdge = "missed-edge",
+        /// Events were lost to a full buffer.
+        LostEvent = "lost-event",
+        /// Two interrupts of one line fell together: the stamp is of the second.
+        CoalescedEdge = "coalesced-edge",
+        /// A call that switches lines took so long that its instant is not known well enough, or the program did not get to
+        /// start the discharge for long after its charge.
+        WideBracket = "wide-bracket",
+        /// A crossing is later than the other node's crossing allows.
+        LatencyOutlier = "latency-outlier",
+        /// The sensor has changed too much during the discharge.
+        Unsettled = "unsettled",
+        /// A calibration discharge did not end in time.
+        NoCalibration = "no-calibration",
+        /// The calibration has changed suddenly; it is being found again.
+        CalibrationStep = "calibration-step",
+        /// Current leaves the nodes by a path of its own; through a resistor of 0 ohm a discharge would take time.
+        Leakage = "leakage",
+        /// Current enters the nodes by a path of its own; through a resistor of 0 ohm a discharge would take less than no time.
+        PullUp = "pull-up",
+        /// The times do not fit the law of the circuit (order or denominators).
+        Implausible = "implausible",
+        /// The GPIO lines could not be used.
+        Pins = "pins",
     }
 }
 
@@ -192,69 +156,78 @@ impl Suspect {
         Suspect::Pull,
     ];
 
-    /// What was seen, and what to look at.
-    pub fn as_str(self) -> &'static str {
-        match self {
-            Suspect::Uncharged(Node::A) => {
-                "node A is low after the charge; look at the wires from charge-a through its resistor to node A and on to \
-                 sense-a, and for a short circuit to ground"
-            }
-            Suspect::Uncharged(Node::B) => {
-                "node B is low after the charge; look at the wires from charge-b through its resistor to node B and on to \
-                 sense-b, and for a short circuit to ground"
-            }
-            Suspect::FirstOpen => {
-                "nothing falls in a discharge through Rc1; look at the wire from sink-c1 through Rc1 to node A"
-            }
-            Suspect::SecondOpen => {
-                "nothing falls in a discharge through Rc2; look at the wire from sink-c2 through Rc2 to node A (series \
-                 calibration: to Rc1)"
-            }
-            Suspect::BothOpen => {
-                "nothing falls in a discharge through Rc1, nor through Rc2; look at the wire of sense-a, and those of sink-c1 \
-                 and sink-c2 through Rc1 and Rc2 to node A"
-            }
-            Suspect::StaysHigh(Node::A) => {
-                "node A stays high while node B falls; look at the wire of sense-a"
-            }
-            Suspect::StaysHigh(Node::B) => {
-                "node B stays high while node A falls; look at the wire of sense-b, both capacitors (C_A from node A to node B, \
-                 C_B from there to ground), and for a pull-up left on"
-            }
-            Suspect::NodesSwapped => {
-                "node B falls before node A; look whether sense-a and sense-b, or C_A and C_B, are swapped"
-            }
-            Suspect::ResistorsSwapped => {
-                "Rc1 and Rc2 look swapped; look at sink-c1 and sink-c2, r-c1 and r-c2"
-            }
-            Suspect::NoCA => {
-                "node A falls at once and node B does not; look for C_A: missing or without contact"
-            }
-            Suspect::NoCB => "nodes A and B fall at once; look for C_B: missing or without contact",
-            Suspect::NoCapacitor => {
-                "node A falls at once; look for a capacitor that is missing or without contact"
-            }
-            Suspect::Leak => {
-                "current leaves the nodes by a path of its own; look for pull-downs, leaking capacitors, moisture, a sensor \
-                 wired to ground, and whether r-c1 and r-c2 are as measured"
-            }
-            Suspect::Pull => {
-                "current enters the nodes by a path of its own; look for pull-ups left on, and whether r-c1 and r-c2 are as \
-                 measured"
-            }
-        }
+    /// What was seen.
+    pub fn seen(self) -> &'static str {
+        self.texts().0
     }
 
-    /// What was seen alone.
-    pub fn sight(self) -> &'static str {
-        let text = self.as_str();
-        text.split_once("; ").map_or(text, |(sight, _)| sight)
+    /// What to look at or for, beginning with "look".
+    pub fn look(self) -> &'static str {
+        self.texts().1
+    }
+
+    fn texts(self) -> (&'static str, &'static str) {
+        match self {
+            Suspect::Uncharged(Node::A) => (
+                "node A is low after the charge",
+                "look at the wires from charge-a through its resistor to node A and on to sense-a, and for a short circuit to \
+                 ground",
+            ),
+            Suspect::Uncharged(Node::B) => (
+                "node B is low after the charge",
+                "look at the wires from charge-b through its resistor to node B and on to sense-b, and for a short circuit to \
+                 ground",
+            ),
+            Suspect::FirstOpen => (
+                "nothing falls in a discharge through Rc1",
+                "look at the wire from sink-c1 through Rc1 to node A",
+            ),
+            Suspect::SecondOpen => (
+                "nothing falls in a discharge through Rc2",
+                "look at the wire from sink-c2 through Rc2 to node A (series calibration: to Rc1)",
+            ),
+            Suspect::BothOpen => (
+                "nothing falls in a discharge through Rc1, nor through Rc2",
+                "look at the wire of sense-a, and those of sink-c1 and sink-c2 through Rc1 and Rc2 to node A",
+            ),
+            Suspect::StaysHigh(Node::A) => {
+                ("node A stays high while node B falls", "look at the wire of sense-a")
+            }
+            Suspect::StaysHigh(Node::B) => (
+                "node B stays high while node A falls",
+                "look at the wire of sense-b, both capacitors (C_A from node A to node B, C_B from there to ground), and for a \
+                 pull-up left on",
+            ),
+            Suspect::NodesSwapped => (
+                "node B falls before node A",
+                "look whether sense-a and sense-b, or C_A and C_B, are swapped",
+            ),
+            Suspect::ResistorsSwapped => {
+                ("Rc1 and Rc2 look swapped", "look at sink-c1 and sink-c2, r-c1 and r-c2")
+            }
+            Suspect::NoCA => {
+                ("node A falls at once and node B does not", "look for C_A: missing or without contact")
+            }
+            Suspect::NoCB => ("nodes A and B fall at once", "look for C_B: missing or without contact"),
+            Suspect::NoCapacitor => {
+                ("node A falls at once", "look for a capacitor that is missing or without contact")
+            }
+            Suspect::Leak => (
+                "current leaves the nodes by a path of its own",
+                "look for pull-downs, leaking capacitors, moisture, a sensor wired to ground, and whether r-c1 and r-c2 are as \
+                 measured",
+            ),
+            Suspect::Pull => (
+                "current enters the nodes by a path of its own",
+                "look for pull-ups left on, and whether r-c1 and r-c2 are as measured",
+            ),
+        }
     }
 }
 
 impl fmt::Display for Suspect {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(self.as_str())
+        write!(f, "{}; {}", self.seen(), self.look())
     }
 }
 

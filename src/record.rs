@@ -1,8 +1,9 @@
 //! The timings of one discharge.
 //!
-//! For: what passes from [`discharge`](crate::instrument::discharge) to the methods, and onto a tape. Must not know: how it
-//! was taken, or what follows from it.
+//! For: what passes from [`discharge`](crate::instrument::discharge) to the methods, and onto a tape. Must not know: how they
+//! were taken, or what follows from them.
 
+use crate::circuit::Node;
 use crate::units::Nanos;
 
 /// The most sensors that share one pair of capacitors.
@@ -75,16 +76,29 @@ pub struct Record {
     pub through: Through,
     /// When it started.
     pub start: Nanos,
-    /// When the second of two resistors that sink at once was sunk, ns; 0 for a single one.
-    pub second_ns: f64,
+    /// When the second of two resistors that sink at once was sunk, ns; `None` for a single one.
+    pub second_ns: Option<f64>,
     /// The switch, if one was made before node B (or the only node) crossed.
     pub switch: Option<Switch>,
     /// The crossing of node A.
     pub a_ns: Option<f64>,
     /// The crossing of node B.
     pub b_ns: Option<f64>,
-    /// 1-sigma type-B uncertainty of the time from start to switch, from how long a call takes for a line, ns. 0: exact.
-    pub u_switch_ns: f64,
-    /// When the last wait ended: a node that had not crossed was still above its threshold then.
-    pub waited_ns: f64,
+    /// 1-sigma type-B uncertainty of the time from start to switch, from how long a call takes for a line, ns; `None` where
+    /// nobody has told, as on a tape: then the switch is taken as exact.
+    pub u_switch_ns: Option<f64>,
+    /// When a wait ended in vain, ns: a node that had not crossed was still above its threshold then.
+    pub waited_ns: Option<f64>,
+}
+
+impl Record {
+    /// The crossings of A and B, ns.
+    pub fn crossings(&self) -> [Option<f64>; 2] {
+        [self.a_ns, self.b_ns]
+    }
+
+    /// The crossing of a node, ns.
+    pub fn crossing(&self, node: Node) -> Option<f64> {
+        self.crossings()[node.index()]
+    }
 }

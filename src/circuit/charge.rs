@@ -1,7 +1,5 @@
 //! What a charge of finite length remembers of the discharge before it.
 //!
-//! For: how long to charge. Must not know: methods, noise, configuration files.
-//!
 //! A discharge ends somewhere on one line of states, since the same charge has left C_A and C_B: with V_DD as the unit of
 //! voltage, node A is the *depth* D below it and node B is k D, with k = C_A/(C_A+C_B). It ends after its last crossing, by
 //! as much as the system takes to release the sink: so D is between that crossing's own depth `1 - exp(-g/C_T)` and 1, and

@@ -11,8 +11,10 @@
 use crate::units::{Farad, Ohm, Seconds, Volt};
 
 mod charge;
+mod kind;
 mod node;
 
+pub use kind::Kind;
 pub use node::Node;
 
 /// Supply voltage V_DD when nothing else is said.
@@ -114,7 +116,7 @@ impl Circuit {
         }
         let mut defects = Vec::new();
         // In series with Rc1, any Rc2 makes the second discharge the slower one.
-        if self.r_c1 >= self.r_c2 && !matches!(self.network, Network::SeriesCalibration { .. }) {
+        if self.r_c1 >= self.r_c2 && self.kind() != Kind::SeriesCalibration {
             defects.push(Defect::Order { r_c1: self.r_c1, r_c2: self.r_c2 });
         }
         if self.v_th >= self.v_dd {
@@ -191,12 +193,14 @@ impl Circuit {
         self.g(node).map(|g| Ohm(time.0 / g.0 - self.r_o.0))
     }
 
+    /// How it is wired.
+    pub fn kind(&self) -> Kind {
+        self.network.kind()
+    }
+
     /// The resistor of the second calibration discharge: Rc2, or Rc1 + Rc2 where they are in series.
     pub fn r_second(&self) -> Ohm {
-        match self.network {
-            Network::SeriesCalibration { .. } => Ohm(self.r_c1.0 + self.r_c2.0),
-            _ => self.r_c2,
-        }
+        Ohm(self.kind().known([self.r_c1.0, self.r_c2.0])[1])
     }
 }
 

@@ -49,6 +49,8 @@ fn valid() -> impl Strategy<Value = (Circuit, Ohm)> {
 }
 
 proptest! {
+    #![proptest_config(crate::seed::cases(256))]
+
     /// Eq. (10) solves eq. (9), eq. (2) solves eq. (6): at the predicted progress the voltage is V_Th.
     #[test]
     fn nodes_are_at_the_threshold_when_they_cross((circuit, _) in valid()) {

@@ -1,11 +1,11 @@
 //! From `[gpio]` and `[mock]` to pins: the one place that knows which backends there are.
 
-use crate::circuit::Network;
+use crate::circuit::Kind;
 use crate::config::{Backend, Config, LineName};
 use crate::pins::Pins;
 use crate::pins::chardev::{self, Chardev, Wiring};
 use crate::pins::chardev_v1::{self, ChardevV1};
-use crate::pins::sim::{Kind, Scene, SceneError, SimPins};
+use crate::pins::sim::{Scene, SceneError, SimPins};
 use crate::units::Nanos;
 use std::path::Path;
 
@@ -67,7 +67,7 @@ pub fn release_lines(config: &Config) -> Result<bool, OpenError> {
 /// The key of the first line that is needed and not named.
 pub fn wiring(config: &Config) -> Result<Wiring, OpenError> {
     let gpio = &config.gpio;
-    let two_nodes = matches!(config.circuit.network, Network::TwoCapacitor { .. });
+    let two_nodes = config.circuit.kind() == Kind::TwoCapacitor;
     let missing = |key: &str| OpenError::Missing(key.to_owned());
     let needed = |key: &str, line: &Option<LineName>| {
         line.as_ref().map(LineName::to_string).ok_or_else(|| missing(&format!("gpio.{key}")))
@@ -101,12 +101,7 @@ pub fn scene(config: &Config) -> Result<Scene, OpenError> {
     } else {
         Scene::builtin(&mock.scene)?
     };
-    let kind = match config.circuit.network {
-        Network::TwoCapacitor { .. } => Kind::TwoCapacitor,
-        Network::OneCapacitor { .. } => Kind::OneCapacitor,
-        Network::SeriesCalibration { .. } => Kind::SeriesCalibration,
-    };
-    Ok(scene.with_kind(kind)?)
+    Ok(scene.with_kind(config.circuit.kind())?)
 }
 
 #[cfg(test)]
@@ -133,7 +128,7 @@ mod tests {
     #[test]
     fn one_capacitor_needs_no_second_node_and_uses_none() {
         let mut config = shipped();
-        config.circuit.network = Network::OneCapacitor { c: crate::units::Farad(470e-9) };
+        config.circuit.network = crate::circuit::Network::OneCapacitor { c: crate::units::Farad(470e-9) };
         let wiring = wiring(&config).unwrap();
         assert_eq!((wiring.sense_b, wiring.charge_b), (None, None));
     }

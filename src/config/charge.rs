@@ -21,6 +21,7 @@ use super::limits::{
     CHARGE_SHARE, JITTER_S, LATENESS_S, LEAST_TAUS, NOISE_V, PER_DECADE, RESISTANCES, SWITCH_S,
 };
 use crate::circuit::{Circuit, Network, Node};
+use crate::estimate::method::Switching;
 use crate::reading::Method;
 use crate::units::{Nanos, Ohm, Seconds};
 
@@ -107,11 +108,14 @@ impl Budget {
     /// Error over sigma of a reading of `r`, before any charge has forgotten anything.
     fn sigmas(&self, r: Ohm) -> f64 {
         let r = r.0 + self.r_o;
-        let equation = match self.method {
-            Method::Tpcm | Method::Tcdic => self.plain(r),
-            Method::Qerm => self.finished(r, self.fraction * self.g[0] / (1.0 + r / self.known[1])),
-            Method::Cerm => self.plain(r).or(self.finished(r, self.fraction * self.g[0])),
-            Method::Tracked => self.weighted(r).or(self.weighted_split(r, self.fraction * self.g[0])),
+        let (rules, theta) = (self.method.rules(), self.fraction * self.g[0]);
+        let equation = match rules.switching() {
+            Switching::Never => self.plain(r),
+            Switching::AtFraction if rules.sinks_beside() => {
+                self.finished(r, theta / (1.0 + r / self.known[1]))
+            }
+            Switching::AtFraction => self.plain(r).or(self.finished(r, theta)),
+            Switching::WhereBest => self.weighted(r).or(self.weighted_split(r, theta)),
         };
         let depths: f64 = equation.by_depth.iter().map(|by| by.abs()).sum();
         self.span / 2.0 * depths / equation.variance.sqrt()

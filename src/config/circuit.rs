@@ -1,6 +1,6 @@
 //! `[circuit]`: the parts on the board, from the flat table of the file to a [`Circuit`].
 
-use crate::circuit::{Circuit, NOMINAL_R_CHARGE, NOMINAL_R_O, NOMINAL_V_DD, NOMINAL_V_TH, Network};
+use crate::circuit::{Circuit, Kind, NOMINAL_R_CHARGE, NOMINAL_R_O, NOMINAL_V_DD, NOMINAL_V_TH, Network};
 use crate::units::{Farad, Ohm, Volt};
 use serde::Deserialize;
 use serde::de::{Deserializer, Error};
@@ -27,14 +27,6 @@ struct Table {
     v_th: Option<Volt>,
     /// Rp + Ro of a charger, nominal, 1 ohm to 100 Mohm. Default 220 ohm.
     r_charge: Option<Ohm>,
-}
-
-#[derive(Deserialize, Clone, Copy)]
-#[serde(rename_all = "kebab-case")]
-enum Kind {
-    TwoCapacitor,
-    OneCapacitor,
-    SeriesCalibration,
 }
 
 /// Reads the table; a capacitor that is missing or does not belong to the kind is refused.

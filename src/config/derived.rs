@@ -4,7 +4,7 @@
 
 use super::limits::{DEADLINE, DRAIN, SWITCH_FRACTION};
 use super::{Calibration, Config};
-use crate::circuit::{Network, Node};
+use crate::circuit::Node;
 use crate::instrument::settings::OffsetSource;
 use crate::reading::Method;
 use crate::units::{Nanos, Ohm, Seconds};
@@ -12,25 +12,17 @@ use crate::units::{Nanos, Ohm, Seconds};
 impl Config {
     /// The method to use.
     pub fn method(&self) -> Method {
-        self.measure.method.unwrap_or(match self.circuit.network {
-            Network::TwoCapacitor { .. } => Method::Cerm,
-            Network::SeriesCalibration { .. } => Method::Qerm,
-            Network::OneCapacitor { .. } => Method::Tpcm,
-        })
+        self.measure.method.unwrap_or(Method::best(self.circuit.kind()))
     }
 
     /// Whether the calibration is followed instead of taken anew for each reading.
     pub fn is_tracked(&self) -> bool {
-        self.method() == Method::Tracked || self.measure.calibration == Some(Calibration::Tracked)
+        self.method().is_tracked() || self.measure.calibration == Some(Calibration::Tracked)
     }
 
     /// The node whose crossing ends a discharge: B where the method times it.
     pub fn last_node(&self) -> Node {
-        match (self.method(), self.circuit.network) {
-            (Method::Tpcm | Method::Qerm, _) => Node::A,
-            (_, Network::TwoCapacitor { .. }) => Node::B,
-            _ => Node::A,
-        }
+        self.method().rules().last(self.circuit.kind())
     }
 
     /// How long to charge before each discharge.
@@ -57,8 +49,8 @@ impl Config {
 
     /// The latency offset.
     pub fn offset(&self) -> OffsetSource {
-        let needed = matches!(self.method(), Method::Cerm | Method::Qerm);
-        let default = if needed { OffsetSource::Auto } else { OffsetSource::Given(0.0) };
+        let default =
+            if self.method().needs_offset() { OffsetSource::Auto } else { OffsetSource::Given(0.0) };
         self.measure.offset.unwrap_or(default)
     }
 

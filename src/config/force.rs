@@ -1,32 +1,15 @@
 //! `force = { .. }`: the four ways to say how the resistance of a sensor becomes a force.
+//!
+//! `{ fc1 = "5.75 N", fc2 = "1.05 N" }`, `{ alpha = "13346 N ohm" }`, `{ at-1-kohm = "13.3 N", exponent = 1.05 }` or
+//! `{ table = "FILE.csv" }`, a file relative to that of the configuration.
 
 use crate::units::{Newton, NewtonOhm};
 use serde::Deserialize;
 use serde::de::{Deserializer, Error};
 use std::path::PathBuf;
 
-/// A sensor's characteristic.
-#[derive(Debug, Clone, PartialEq)]
-pub enum Force {
-    /// `{ fc1 = "5.75 N", fc2 = "1.05 N" }`: the forces at which the sensor has Rc1 and Rc2, for eq. (27).
-    Calibrated {
-        /// F_c1, newton, above F_c2: the lower resistance is the greater force.
-        fc1: Newton,
-        /// F_c2, newton.
-        fc2: Newton,
-    },
-    /// `{ alpha = "13346 N ohm" }`: F = alpha / R, eq. (1).
-    Alpha(NewtonOhm),
-    /// `{ at-1-kohm = "13.3 N", exponent = 1.05 }`: F = F_1k (R / 1 kohm)^-exponent.
-    PowerLaw {
-        /// The force at which the sensor has 1 kohm, newton.
-        at_1_kohm: Newton,
-        /// Above 0; 1 for a sensor that follows eq. (1).
-        exponent: f64,
-    },
-    /// `{ table = "FILE.csv" }`: measured pairs, relative to the configuration file.
-    Table(PathBuf),
-}
+/// A sensor's characteristic as it is written.
+pub type Force = crate::estimate::force::Force<PathBuf>;
 
 #[derive(Deserialize)]
 #[serde(

@@ -24,7 +24,7 @@ pub use force::Force;
 pub use gpio::{Backend, Gpio, LineName};
 pub use limits::LARGEST_ZERO_OHM;
 pub use pairs::PairsError;
-pub use settings::SettingsError;
+pub use settings::{SettingsError, tape_header};
 
 use crate::circuit::Circuit;
 use crate::instrument::settings::OffsetSource;

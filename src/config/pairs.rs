@@ -2,7 +2,7 @@
 
 use super::limits::{UNDER_WEIGHTS_OHM, WEIGHTS_N};
 use crate::estimate::fit::Pair;
-use crate::estimate::force::TableError;
+use crate::estimate::force::{Table, TableError};
 use crate::units::{Newton, Ohm};
 use csv::{ReaderBuilder, StringRecord, Trim};
 use std::path::Path;
@@ -37,16 +37,16 @@ pub enum PairsError {
     Table(#[from] TableError),
 }
 
-/// The pairs of a file: see [`of_csv`].
+/// The table that the pairs of a file make: see [`of_csv`].
 ///
 /// # Errors
-/// [`PairsError::Read`], [`PairsError::Line`].
-pub fn load(path: &Path) -> Result<Vec<Pair>, PairsError> {
+/// What is wrong with the file, with the line and the remedy.
+pub fn load_table(path: &Path) -> Result<Table, PairsError> {
     let origin = path.display().to_string();
-    match std::fs::read_to_string(path) {
-        Ok(text) => of_csv(&text, &origin),
-        Err(source) => Err(PairsError::Read { path: origin, source }),
-    }
+    let text =
+        std::fs::read_to_string(path).map_err(|source| PairsError::Read { path: origin.clone(), source })?;
+    let pairs = of_csv(&text, &origin)?;
+    Ok(Table::from_pairs(pairs.iter().map(|pair| (pair.r_ohm, pair.f_n)).collect())?)
 }
 
 /// The pairs of a CSV file. Empty lines, lines that begin with `#` and a line of names before the first pair are passed

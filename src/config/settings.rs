@@ -2,12 +2,10 @@
 
 use super::Config;
 use super::pairs::{self, PairsError};
-use crate::circuit::{Network, Node};
-use crate::config;
-use crate::estimate::force::{Force, Table};
+use crate::circuit::Node;
+use crate::estimate::force::Force;
 use crate::instrument::settings::{Channel, OffsetSource, Settings};
-use crate::pins::Drives;
-use crate::stream::tape::{self, Header, TapeChannel, TapeCircuit, TapeForce};
+use crate::stream::tape::{Header, TapeChannel, TapeCircuit, TapeForce};
 use crate::units::Nanos;
 
 /// Why a configuration that passes its check still cannot be run.
@@ -31,22 +29,20 @@ impl Config {
     pub fn settings(&self) -> Result<Settings, SettingsError> {
         let config = self;
         let circuit = &config.circuit;
-        let r_ohm = [circuit.r_c1.0, circuit.r_second().0];
         let channels = config.channels.iter().map(|channel| {
-            let force = channel.force.as_ref().map(|force| load_force(config, force, r_ohm)).transpose();
-            let force = force.map_err(|source| SettingsError::Table { id: channel.id.clone(), source })?;
+            let force = channel.force.clone().map(|force| {
+                force
+                    .try_map(|file| pairs::load_table(&config.path(&file)))
+                    .map_err(|source| SettingsError::Table { id: channel.id.clone(), source })
+            });
+            let force = force.transpose()?;
             Ok(Channel { id: channel.id.clone(), zero_ohm: channel.zero_ohm, force })
         });
         Ok(Settings {
             method: config.method(),
-            r_ohm,
-            series: matches!(circuit.network, Network::SeriesCalibration { .. }),
-            chargers: match circuit.network {
-                Network::TwoCapacitor { .. } => Drives::CHARGE,
-                _ => Drives::CHARGE_A,
-            },
+            kind: circuit.kind(),
+            r_c_ohm: [circuit.r_c1.0, circuit.r_c2.0],
             nominal: Nanos::from_seconds(circuit.crossing(Node::A, circuit.r_c1).unwrap_or_default().0),
-            last: config.last_node(),
             drain: config.drain_time(),
             charge: config.charge_time(),
             settle: config.settle_time(),
@@ -60,46 +56,30 @@ impl Config {
             channels: channels.collect::<Result<_, _>>()?,
         })
     }
-
-    /// The header of what an instrument with this configuration records. An offset that is still to be found is absent.
-    pub fn tape_header(&self, settings: &Settings) -> Header {
-        let config = self;
-        let kind = match config.circuit.network {
-            Network::TwoCapacitor { .. } => tape::Kind::TwoCapacitor,
-            Network::OneCapacitor { .. } => tape::Kind::OneCapacitor,
-            Network::SeriesCalibration { .. } => tape::Kind::SeriesCalibration,
-        };
-        let channel = |channel: &config::ChannelTable| TapeChannel {
-            id: channel.id.clone(),
-            zero_ohm: channel.zero_ohm,
-            force: match channel.force {
-                Some(crate::config::Force::Calibrated { fc1, fc2 }) => {
-                    Some(TapeForce::Pair { fc1_n: fc1.0, fc2_n: fc2.0 })
-                }
-                Some(crate::config::Force::Alpha(alpha)) => Some(TapeForce::Alpha { alpha_n_ohm: alpha.0 }),
-                // A tape gives the ohms; forces by a table or power law are for the configuration to tell.
-                Some(_) | None => None,
-            },
-        };
-        let circuit = TapeCircuit { kind, r_c1_ohm: config.circuit.r_c1.0, r_c2_ohm: config.circuit.r_c2.0 };
-        let offset_ns = match settings.offset {
-            OffsetSource::Given(d_ns) => Some(d_ns),
-            OffsetSource::Auto => None,
-        };
-        Header::new(circuit, offset_ns, config.channels.iter().map(channel).collect())
-    }
 }
 
-fn load_force(config: &Config, force: &config::Force, r_ohm: [f64; 2]) -> Result<Force, PairsError> {
-    Ok(match force {
-        config::Force::Alpha(alpha) => Force::Alpha(alpha.0),
-        config::Force::Calibrated { fc1, fc2 } => Force::Pair { r_ohm, f_n: [fc1.0, fc2.0] },
-        config::Force::PowerLaw { at_1_kohm, exponent } => {
-            Force::Power { scale: at_1_kohm.0 * 1000f64.powf(*exponent), exponent: *exponent }
-        }
-        config::Force::Table(file) => {
-            let pairs = pairs::load(&config.path(file))?.iter().map(|pair| (pair.r_ohm, pair.f_n)).collect();
-            Force::Table(Table::from_pairs(pairs)?)
-        }
-    })
+/// The header of what an instrument with these settings records. `found_ns`: the latency offset where it had to be found, and
+/// has been.
+pub fn tape_header(settings: &Settings, found_ns: Option<f64>) -> Header {
+    let [r_c1_ohm, r_c2_ohm] = settings.r_c_ohm;
+    let channel = |channel: &Channel| TapeChannel {
+        id: channel.id.clone(),
+        zero_ohm: channel.zero_ohm,
+        force: channel.force.as_ref().and_then(tape_force),
+    };
+    let offset_ns = match settings.offset {
+        OffsetSource::Given(d_ns) => Some(d_ns),
+        OffsetSource::Auto => found_ns,
+    };
+    let circuit = TapeCircuit { kind: settings.kind, r_c1_ohm, r_c2_ohm };
+    Header::new(circuit, offset_ns, settings.channels.iter().map(channel).collect())
+}
+
+/// A tape gives the ohms; forces by a table or a power law are for the configuration to tell.
+fn tape_force(force: &Force) -> Option<TapeForce> {
+    match force {
+        Force::Calibrated { fc1, fc2 } => Some(TapeForce::Pair { fc1_n: fc1.0, fc2_n: fc2.0 }),
+        Force::Alpha(alpha) => Some(TapeForce::Alpha { alpha_n_ohm: alpha.0 }),
+        Force::PowerLaw { .. } | Force::Table(_) => None,
+    }
 }

@@ -1,12 +1,14 @@
 //! Estimating from a tape: for every x discharge one line, from the most recent calibration discharges before it.
 
+use crate::circuit::Kind;
 use crate::estimate::Estimator;
 use crate::estimate::force::Force;
 use crate::estimate::offset::{Offset, SplitCalibration};
 use crate::instrument::settings::OffsetSource;
 use crate::reading::{Branch, Fault, Method, Status};
 use crate::record::Through;
-use crate::stream::tape::{Entry, Header, Kind, TapeError, TapeForce};
+use crate::stream::tape::{Entry, Header, TapeError, TapeForce};
+use crate::units::{Newton, NewtonOhm};
 use serde::Serialize;
 
 /// What is said about one x discharge.
@@ -52,7 +54,7 @@ pub enum ReplayError {
         /// The circuit of the tape.
         kind: &'static str,
         /// Which methods do.
-        hint: &'static str,
+        hint: String,
     },
     /// d is needed and nowhere to be found.
     #[error(
@@ -108,21 +110,19 @@ fn replay<T>(
     let offset = match (offset, header.offset_ns) {
         (Some(OffsetSource::Given(d_ns)), _) | (None, Some(d_ns)) => Offset::given(d_ns),
         // It cancels in the equations of these, or is part of what is tracked.
-        _ if matches!(method, Method::Tpcm | Method::Tcdic | Method::Tracked) => Offset::default(),
+        _ if !method.needs_offset() => Offset::default(),
         _ => split_offset(new(Offset::default()), [r1, r2], nodes, entries)
             .ok_or(ReplayError::Offset(method.as_str()))?,
     };
-    let mut estimator = match method {
-        Method::Tracked => Estimator::tracked(method, r1, r2, nodes),
-        _ => new(offset),
-    };
+    let mut estimator =
+        if method.is_tracked() { Estimator::tracked(method, r1, r2, nodes) } else { new(offset) };
     let mut estimates = Vec::new();
     for entry in entries {
         match (entry.record.through.channel(), entry.record.switch) {
             (Some(channel), _) => estimates.push(each(&estimator, header, channel, entry)),
             // The calibration in force stays when a discharge is of no use.
             (None, None) => drop(estimator.calibrate(&entry.record)),
-            (None, Some(_)) if method == Method::Tracked => drop(estimator.calibrate(&entry.record)),
+            (None, Some(_)) if method.is_tracked() => drop(estimator.calibrate(&entry.record)),
             (None, Some(_)) => {}
         }
     }
@@ -149,15 +149,14 @@ fn parse(text: &str) -> Result<(Header, Vec<Entry>), ReplayError> {
 }
 
 fn nodes_of(method: Method, kind: Kind) -> Result<usize, ReplayError> {
-    let refuse = |kind, hint| Err(ReplayError::Method { method: method.as_str(), kind, hint });
-    match (method, kind) {
-        (Method::Tpcm, _) | (Method::Qerm, Kind::SeriesCalibration) => Ok(1),
-        (Method::Tracked, Kind::OneCapacitor) => Ok(1),
-        (Method::Tcdic | Method::Cerm | Method::Tracked, Kind::TwoCapacitor) => Ok(2),
-        (_, Kind::TwoCapacitor) => refuse("two-capacitor", "take tpcm, tcdic, cerm or tracked"),
-        (_, Kind::OneCapacitor) => refuse("one-capacitor", "take tpcm or tracked"),
-        (_, Kind::SeriesCalibration) => refuse("series-calibration", "take tpcm or qerm"),
+    let rules = method.rules();
+    if rules.circuits().contains(&kind) {
+        return Ok(rules.last(kind).index() + 1);
     }
+    let names: Vec<&str> = Method::on(kind).map(Method::as_str).collect();
+    let (last, others) = names.split_last().unwrap_or((&"", &[]));
+    let hint = format!("take {} or {last}", others.join(", "));
+    Err(ReplayError::Method { method: method.as_str(), kind: kind.as_str(), hint })
 }
 
 fn split_offset(
@@ -185,10 +184,7 @@ fn split_offset(
 
 fn line(estimator: &Estimator, header: &Header, channel: usize, entry: &Entry) -> Estimate {
     let channel = &header.channels[channel];
-    let force = channel.force.as_ref().map(|force| match force {
-        TapeForce::Pair { fc1_n, fc2_n } => Force::Pair { r_ohm: header.r_ohm(), f_n: [*fc1_n, *fc2_n] },
-        TapeForce::Alpha { alpha_n_ohm } => Force::Alpha(*alpha_n_ohm),
-    });
+    let force = channel.force.as_ref().map(force_of);
     let status = estimator.status(&entry.record, channel.zero_ohm, force.as_ref());
     let line = Estimate {
         class: "ESTIMATE",
@@ -211,5 +207,12 @@ fn line(estimator: &Estimator, header: &Header, channel: usize, entry: &Entry) -
         // A tape does not say how long was waited for a crossing that is not on it, so `open` never comes of it.
         Status::Open { .. } => Estimate { fault: Some(Fault::MissedEdge.as_str()), ..line },
         Status::Fault(fault) => Estimate { fault: Some(fault.as_str()), ..line },
+    }
+}
+
+fn force_of(force: &TapeForce) -> Force {
+    match *force {
+        TapeForce::Pair { fc1_n, fc2_n } => Force::Calibrated { fc1: Newton(fc1_n), fc2: Newton(fc2_n) },
+        TapeForce::Alpha { alpha_n_ohm } => Force::Alpha(NewtonOhm(alpha_n_ohm)),
     }
 }

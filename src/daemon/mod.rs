@@ -12,9 +12,9 @@ mod measuring;
 mod publish;
 mod signals;
 
-use crate::config::SettingsError;
 use crate::config::backend::{self, AnyPins, OpenError};
 use crate::config::{Backend, Config, ConfigError, Finding, Severity};
+use crate::config::{SettingsError, tape_header};
 use crate::instrument::settings::Settings;
 use crate::pins::Pins;
 use crate::stream::server::{Limits, ListenError, Listener, Server};
@@ -120,7 +120,7 @@ impl Loaded {
             backend::scene(&config)?;
         }
         let settings = config.settings()?;
-        Ok(Loaded { tape_header: config.tape_header(&settings), settings, config })
+        Ok(Loaded { tape_header: tape_header(&settings, None), settings, config })
     }
 
     /// The configuration.
@@ -277,8 +277,8 @@ impl Daemon {
     /// With the offset as soon as it is known: a tape that begins later holds no split discharges to find it from.
     fn announce_tape_header(&mut self) {
         let stats = &self.known.stats;
-        let mut header = self.loaded.tape_header.clone();
-        header.offset_ns = header.offset_ns.or(stats.offset_is_known.then_some(stats.offset.d_ns));
+        let found_ns = stats.offset_is_known.then_some(stats.offset.d_ns);
+        let header = tape_header(&self.loaded.settings, found_ns);
         self.server.set_tape_header(&header);
     }
 

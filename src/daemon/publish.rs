@@ -5,7 +5,6 @@ use super::limits::GONE_AFTER;
 use super::measuring::Update;
 use crate::config::{Backend, Config};
 use crate::instrument::Message;
-use crate::instrument::diagnosis::LEAKS;
 use crate::instrument::settings::{self, Settings};
 use crate::instrument::stats::Stats;
 use crate::pins::realtime::{self, Right};
@@ -66,8 +65,9 @@ impl Logged {
         if let (Some(siemens), false) = (stats.leak_siemens, self.leak) {
             self.leak = true;
             log::warn!(
-                "a leak of about {:.2}: readings are less certain by what it does to them; look for {LEAKS}",
-                Ohm(1.0 / siemens)
+                "a leak of about {:.2}: readings are less certain by what it does to them; {}",
+                Ohm(1.0 / siemens),
+                Suspect::Leak.look()
             );
         }
     }
@@ -136,7 +136,7 @@ pub fn stats(known: &Known, config: &Config, uptime: Nanos) -> InstrumentStats {
         open: stats.open,
         short: stats.short,
         faults: faults.into(),
-        hint: stats.suspect.map(|suspect| suspect.as_str().to_owned()),
+        hint: stats.suspect.map(|suspect| suspect.to_string()),
         leak_ohm: stats.leak_siemens.map(|siemens| 1.0 / siemens),
         retried: stats.retried,
         offset_known: stats.offset_is_known,

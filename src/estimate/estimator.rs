@@ -1,11 +1,9 @@
-//! From the timings of discharges to what is known about the sensor.
-//!
-//! For: the calibration that is in force, the choice of the equation, uncertainty by propagation, and the states of a
-//! reading. Must not know: in which order discharges are taken, by whom, or when.
+//! The estimator: the calibration that is in force, uncertainty by propagation, and the states of a reading.
 
+use crate::circuit::Node;
 use crate::estimate::method::tracked::{self, Observed, Solution};
-use crate::estimate::method::{Number, Times, cerm, dual, qerm, tcdic, tpcm};
-use crate::estimate::motion::Seen;
+use crate::estimate::method::{Scale, Switched, Switching, Times, dual};
+use crate::estimate::motion::Evidence;
 use crate::estimate::noise::{Covariance, Judgement, Noise};
 use crate::estimate::offset::Offset;
 use crate::estimate::tracker::Tracker;
@@ -13,16 +11,11 @@ use crate::reading::{Branch, Fault, Measured, Method};
 use crate::record::{Record, Switch, Through, UNLIKE_CALLS};
 use crate::units::Nanos;
 use covariances::Covariances;
+use dual::Dual;
 
 mod covariances;
 mod leakage;
-mod seen;
 mod status;
-
-/// Two crossings that disagree by more sigma than this cannot both be right.
-const GATE: f64 = 5.0;
-/// A resistance below so many sigma cannot be told from a short circuit; bounds are stated with the same factor.
-const COVERAGE: f64 = 2.0;
 
 /// An estimate of R_x, before the sensor's own zero is taken off.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -181,41 +174,53 @@ impl Estimator {
         Some([record.a_ns?, if self.nodes == 2 { record.b_ns? } else { 0.0 }])
     }
 
+    /// The node whose crossing ends a discharge.
+    fn last(&self) -> Node {
+        Node::BOTH[self.nodes - 1]
+    }
+
     /// Estimates R_x from an x discharge alone.
     ///
     /// # Errors
     /// The fault that keeps it from being a number; [`Fault::LatencyOutlier`] if its crossings contradict each other.
     pub fn estimate(&self, record: &Record) -> Result<Estimate, Fault> {
-        match self.look(record)? {
-            (_, seen) if seen.contradicts => Err(Fault::LatencyOutlier),
+        match self.solve(record)? {
+            (_, evidence) if evidence.contradicts => Err(Fault::LatencyOutlier),
             (estimate, _) => Ok(estimate),
         }
     }
 
+    /// The state that the method solves by, if it does and there is one.
+    fn state(&self) -> Option<&Tracker> {
+        self.tracker().filter(|_| self.method.is_tracked())
+    }
+
     /// The same, contradictions left to who knows the sensor's motion.
-    fn look(&self, record: &Record) -> Result<(Estimate, Seen), Fault> {
-        if let Some(tracker) = self.tracker().filter(|_| self.method == Method::Tracked) {
+    fn solve(&self, record: &Record) -> Result<(Estimate, Evidence), Fault> {
+        if let Some(tracker) = self.state() {
             let solution = tracked::solve(tracker, &self.observed(record)?)?;
             let r_ohm = Measured { value: solution.r_ohm, u: Some(solution.variance.sqrt()) };
-            return Ok((Estimate { branch: solution.branch, r_ohm }, solution.seen));
+            return Ok((Estimate { branch: solution.branch, r_ohm }, solution.evidence));
         }
         let (times, branch) = self.times(record)?;
-        let (ratio, seen) = self.ratio_seen(&times, branch, record.u_switch_ns);
+        let (ratio, evidence) =
+            self.ratio(&times, branch, record.u_switch_ns.unwrap_or(0.0)).ok_or(Fault::MissedEdge)?;
         let span = self.r2_ohm - self.r1_ohm;
         let r_ohm = self.r1_ohm + ratio.value * span;
         let u = ratio.u.map(|u| u * span);
         let sound = r_ohm.is_finite() && u.is_none_or(f64::is_finite);
         if sound {
-            Ok((Estimate { branch, r_ohm: Measured { value: r_ohm, u } }, seen))
+            Ok((Estimate { branch, r_ohm: Measured { value: r_ohm, u } }, evidence))
         } else {
             Err(Fault::Implausible)
         }
     }
 
     fn observed(&self, record: &Record) -> Result<Observed, Fault> {
-        self.last_crossing(record).ok_or(Fault::MissedEdge)?;
+        record.crossing(self.last()).ok_or(Fault::MissedEdge)?;
         let switch = record.switch.map(|switch| (switch, self.ohm_after(switch)));
-        Ok(Observed { crossings: [record.a_ns, record.b_ns], switch, u_switch_ns: record.u_switch_ns })
+        let u_switch_ns = record.u_switch_ns.unwrap_or(0.0);
+        Ok(Observed { crossings: record.crossings(), switch, u_switch_ns })
     }
 
     fn ohm_after(&self, switch: Switch) -> f64 {
@@ -223,7 +228,7 @@ impl Estimator {
     }
 
     /// What an x discharge through `r_ohm` would tell, switched as given or not at all.
-    pub fn foresee(&self, r_ohm: f64, switch: Option<Switch>, u_switch_ns: f64) -> Option<Solution> {
+    pub fn predict_tracked(&self, r_ohm: f64, switch: Option<Switch>, u_switch_ns: f64) -> Option<Solution> {
         let switch = switch.map(|switch| (switch, self.ohm_after(switch)));
         tracked::predict(self.tracker()?, r_ohm, switch, u_switch_ns)
     }
@@ -236,64 +241,43 @@ impl Estimator {
         if !ordered || !nodes_ordered {
             return Err(Fault::Implausible);
         }
-        let last = self.last_crossing(record).ok_or(Fault::MissedEdge)?;
-        let switch =
-            record.switch.map_or((f64::INFINITY, f64::INFINITY), |switch| (switch.at_ns, switch.on_ns));
-        let branch = if last - self.offset().d_ns > switch.1 { Branch::Inferred } else { Branch::Direct };
-        if self.method == Method::Tracked && branch == Branch::Inferred {
+        let (d, last) = (self.offset().d_ns, record.crossing(self.last()).ok_or(Fault::MissedEdge)?);
+        let switch = record.switch.filter(|switch| last - d > switch.on_ns);
+        let branch = if switch.is_some() { Branch::Inferred } else { Branch::Direct };
+        match (switch, self.method.rules().switching()) {
             // Of a switched discharge nothing is known before there is a tracked calibration.
-            return Err(Fault::NoCalibration);
+            (Some(_), Switching::WhereBest) => return Err(Fault::NoCalibration),
+            (Some(_), Switching::Never) => return Err(Fault::Implausible),
+            (Some(switch), Switching::AtFraction) if switch.at_ns <= 0.0 => return Err(Fault::Implausible),
+            _ => {}
         }
-        let (at, on) = if branch == Branch::Inferred { switch } else { (0.0, 0.0) };
-        let on = if self.method == Method::Qerm { record.second_ns } else { on };
-        // An inferred estimate can do without the crossing of A; 0 is never looked at then.
-        let a = match (branch, record.a_ns) {
-            (Branch::Inferred, None) => 0.0,
-            (_, a) => a.ok_or(Fault::MissedEdge)?,
-        };
-        let x = [a, if self.nodes == 2 { record.b_ns.unwrap_or(0.0) } else { 0.0 }];
-        let known = match self.method {
-            Method::Tpcm | Method::Tcdic | Method::Tracked => branch == Branch::Direct,
-            Method::Qerm | Method::Cerm => at > 0.0 || branch == Branch::Direct,
-        };
-        if !known || x[0] < 0.0 || x[1] < 0.0 || last <= self.offset().d_ns {
+        let x = self.existing(record.crossings());
+        if x.into_iter().flatten().any(|crossing| crossing < 0.0) || last <= d {
             return Err(Fault::Implausible);
         }
-        Ok((Times { c1, c2, x, at, on, d: self.offset().d_ns }, branch))
+        let switch = switch.map(|switch| Switched { at: switch.at_ns, on: switch.on_ns });
+        let [c1, c2] = [c1, c2].map(|crossings| self.existing(crossings.map(Some)));
+        Ok((Times { c1, c2, x, switch, beside: record.second_ns, d }, branch))
     }
 
-    /// The crossing that ends the discharge as far as the method looks at it.
-    fn last_crossing(&self, record: &Record) -> Option<f64> {
-        match self.method {
-            Method::Tpcm | Method::Qerm => record.a_ns,
-            Method::Tracked if self.nodes == 1 => record.a_ns,
-            Method::Tcdic | Method::Cerm | Method::Tracked => record.b_ns,
-        }
+    /// The crossings of nodes that the method looks at.
+    fn existing(&self, [a, b]: [Option<f64>; 2]) -> [Option<f64>; 2] {
+        [a, b.filter(|_| self.nodes == 2)]
     }
 
-    fn ratio_seen(&self, times: &Times<f64>, branch: Branch, u_switch_ns: f64) -> (Measured, Seen) {
+    /// The ratio and what it rests on; `None` if a time was not seen that the equation needs.
+    fn ratio(&self, times: &Times<f64>, branch: Branch, u_switch_ns: f64) -> Option<(Measured, Evidence)> {
         let late = match branch {
             Branch::Direct => times.x,
             Branch::Inferred => times.c2,
         };
-        let covariance = self.covariances(late, u_switch_ns);
-        let variables = dual::variables(times);
-        let ratio = self.ratio(&variables, branch);
-        let u = covariance.as_ref().map(|covariance| covariance.of(&ratio.by).sqrt());
-        (Measured { value: ratio.value, u }, self.seen(&variables, branch, covariance.as_ref()))
-    }
-
-    fn ratio<T: Number>(&self, times: &Times<T>, branch: Branch) -> T {
-        match (self.method, branch) {
-            (Method::Tpcm, _) => tpcm::ratio(times, 0),
-            // Until the tracked calibration is there.
-            (Method::Tracked, _) if self.nodes == 1 => tpcm::ratio(times, 0),
-            (Method::Tracked, _) => tcdic::ratio(times),
-            (Method::Qerm, Branch::Direct) => qerm::ratio_direct(times),
-            (Method::Qerm, Branch::Inferred) => qerm::ratio(times),
-            (Method::Tcdic, _) | (Method::Cerm, Branch::Direct) => tcdic::ratio(times),
-            (Method::Cerm, Branch::Inferred) => cerm::ratio(times),
-        }
+        let covariances = self.covariances(late.map(|crossing| crossing.unwrap_or(0.0)), u_switch_ns);
+        let u = |of: &Dual| covariances.as_ref().map(|covariances| covariances.of(&of.by).sqrt());
+        let (rules, variables) = (self.method.rules(), dual::variables(times));
+        let ratio = rules.ratio(&variables, branch)?;
+        let scale = Scale { r_ohm: [self.r1_ohm, self.r2_ohm], u: &u };
+        let evidence = rules.evidence(&variables, branch, &scale)?;
+        Some((Measured { value: ratio.value, u: u(&ratio) }, evidence))
     }
 
     /// The covariances of all times; `late` are the crossings that a discharge only through the resistor that ran last
@@ -321,41 +305,44 @@ impl Estimator {
     }
 
     /// The variances of the ratio to be expected from a direct and from an inferred estimate of a sensor at `ratio`,
-    /// switched at `fraction` of the time in which A crosses (for QERM: in which x and c12 together cross).
+    /// switched at `fraction` of the time in which A crosses.
     pub fn predict(&self, ratio: f64, fraction: f64, u_switch_ns: f64) -> Option<Predicted> {
         let (c1, c2) = self.calibration()?;
-        let d = self.offset().d_ns;
-        let full = [0, 1].map(|node| c1[node] + ratio * (c2[node] - c1[node]));
-        let last = self.nodes - 1;
-        let node_a = if self.method == Method::Qerm { self.parallel_ns(full[0])? } else { full[0] };
-        let at = fraction * (node_a - d);
-        let rest = match self.method {
-            Method::Qerm => (c2[0] - d) * (1.0 - at / (full[0] - d)) - at,
-            _ => (c2[last] - d) * (1.0 - at / (full[last] - d)),
-        };
+        let (d, rules, last) = (self.offset().d_ns, self.method.rules(), self.last().index());
+        let mut full = [0, 1].map(|node| c1[node] + ratio * (c2[node] - c1[node]));
+        for (node, ns) in full.iter_mut().enumerate().take(self.nodes) {
+            *ns = self.x_discharge_ns(*ns, node)?;
+        }
+        let at = fraction * (full[0] - d);
+        let rest = (c2[last] - d) * (1.0 - at / (full[last] - d));
         if !(at > 0.0 && rest > 0.0) {
             return None;
         }
-        let direct_x = if self.method == Method::Qerm { [node_a, 0.0] } else { full };
         let mut switched = full;
         switched[last] = at + rest + d;
-        let variance = |x: [f64; 2], at: f64, late: [f64; 2], branch| {
-            let on = if self.method == Method::Qerm { 0.0 } else { at };
-            let times = dual::variables(&Times { c1, c2, x, at, on, d });
-            let (covariances, by) = (self.covariances(late, u_switch_ns)?, self.ratio(&times, branch).by);
+        let [c1, c2, direct, inferred] =
+            [c1, c2, full, switched].map(|crossings| self.existing(crossings.map(Some)));
+        let variance = |x: [Option<f64>; 2], switch, late: [Option<f64>; 2], branch| {
+            let times = dual::variables(&Times { c1, c2, x, switch, beside: None, d });
+            let covariances = self.covariances(late.map(|crossing| crossing.unwrap_or(0.0)), u_switch_ns)?;
+            let by = rules.ratio(&times, branch)?.by;
             Some((covariances.of(&by), covariances.of_offset(&by)))
         };
-        let (direct, _) = variance(direct_x, 0.0, direct_x, Branch::Direct)?;
-        let (inferred, by_offset) = variance(switched, at, c2, Branch::Inferred)?;
+        let (direct, _) = variance(direct, None, direct, Branch::Direct)?;
+        let switch = Some(Switched { at, on: at });
+        let (inferred, by_offset) = variance(inferred, switch, c2, Branch::Inferred)?;
         Some(Predicted { direct, inferred, by_offset })
     }
 
-    /// When a discharge through the sensor and R_2 at once crosses, given the crossing `x_ns` through the sensor alone;
-    /// d included in both.
-    pub fn parallel_ns(&self, x_ns: f64) -> Option<f64> {
+    /// When a node crosses in an x discharge of this method, given the crossing `x_ns` through the sensor alone; d included in
+    /// both.
+    pub fn x_discharge_ns(&self, x_ns: f64, node: usize) -> Option<f64> {
+        if !self.method.rules().sinks_beside() {
+            return Some(x_ns);
+        }
         let (_, c2) = self.calibration()?;
         let d = self.offset().d_ns;
-        Some(d + 1.0 / (1.0 / (x_ns - d) + 1.0 / (c2[0] - d)))
+        Some(d + 1.0 / (1.0 / (x_ns - d) + 1.0 / (c2[node] - d)))
     }
 }
 

@@ -1,12 +1,10 @@
-//! Fitting the characteristic of a force sensor to measured pairs.
-//!
-//! For: alpha, a power law or a table from forces and the resistances that were measured under them, with 1-sigma
-//! uncertainties, residuals, and the mean of repeated readings. Must not know: where pairs come from or go to.
+//! Fitting the characteristic of a force sensor to measured pairs of force and resistance, with 1-sigma uncertainties.
 //!
 //! The force is taken as exact, the scatter as that of the resistance.
 
 use crate::estimate::force::{Force, Table, TableError};
 use crate::reading::Measured;
+use crate::units::{Newton, NewtonOhm};
 
 /// A force and the resistance under it.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -124,11 +122,10 @@ impl Fit {
     /// The characteristic, for converting.
     pub fn force(&self) -> Force {
         match self {
-            Fit::Alpha { alpha } => Force::Alpha(alpha.value),
-            Fit::Power { at_1_kohm, exponent } => Force::Power {
-                scale: at_1_kohm.value * 1000f64.powf(exponent.value),
-                exponent: exponent.value,
-            },
+            Fit::Alpha { alpha } => Force::Alpha(NewtonOhm(alpha.value)),
+            Fit::Power { at_1_kohm, exponent } => {
+                Force::PowerLaw { at_1_kohm: Newton(at_1_kohm.value), exponent: exponent.value }
+            }
             Fit::Table(table) => Force::Table(table.clone()),
         }
     }

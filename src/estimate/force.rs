@@ -1,47 +1,61 @@
 //! Resistance to force, for piezoresistive sensors.
-//!
-//! For: the force that belongs to a resistance, with its slope. Must not know: how the resistance was measured.
 
 use crate::reading::Measured;
+use crate::units::{Newton, NewtonOhm};
 
-/// The characteristic of a sensor.
+/// The characteristic of a sensor; `T` is its table, or in a configuration the file that the table is in.
 #[derive(Debug, Clone, PartialEq)]
-pub enum Force {
-    /// F = alpha / R (eq. (1)), alpha in N ohm.
-    Alpha(f64),
-    /// The reciprocal force is affine in the resistance (eq. (26), (27)), through (`r_ohm[i]`, `f_n[i]`): the forces that
-    /// bring the sensor to the resistance of the calibration resistors.
-    Pair {
-        /// The two calibration resistors.
-        r_ohm: [f64; 2],
-        /// The forces that belong to them.
-        f_n: [f64; 2],
+pub enum Force<T = Table> {
+    /// The forces at which the sensor has R_1 and R_2, the greater one first: the reciprocal force is affine in the resistance
+    /// (eq. (26), (27)).
+    Calibrated {
+        /// F_c1.
+        fc1: Newton,
+        /// F_c2.
+        fc2: Newton,
     },
-    /// F = scale R^-exponent, in newton with R in ohm.
-    Power {
-        /// N ohm^exponent.
-        scale: f64,
-        /// Positive.
+    /// F = alpha / R, eq. (1).
+    Alpha(NewtonOhm),
+    /// F = F_1k (R / 1 kohm)^-exponent.
+    PowerLaw {
+        /// F_1k, the force at which the sensor has 1 kohm.
+        at_1_kohm: Newton,
+        /// Above 0; 1 for a sensor that follows eq. (1).
         exponent: f64,
     },
     /// Measured pairs, interpolated in log-log; nothing is known outside them.
-    Table(Table),
+    Table(T),
+}
+
+impl<T> Force<T> {
+    /// The same with its table made of what stands for it.
+    ///
+    /// # Errors
+    /// Those of `make`.
+    pub fn try_map<U, E>(self, make: impl FnOnce(T) -> Result<U, E>) -> Result<Force<U>, E> {
+        Ok(match self {
+            Force::Calibrated { fc1, fc2 } => Force::Calibrated { fc1, fc2 },
+            Force::Alpha(alpha) => Force::Alpha(alpha),
+            Force::PowerLaw { at_1_kohm, exponent } => Force::PowerLaw { at_1_kohm, exponent },
+            Force::Table(table) => Force::Table(make(table)?),
+        })
+    }
 }
 
 impl Force {
     /// The force at a resistance and its 1-sigma uncertainty; `None` where the characteristic gives no positive, finite
-    /// force. The sensor's own deviation from its characteristic is not in the uncertainty.
-    pub fn at(&self, r_ohm: Measured) -> Option<Measured> {
+    /// force. The sensor's own deviation from its characteristic is not in the uncertainty. `known`: R_1 and R_2, ohm.
+    pub fn at(&self, r_ohm: Measured, known: [f64; 2]) -> Option<Measured> {
         let r = r_ohm.value;
         let (f_n, slope) = match self {
-            Force::Alpha(alpha) => (alpha / r, -alpha / (r * r)),
-            Force::Pair { r_ohm, f_n } => {
-                let slope = (1.0 / f_n[1] - 1.0 / f_n[0]) / (r_ohm[1] - r_ohm[0]);
-                let f = 1.0 / (1.0 / f_n[0] + slope * (r - r_ohm[0]));
+            Force::Calibrated { fc1, fc2 } => {
+                let slope = (1.0 / fc2.0 - 1.0 / fc1.0) / (known[1] - known[0]);
+                let f = 1.0 / (1.0 / fc1.0 + slope * (r - known[0]));
                 (f, -slope * f * f)
             }
-            Force::Power { scale, exponent } => {
-                let f = scale * r.powf(-exponent);
+            Force::Alpha(alpha) => (alpha.0 / r, -alpha.0 / (r * r)),
+            Force::PowerLaw { at_1_kohm, exponent } => {
+                let f = at_1_kohm.0 * (r / 1000.0).powf(-exponent);
                 (f, -exponent * f / r)
             }
             Force::Table(table) => table.at(r)?,
@@ -52,8 +66,8 @@ impl Force {
     }
 
     /// The force at an exactly known resistance, such as a bound.
-    pub fn at_bound(&self, r_ohm: f64) -> Option<f64> {
-        self.at(Measured { value: r_ohm, u: None }).map(|force| force.value)
+    pub fn at_bound(&self, r_ohm: f64, known: [f64; 2]) -> Option<f64> {
+        self.at(Measured { value: r_ohm, u: None }, known).map(|force| force.value)
     }
 }
 
@@ -117,28 +131,31 @@ mod tests {
 
     /// The FSR 402 of the paper: alpha = 13346.46 N ohm at Rc1 = 2320 and Rc2 = 12700 ohm.
     const ALPHA: f64 = 13346.46;
+    const KNOWN: [f64; 2] = [2320.0, 12700.0];
 
     #[test]
     fn the_calibration_forces_of_the_paper_belong_to_its_alpha() {
-        let alpha = Force::Alpha(ALPHA);
-        assert_eq!(format!("{:.2}", alpha.at_bound(2320.0).unwrap()), "5.75");
-        assert_eq!(format!("{:.2}", alpha.at_bound(12700.0).unwrap()), "1.05");
+        let alpha = Force::Alpha(NewtonOhm(ALPHA));
+        assert_eq!(format!("{:.2}", alpha.at_bound(2320.0, KNOWN).unwrap()), "5.75");
+        assert_eq!(format!("{:.2}", alpha.at_bound(12700.0, KNOWN).unwrap()), "1.05");
     }
 
     proptest! {
+        #![proptest_config(crate::seed::cases(256))]
+
         #[test]
         fn every_form_says_the_same_of_a_sensor_that_follows_alpha(r in 60.0..18_000.0f64, u in 0.01..1.0f64) {
             let table = [50.0, 200.0, 3000.0, 20_000.0].map(|r| (r, ALPHA / r)).to_vec();
             let forms = [
-                Force::Alpha(ALPHA),
-                Force::Pair { r_ohm: [2320.0, 12700.0], f_n: [ALPHA / 2320.0, ALPHA / 12700.0] },
-                Force::Power { scale: ALPHA, exponent: 1.0 },
+                Force::Alpha(NewtonOhm(ALPHA)),
+                Force::Calibrated { fc1: Newton(ALPHA / 2320.0), fc2: Newton(ALPHA / 12700.0) },
+                Force::PowerLaw { at_1_kohm: Newton(ALPHA / 1000.0), exponent: 1.0 },
                 Force::Table(Table::from_pairs(table).unwrap()),
             ];
             for form in forms {
-                let force = form.at(Measured { value: r, u: Some(u) }).unwrap();
+                let force = form.at(Measured { value: r, u: Some(u) }, KNOWN).unwrap();
                 prop_assert!((force.value * r / ALPHA - 1.0).abs() < 1e-9, "{form:?}");
-                let slope = (form.at_bound(r * (1.0 - 1e-6)).unwrap() - form.at_bound(r * (1.0 + 1e-6)).unwrap()) / (2e-6 * r);
+                let slope = (form.at_bound(r * (1.0 - 1e-6), KNOWN).unwrap() - form.at_bound(r * (1.0 + 1e-6), KNOWN).unwrap()) / (2e-6 * r);
                 prop_assert!((force.u.unwrap() / (slope * u) - 1.0).abs() < 1e-4, "{form:?}");
             }
         }
@@ -146,15 +163,15 @@ mod tests {
 
     #[test]
     fn no_force_is_made_up() {
-        let pair = Force::Pair { r_ohm: [2320.0, 12700.0], f_n: [5.75, 1.05] };
-        assert_eq!(pair.at_bound(-100.0), None);
-        assert_eq!(Force::Alpha(ALPHA).at_bound(0.0), None);
+        let pair = Force::Calibrated { fc1: Newton(5.75), fc2: Newton(1.05) };
+        assert_eq!(pair.at_bound(-100.0, KNOWN), None);
+        assert_eq!(Force::Alpha(NewtonOhm(ALPHA)).at_bound(0.0, KNOWN), None);
         // 1/F of this pair is negative below some ohms: beyond what the pair can tell.
-        let steep = Force::Pair { r_ohm: [2320.0, 12700.0], f_n: [20.0, 1.05] };
-        assert_eq!(steep.at_bound(10.0), None);
+        let steep = Force::Calibrated { fc1: Newton(20.0), fc2: Newton(1.05) };
+        assert_eq!(steep.at_bound(10.0, KNOWN), None);
         let table = Force::Table(Table::from_pairs(vec![(100.0, 10.0), (1000.0, 1.0)]).unwrap());
-        assert_eq!((table.at_bound(99.0), table.at_bound(1001.0)), (None, None));
-        assert!(table.at_bound(100.0).is_some() && table.at_bound(1000.0).is_some());
+        assert_eq!((table.at_bound(99.0, KNOWN), table.at_bound(1001.0, KNOWN)), (None, None));
+        assert!(table.at_bound(100.0, KNOWN).is_some() && table.at_bound(1000.0, KNOWN).is_some());
     }
 
     #[test]

@@ -1,8 +1,5 @@
 //! Leakage, by discharges that were held back.
 //!
-//! For: telling a leak from other capacitors, which discharges through two known resistors cannot. Must not know: how
-//! discharges are taken.
-//!
 //! While everything floats for the time h, a leak of conductance G takes G h off the way to the threshold. The discharge
 //! through R_1 that follows is shorter by G h (R_1+Ro) than one that begins at once. Nothing else does that but a dielectric
 //! that goes on taking charge in, as that of X7R does. A pull-up does nothing then, since the nodes are at V_DD already: it
@@ -11,28 +8,15 @@
 //! What a leak at node A does to a reading: a discharge through R takes g (R+Ro) / (1 + G (R+Ro)), and two-point calibration
 //! makes of it a resistance that is too high between R_1 and R_2 and too low elsewhere: [`error_ohm`].
 
+use crate::estimate::limits::{
+    LEAK_EVERY, LEAK_FIRST, LEAK_HOLD, LEAK_REMEMBERED, LEAK_SHOWS, LEAK_SURPRISE,
+};
 use crate::units::Nanos;
-
-/// How long a discharge is held back.
-pub const HOLD: Nanos = Nanos(20_000_000);
-/// From one held discharge to the next.
-pub const EVERY: Nanos = Nanos(5_000_000_000);
-/// Held discharges that are remembered: of three minutes.
-const REMEMBERED: usize = 32;
-/// The first ones follow each other; fewer tell little.
-const FIRST: usize = 16;
-/// A leak is one beyond so many sigma.
-const GATE: f64 = 4.0;
-/// Beyond so many sigma from the others a single one may be news: another look does no harm.
-const SURPRISE: f64 = 2.5;
-/// A leak through less than this is a defect, not an imperfection: capacitors insulate more than 1 Gohm, pulls of
-/// processors are 30 to 100 kohm.
-pub const GROSS_SIEMENS: f64 = 1.0 / 200e3;
 
 /// The held discharges so far.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct LeakTest {
-    siemens: [f64; REMEMBERED],
+    siemens: [f64; LEAK_REMEMBERED],
     taken: usize,
     /// Of those that are remembered.
     median: f64,
@@ -49,7 +33,7 @@ impl LeakTest {
     /// Whether a held discharge is due.
     pub fn is_due(&mut self, now: Nanos) -> bool {
         let last = *self.last.get_or_insert(now);
-        (1..FIRST).contains(&self.taken) || self.is_surprised || now - last >= EVERY
+        (1..LEAK_FIRST).contains(&self.taken) || self.is_surprised || now - last >= LEAK_EVERY
     }
 
     /// Takes one, whether it told something or not. `lost_ns`: by how much it was shorter, with its variance; `r_ohm`: R_1.
@@ -57,12 +41,12 @@ impl LeakTest {
         self.last = Some(now);
         self.is_surprised = false;
         let Some((lost_ns, variance)) = lost.filter(|(lost_ns, _)| lost_ns.is_finite()) else { return };
-        self.siemens[self.taken % REMEMBERED] = siemens_by(lost_ns, r_ohm);
+        self.siemens[self.taken % LEAK_REMEMBERED] = siemens_by(lost_ns, r_ohm);
         self.variance = siemens_by(variance.sqrt(), r_ohm).powi(2);
         self.taken += 1;
         self.median = self.find_median();
-        let away = self.siemens[(self.taken - 1) % REMEMBERED] - self.median;
-        self.is_surprised = away.abs() > SURPRISE * self.variance.sqrt();
+        let away = self.siemens[(self.taken - 1) % LEAK_REMEMBERED] - self.median;
+        self.is_surprised = away.abs() > LEAK_SURPRISE * self.variance.sqrt();
     }
 
     /// The leak, siemens, if there is one that shows.
@@ -83,17 +67,18 @@ impl LeakTest {
 
     fn gate(&self) -> f64 {
         // The variance of a median is pi/2 times that of the mean.
-        GATE * (self.variance * std::f64::consts::FRAC_PI_2 / self.taken.min(REMEMBERED) as f64).sqrt()
+        LEAK_SHOWS
+            * (self.variance * std::f64::consts::FRAC_PI_2 / self.taken.min(LEAK_REMEMBERED) as f64).sqrt()
     }
 
     /// The likely leak, siemens, whether it shows or not: nobody has seen that there is none.
     pub fn likely_siemens(&self) -> f64 {
-        if self.taken < FIRST { 0.0 } else { self.median.max(0.0) }
+        if self.taken < LEAK_FIRST { 0.0 } else { self.median.max(0.0) }
     }
 
     /// A spike is no leak, so it is not the mean.
     fn find_median(&self) -> f64 {
-        let count = self.taken.min(REMEMBERED);
+        let count = self.taken.min(LEAK_REMEMBERED);
         let mut sorted = self.siemens;
         let sorted = &mut sorted[..count];
         sorted.sort_unstable_by(f64::total_cmp);
@@ -104,7 +89,7 @@ impl LeakTest {
 
 /// The leak that makes a held discharge through `r_ohm` shorter by `lost_ns`, siemens.
 pub fn siemens_by(lost_ns: f64, r_ohm: f64) -> f64 {
-    lost_ns / (HOLD.as_ns() * r_ohm)
+    lost_ns / (LEAK_HOLD.as_ns() * r_ohm)
 }
 
 /// By how much a leak at node A makes a reading of `r_ohm` too high (or too low, where negative), ohm; `None`: no
@@ -130,16 +115,16 @@ mod tests {
     #[test]
     fn a_megohm_shows_at_once_and_spikes_do_not() {
         // 20 ms / 1 Mohm * 2320 ohm.
-        assert_eq!(tested(FIRST - 1, |_| 46_400.0).siemens(), None);
-        let found = tested(FIRST, |_| 46_400.0).siemens().unwrap();
+        assert_eq!(tested(LEAK_FIRST - 1, |_| 46_400.0).siemens(), None);
+        let found = tested(LEAK_FIRST, |_| 46_400.0).siemens().unwrap();
         assert!((found * 1e6 - 1.0).abs() < 1e-9, "{found}");
-        let spikes = tested(FIRST, |index| if index % 4 == 0 { 200_000.0 } else { 1000.0 });
+        let spikes = tested(LEAK_FIRST, |index| if index % 4 == 0 { 200_000.0 } else { 1000.0 });
         assert_eq!(spikes.siemens(), None);
         // What does not show may still be there.
         assert!((spikes.likely_siemens() - siemens_by(1000.0, 2320.0)).abs() < 1e-15);
-        assert_eq!(tested(FIRST, |_| -1000.0).likely_siemens(), 0.0);
+        assert_eq!(tested(LEAK_FIRST, |_| -1000.0).likely_siemens(), 0.0);
         // One that goes is forgotten.
-        let gone = tested(2 * REMEMBERED, |index| if index < REMEMBERED { 46_400.0 } else { 0.0 });
+        let gone = tested(2 * LEAK_REMEMBERED, |index| if index < LEAK_REMEMBERED { 46_400.0 } else { 0.0 });
         assert_eq!((gone.siemens(), gone.likely_siemens()), (None, 0.0));
     }
 
@@ -157,18 +142,18 @@ mod tests {
 
     #[test]
     fn the_first_tests_follow_each_other_and_a_failed_one_counts_for_nothing() {
-        let mut test = tested(FIRST, |_| 0.0);
+        let mut test = tested(LEAK_FIRST, |_| 0.0);
         let mut new = LeakTest::default();
-        assert!(!new.is_due(Nanos(1)) && new.is_due(EVERY + Nanos(1)) && !test.is_due(Nanos(1)));
+        assert!(!new.is_due(Nanos(1)) && new.is_due(LEAK_EVERY + Nanos(1)) && !test.is_due(Nanos(1)));
         assert!(tested(1, |_| 0.0).is_due(Nanos(1)));
-        assert!(test.is_due(EVERY));
-        test.add(None, 2320.0, EVERY);
-        assert!(!test.is_due(EVERY + Nanos(1)) && test.siemens().is_none());
+        assert!(test.is_due(LEAK_EVERY));
+        test.add(None, 2320.0, LEAK_EVERY);
+        assert!(!test.is_due(LEAK_EVERY + Nanos(1)) && test.siemens().is_none());
     }
 
     #[test]
     fn a_leak_that_comes_is_looked_at_again_at_once() {
-        let mut test = tested(REMEMBERED, |_| 0.0);
+        let mut test = tested(LEAK_REMEMBERED, |_| 0.0);
         let mut more = 0;
         while !test.has_changed() {
             test.add(Some((46_400.0, 8e6)), 2320.0, Nanos::ZERO);
@@ -176,6 +161,6 @@ mod tests {
             assert!(test.is_due(Nanos(1)) || test.siemens().is_some());
         }
         assert!(test.siemens().is_some() && !test.has_changed());
-        assert!((REMEMBERED / 2..=REMEMBERED / 2 + 1).contains(&more), "{more}");
+        assert!((LEAK_REMEMBERED / 2..=LEAK_REMEMBERED / 2 + 1).contains(&more), "{more}");
     }
 }

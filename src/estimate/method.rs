@@ -1,6 +1,7 @@
-//! The equations: times of three discharges in, position of R_x between the calibration resistors out.
+//! What each method decides, one file each: its circuits, its equation, how its discharges are planned.
 //!
-//! For: TPCM, QERM, TCDIC and CERM as pure functions. Must not know: ohms, noise, clocks or records.
+//! A sixth method is a file that implements [`Rules`], a name in [`Method`] and a line in [`Method::rules`]; whoever needs an
+//! answer of a method asks here.
 //!
 //! Every method answers the same quantity, the **ratio**
 //!
@@ -10,8 +11,8 @@
 //!
 //! with R_1 the lower and R_2 the higher calibration resistor (Rc1 and Rc2, or Rc1 and Rc1 + Rc2 in the circuit
 //! with series calibration). From rho follow the resistance, affine, and the force of eq. (27), whose reciprocal is
-//! affine too. The functions are generic over [`Number`], so that the same text is evaluated for values (`f64`) and
-//! for values with all their partial derivatives ([`Dual`](dual::Dual)), by which uncertainties propagate.
+//! affine too. The equations are generic over [`Number`], so that the same text is evaluated for values (`f64`) and
+//! for values with all their partial derivatives ([`Dual`]), by which uncertainties propagate.
 //!
 //! The offset d is subtracted from crossings, never from switches, as the text of each method says; where it cancels,
 //! it is written all the same.
@@ -23,7 +24,103 @@ pub mod tcdic;
 pub mod tpcm;
 pub mod tracked;
 
+use crate::circuit::{Kind, Node};
+use crate::estimate::motion::Evidence;
+use crate::reading::{Branch, Method};
+use crate::record::Through;
+use dual::Dual;
 use std::ops::{Add, Div, Mul, Sub};
+
+/// All that a method decides.
+pub trait Rules: Sync {
+    /// The circuits that it works on.
+    fn circuits(&self) -> &'static [Kind];
+
+    /// The node whose crossing ends its discharges.
+    fn last(&self, kind: Kind) -> Node {
+        kind.last()
+    }
+
+    /// How its x discharges are switched.
+    fn switching(&self) -> Switching;
+
+    /// Whether R_2 sinks beside the sensor from the start of an x discharge on.
+    fn sinks_beside(&self) -> bool {
+        false
+    }
+
+    /// Whether the time limit T_L of eq. (19) is one of its settings.
+    fn has_time_limit(&self) -> bool {
+        false
+    }
+
+    /// Its equation; `None` if a time that it needs was not seen.
+    fn ratio(&self, times: &Times<Dual>, branch: Branch) -> Option<Dual>;
+
+    /// Which stretches of the x discharge that rests on, and whether they agree; `None` as [`Rules::ratio`].
+    fn evidence(&self, times: &Times<Dual>, branch: Branch, scale: &Scale<'_>) -> Option<Evidence>;
+
+    /// If a discharge that ended at `crossing_ns` may have ended there without a sensor, too: the crossing before which it
+    /// would certainly not. `c2_ns`, `late_ns2`: the crossing through R_2 and its variance.
+    fn certain_ns(&self, _crossing_ns: f64, _c2_ns: f64, _late_ns2: f64) -> Option<f64> {
+        None
+    }
+
+    /// What its x discharges start through.
+    fn sensor(&self, channel: usize) -> Through {
+        if self.sinks_beside() { Through::XWithC12(channel) } else { Through::X(channel) }
+    }
+}
+
+/// How the x discharges of a method are switched to R_2, once all is known that a switched one needs.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Switching {
+    /// Never.
+    Never,
+    /// At a set fraction of the time in which node A would cross, where that promises less variance. Such a discharge tells
+    /// nothing without the latency offset.
+    AtFraction,
+    /// At the instant that promises the least variance by a tracked state, or never. An x discharge that has not ended by its
+    /// deadline is finished through R_1.
+    WhereBest,
+}
+
+impl Method {
+    /// All that it decides.
+    pub fn rules(self) -> &'static dyn Rules {
+        match self {
+            Method::Tpcm => &tpcm::Tpcm,
+            Method::Qerm => &qerm::Qerm,
+            Method::Tcdic => &tcdic::Tcdic,
+            Method::Cerm => &cerm::Cerm,
+            Method::Tracked => &tracked::Tracked,
+        }
+    }
+
+    /// The best method with a calibration for each reading that a circuit allows.
+    pub fn best(kind: Kind) -> Method {
+        match kind {
+            Kind::TwoCapacitor => Method::Cerm,
+            Kind::SeriesCalibration => Method::Qerm,
+            Kind::OneCapacitor => Method::Tpcm,
+        }
+    }
+
+    /// Those that work on a circuit.
+    pub fn on(kind: Kind) -> impl Iterator<Item = Method> {
+        Method::ALL.into_iter().filter(move |method| method.rules().circuits().contains(&kind))
+    }
+
+    /// Whether its calibration is always tracked.
+    pub fn is_tracked(self) -> bool {
+        self.rules().switching() == Switching::WhereBest
+    }
+
+    /// Whether its equation contains the latency offset.
+    pub fn needs_offset(self) -> bool {
+        self.rules().switching() == Switching::AtFraction
+    }
+}
 
 /// What the equations calculate with.
 pub trait Number:
@@ -33,38 +130,61 @@ pub trait Number:
 
 impl Number for f64 {}
 
-/// The times of one estimate, all in one unit (here ns): crossings `[A, B]` as measured, d included.
-///
-/// Times that a method does not use, or that were not seen, may hold anything finite.
+/// The times of one estimate, all in one unit (here ns): crossings `[A, B]` as measured, d included; `None` for a node that
+/// the circuit has not, or that was not seen.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Times<T> {
     /// Crossings of the discharge through R_1.
-    pub c1: [T; 2],
+    pub c1: [Option<T>; 2],
     /// Crossings of the discharge through R_2.
-    pub c2: [T; 2],
+    pub c2: [Option<T>; 2],
     /// Crossings of the discharge through the sensor.
-    pub x: [T; 2],
-    /// When the sensor was released.
-    pub at: T,
-    /// When R_2 was sunk instead (for QERM: beside the sensor).
-    pub on: T,
+    pub x: [Option<T>; 2],
+    /// The switch from the sensor to R_2.
+    pub switch: Option<Switched<T>>,
+    /// When R_2 was sunk beside the sensor; `None`: with it, or not at all.
+    pub beside: Option<T>,
     /// The latency offset d of crossings.
     pub d: T,
 }
 
+/// The switch of an x discharge.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Switched<T> {
+    /// When the sensor was released.
+    pub at: T,
+    /// When R_2 was sunk.
+    pub on: T,
+}
+
 impl<T: Copy> Times<T> {
-    /// How many times there are.
-    pub const COUNT: usize = 9;
-
-    /// In the order c1A, c1B, c2A, c2B, xA, xB, at, on, d.
-    pub fn to_array(self) -> [T; 9] {
-        let Times { c1, c2, x, at, on, d } = self;
-        [c1[0], c1[1], c2[0], c2[1], x[0], x[1], at, on, d]
+    /// The crossings of one node through R_1, R_2 and the sensor.
+    pub fn of(&self, node: Node) -> Option<[T; 3]> {
+        let index = node.index();
+        Some([self.c1[index]?, self.c2[index]?, self.x[index]?])
     }
+}
 
-    /// The reverse of [`Times::to_array`].
-    pub fn from_array(times: [T; 9]) -> Times<T> {
-        let [c1a, c1b, c2a, c2b, xa, xb, at, on, d] = times;
-        Times { c1: [c1a, c1b], c2: [c2a, c2b], x: [xa, xb], at, on, d }
+impl<T: Number> Times<T> {
+    /// The crossing of a node through the sensor, d subtracted.
+    fn x_end(&self, node: Node) -> Option<T> {
+        self.x[node.index()].map(|crossing| crossing - self.d)
+    }
+}
+
+/// What turns ratios into ohms, and says how well what follows from the times is known.
+pub struct Scale<'a> {
+    /// R_1 and R_2, ohm.
+    pub r_ohm: [f64; 2],
+    /// 1 sigma of what follows from the times; `None` while the noise is not known.
+    pub u: &'a dyn Fn(&Dual) -> Option<f64>,
+}
+
+impl Scale<'_> {
+    /// An estimate that has `weights` on two stretches, which alone would say `ratios`.
+    pub fn over_two(&self, end_ns: [f64; 2], weights: [f64; 2], ratios: [Dual; 2]) -> Evidence {
+        let [r1, r2] = self.r_ohm;
+        let u_ohm = (self.u)(&(ratios[1] - ratios[0])).map(|u| (r2 - r1) * u);
+        Evidence::over_two(end_ns, weights, ratios.map(|ratio| r1 + (r2 - r1) * ratio.value), u_ohm)
     }
 }

@@ -1,8 +1,5 @@
 //! A sensor that changes while it is read: when a reading is right, by how much it is off, and what a contradiction means.
 //!
-//! For: an uncertainty that holds for a moving hand, and `unsettled` where no number does. Must not know: crossings,
-//! methods, or which discharges are taken.
-//!
 //! A discharge counts progress, so each crossing tells the *mean conductance* y = 1/(R_x+Ro) over its stretch of the
 //! discharge, from the start to that crossing (or to the switch, if that came first). While y changes steadily this mean
 //! is y in the middle of the stretch, and a weighted sum of two of them is y at the weighted mean of the middles: the
@@ -17,27 +14,13 @@
 //! two stretches of one discharge give a slope each time, which no rhythm of readings can hide, and for a hand that
 //! trembles about a mean the root mean squares of value, slope and bend belong together as z'' = z'²/z.
 
+use crate::estimate::limits::{APART, BEYOND_NOISE, MOTION_POINTS, OPEN_LN, STATED, SUDDEN, UNSETTLED};
 use crate::reading::Fault;
 use crate::units::Nanos;
 
-/// Readings that are remembered.
-const POINTS: usize = 6;
-/// A reading whose predicted error is a larger share of it is no number.
-const LIMIT: f64 = 0.01;
-/// Noise does not reach so many sigma.
-const GATE: f64 = 5.0;
-/// But a predicted error below so many sigma is stated: the number is hardly worse for it.
-const NOISE: f64 = 3.0;
-/// What is so many times faster than everything before it was not to be expected.
-const SUDDEN: f64 = 3.0;
-/// How far above its lower bound an open sensor is taken to be, in ln, give or take as much.
-const OPEN: f64 = 0.7;
-/// Stretches that differ by a smaller share of the longer one tell no slope.
-const APART: f64 = 0.2;
-
 /// What a discharge tells of R_x, and when it was so. Times in ns since the start.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Seen {
+pub struct Evidence {
     /// When R_x was what the estimate says.
     pub at_ns: f64,
     /// What z'' and z'² have to be multiplied by, ns².
@@ -75,10 +58,10 @@ impl Pair {
     }
 }
 
-impl Seen {
+impl Evidence {
     /// An estimate that rests on one stretch of the discharge.
-    pub fn over(end_ns: f64) -> Seen {
-        Seen {
+    pub fn over(end_ns: f64) -> Evidence {
+        Evidence {
             at_ns: end_ns / 2.0,
             bend_ns2: end_ns * end_ns / 24.0,
             apart_ns2: 0.0,
@@ -88,29 +71,29 @@ impl Seen {
     }
 
     /// An estimate that has `weights` (sum 1) on two stretches, which alone would say `r_ohm`; `u_ohm` is 1 sigma of the
-    /// difference.
-    pub fn over_two(end_ns: [f64; 2], weights: [f64; 2], r_ohm: [f64; 2], u_ohm: f64) -> Seen {
+    /// difference. Where that is not known, nothing contradicts.
+    pub fn over_two(end_ns: [f64; 2], weights: [f64; 2], r_ohm: [f64; 2], u_ohm: Option<f64>) -> Evidence {
         let sum = |of: &dyn Fn(f64) -> f64| weights[0] * of(end_ns[0]) + weights[1] * of(end_ns[1]);
         let at_ns = sum(&|end| end / 2.0);
         let apart_ns2 = sum(&|end| (end / 2.0 - at_ns).powi(2));
         let between_ns = (end_ns[1] - end_ns[0]) / 2.0;
         let is_apart = 2.0 * between_ns.abs() > APART * end_ns[0].max(end_ns[1]);
         // Not `>`: what cannot be compared is no agreement.
-        let agrees = (r_ohm[1] - r_ohm[0]).abs() <= GATE * u_ohm;
-        let pair = Pair { r_ohm, u_ohm, apart_s: is_apart.then_some(1e-9 * between_ns) };
-        Seen {
+        let agrees = u_ohm.is_none_or(|u_ohm| (r_ohm[1] - r_ohm[0]).abs() <= BEYOND_NOISE * u_ohm);
+        let apart_s = is_apart.then_some(1e-9 * between_ns);
+        Evidence {
             at_ns,
             bend_ns2: (sum(&|end| end * end / 24.0) + apart_ns2 / 2.0).abs(),
             apart_ns2: apart_ns2.abs(),
             // One stretch that two crossings tell of cannot contradict itself by a change.
-            pair: (between_ns != 0.0).then_some(pair),
+            pair: u_ohm.filter(|_| between_ns != 0.0).map(|u_ohm| Pair { r_ohm, u_ohm, apart_s }),
             contradicts: !agrees,
         }
     }
 
     /// The same, with another word on whether the crossings disagree.
-    pub fn contradicting(self, contradicts: bool) -> Seen {
-        Seen { contradicts, ..self }
+    pub fn contradicting(self, contradicts: bool) -> Evidence {
+        Evidence { contradicts, ..self }
     }
 }
 
@@ -149,7 +132,7 @@ impl Point {
 /// The last readings of a sensor.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct Motion {
-    points: [Point; POINTS],
+    points: [Point; MOTION_POINTS],
     count: usize,
     unsettled: bool,
 }
@@ -166,19 +149,19 @@ impl Motion {
         start: Nanos,
         [r_ohm, u_ohm]: [f64; 2],
         r_o_ohm: f64,
-        seen: &Seen,
+        evidence: &Evidence,
     ) -> Result<f64, Fault> {
         let through = |r_ohm: f64| (r_ohm + r_o_ohm).max(1e-3);
         let all_ohm = through(r_ohm);
-        let pair = seen.pair.map(|pair| pair.map(through, all_ohm));
+        let pair = evidence.pair.map(|pair| pair.map(through, all_ohm));
         let mut point = Point {
-            at: start + Nanos(seen.at_ns as i64),
+            at: start + Nanos(evidence.at_ns as i64),
             z: all_ohm.ln(),
             u: u_ohm / all_ohm,
             slope: pair.and_then(Pair::slope),
             trust: Trust::Sound,
         };
-        if seen.contradicts && !self.explains(&point) {
+        if evidence.contradicts && !self.explains(&point) {
             let Some(pair) = pair else { return Err(Fault::LatencyOutlier) };
             // Where the sensor was moving already, it moves still.
             self.unsettled |= !self.is_late_stamp(pair);
@@ -186,16 +169,16 @@ impl Motion {
             self.push(point);
             return Err(if self.unsettled { Fault::Unsettled } else { Fault::LatencyOutlier });
         }
-        self.settle(seen.contradicts);
+        self.settle(evidence.contradicts);
         self.forget_what_is_gone(&point);
         let is_sudden = self.is_sudden(&point);
         let hidden = if is_sudden { self.hidden(&point, pair) } else { 0.0 };
-        if hidden > LIMIT.max(NOISE * point.u) {
+        if hidden > UNSETTLED.max(STATED * point.u) {
             point.trust = Trust::Sudden;
         }
         self.push(point);
-        let error = self.error(seen, is_sudden).hypot(hidden);
-        self.unsettled = error > LIMIT.max(NOISE * point.u);
+        let error = self.error(evidence, is_sudden).hypot(hidden);
+        self.unsettled = error > UNSETTLED.max(STATED * point.u);
         if self.unsettled { Err(Fault::Unsettled) } else { Ok(error * all_ohm) }
     }
 
@@ -205,7 +188,7 @@ impl Motion {
         self.push(Point {
             at,
             z: (2.0 * r_min_ohm.max(1e-3)).ln(),
-            u: OPEN,
+            u: OPEN_LN,
             slope: None,
             trust: Trust::Sound,
         });
@@ -235,7 +218,7 @@ impl Motion {
     }
 
     fn push(&mut self, point: Point) {
-        if self.count == POINTS {
+        if self.count == MOTION_POINTS {
             self.points.rotate_left(1);
             self.count -= 1;
         }
@@ -264,8 +247,8 @@ impl Motion {
     fn forget_what_is_gone(&mut self, point: &Point) {
         let Some(rest) = self.points().iter().rposition(|point| point.trust != Trust::Sudden) else { return };
         let before = self.points[rest];
-        let is_known = before.trust == Trust::Sound && before.u < OPEN;
-        if is_known && (point.z - before.z).abs() <= GATE * point.u.hypot(before.u) {
+        let is_known = before.trust == Trust::Sound && before.u < OPEN_LN;
+        if is_known && (point.z - before.z).abs() <= BEYOND_NOISE * point.u.hypot(before.u) {
             self.count = rest + 1;
         }
     }
@@ -301,7 +284,7 @@ impl Motion {
     fn is_late_stamp(&self, pair: Pair) -> bool {
         let Some(last) = self.sound().next_back() else { return true };
         // Whatever is below what an open sensor has at least is early.
-        let doubt = (GATE * pair.u_ohm.hypot(last.u)).min(OPEN);
+        let doubt = (BEYOND_NOISE * pair.u_ohm.hypot(last.u)).min(OPEN_LN);
         let [a, b] = pair.r_ohm;
         let is_early = a.min(b) < last.z - doubt;
         let rises = b > a && a > last.z + doubt;
@@ -313,7 +296,8 @@ impl Motion {
         let Some(last) = self.sound().next_back() else { return false };
         let slopes = self.slopes().map(|[slope, u]| slope.abs() - 3.0 * u);
         let speed = second_greatest(self.speeds().map(f64::abs)).max(second_greatest(slopes));
-        let expected = SUDDEN * speed * (point.at - last.at).as_seconds() + GATE * point.u.hypot(last.u);
+        let expected =
+            SUDDEN * speed * (point.at - last.at).as_seconds() + BEYOND_NOISE * point.u.hypot(last.u);
         (point.z - last.z).abs() > expected
     }
 
@@ -326,7 +310,7 @@ impl Motion {
     }
 
     /// The predicted error of the last reading, 1 sigma, relative.
-    fn error(&self, seen: &Seen, is_sudden: bool) -> f64 {
+    fn error(&self, evidence: &Evidence, is_sudden: bool) -> f64 {
         let count = self.sound().count() as f64;
         let mean = self.sound().map(|point| point.z).sum::<f64>() / count;
         let spread = (self.sound().map(|point| (point.z - mean).powi(2)).sum::<f64>() / count).sqrt();
@@ -334,7 +318,7 @@ impl Motion {
             return 0.0;
         }
         let square = self.square_between(is_sudden, spread).max(self.square_inside());
-        1e-18 * square * (seen.bend_ns2 / spread + seen.bend_ns2 + seen.apart_ns2)
+        1e-18 * square * (evidence.bend_ns2 / spread + evidence.bend_ns2 + evidence.apart_ns2)
     }
 
     /// Mean square of the speed from reading to reading, less its noise, without the greatest, which may have been a step

@@ -1,7 +1,5 @@
 //! How noisy a crossing is, learned from the spread of the calibration discharges.
 //!
-//! For: the covariance of the two crossings of any discharge. Must not know: methods, or what time it is.
-//!
 //! A crossing is uncertain by a part that does not depend on the resistor (latency jitter, quantisation: eq. (4)) and
 //! a part proportional to it (trigger noise: eq. (7)), hence to the time T that the discharge takes:
 //!
@@ -15,6 +13,9 @@
 
 mod gate;
 
+use crate::estimate::limits::{
+    BEYOND_NOISE, NOISE_MEMORY, NOISE_WARM_UP, OUTLIERS_OF_A_STEP, PROPORTIONAL_SHOWS, SHARED_VARIANCE,
+};
 pub use gate::Gate;
 
 /// Covariance of the crossings of A and B in one discharge, ns².
@@ -32,6 +33,23 @@ impl Covariance {
     /// The variance of p A + q B.
     pub fn of(&self, p: f64, q: f64) -> f64 {
         p * p * self.aa + q * q * self.bb + 2.0 * p * q * self.ab
+    }
+
+    /// Its inverse in the nodes that were seen; nothing in the others. `None` if it has none.
+    pub fn inverse(&self, seen: [bool; 2]) -> Option<Covariance> {
+        let Covariance { aa, bb, ab } = *self;
+        let (determinant, adjugate) = match seen {
+            [true, true] => (aa * bb - ab * ab, Covariance { aa: bb, bb: aa, ab: -ab }),
+            [true, false] => (aa, Covariance { aa: 1.0, ..Covariance::default() }),
+            [false, true] => (bb, Covariance { bb: 1.0, ..Covariance::default() }),
+            [false, false] => return None,
+        };
+        (determinant > 0.0 && determinant.is_finite()).then(|| adjugate.scaled(1.0 / determinant))
+    }
+
+    /// Its product with a vector.
+    pub fn times(&self, v: [f64; 2]) -> [f64; 2] {
+        [self.aa * v[0] + self.ab * v[1], self.ab * v[0] + self.bb * v[1]]
     }
 
     fn node(&self, node: usize) -> f64 {
@@ -62,23 +80,10 @@ pub enum Judgement {
     Outlier,
 }
 
-/// The largest share of a crossing's variance that both crossings have in common, whatever the resistor.
-const SHARED: f64 = 0.5;
-/// A covariance is in proportion to the times when it is so many sigma greater through R_2 than through R_1.
-const PROPORTIONAL: f64 = 3.0;
-/// Discharges taken before anything is said about noise.
-const WARM_UP: usize = 16;
-/// An outlier is farther from the running mean than so many sigma, at least.
-const GATE: f64 = 5.0;
-/// So many outliers in a row are a step: the mean starts anew.
-const STEP: u32 = 3;
-/// Differences remembered, about.
-const MEMORY: f64 = 2048.0;
-
 /// The spread of the crossings of one calibration resistor.
 #[derive(Debug, Clone)]
 struct Spread {
-    warm_up: [[f64; 2]; WARM_UP],
+    warm_up: [[f64; 2]; NOISE_WARM_UP],
     seen: usize,
     /// Of the times: what their noise goes by.
     time: [f64; 2],
@@ -93,23 +98,23 @@ struct Spread {
 
 impl Spread {
     const NEW: Spread = Spread {
-        warm_up: [[0.0; 2]; WARM_UP],
+        warm_up: [[0.0; 2]; NOISE_WARM_UP],
         seen: 0,
         time: [0.0; 2],
         mean: [0.0; 2],
         last: [0.0; 2],
         sum: Covariance { aa: 0.0, bb: 0.0, ab: 0.0 },
         weight: 0.0,
-        gate: Gate::new(GATE),
+        gate: Gate::new(BEYOND_NOISE),
         outliers_in_row: 0,
     };
 
     fn add(&mut self, times: [f64; 2], expected: [f64; 2], quantisation: f64) -> Judgement {
         let away = [times[0] - expected[0], times[1] - expected[1]];
-        if self.seen < WARM_UP {
+        if self.seen < NOISE_WARM_UP {
             self.warm_up[self.seen] = away;
             self.seen += 1;
-            if self.seen == WARM_UP {
+            if self.seen == NOISE_WARM_UP {
                 self.begin();
             }
             return Judgement::Regular;
@@ -117,7 +122,7 @@ impl Spread {
         let sigmas = self.sigmas(away, quantisation);
         if !self.gate.admits(sigmas) {
             self.outliers_in_row += 1;
-            if self.outliers_in_row < STEP {
+            if self.outliers_in_row < OUTLIERS_OF_A_STEP {
                 return Judgement::Outlier;
             }
             self.mean = away;
@@ -127,13 +132,13 @@ impl Spread {
         self.time = times;
         self.sum.add_outer([away[0] - self.last[0], away[1] - self.last[1]]);
         self.weight += 1.0;
-        if self.weight > MEMORY {
-            let keep = 1.0 - 1.0 / MEMORY;
+        if self.weight > NOISE_MEMORY {
+            let keep = 1.0 - 1.0 / NOISE_MEMORY;
             self.sum = self.sum.scaled(keep);
             self.weight *= keep;
         }
         for (node, away) in away.into_iter().enumerate() {
-            self.mean[node] += (away - self.mean[node]) / WARM_UP as f64;
+            self.mean[node] += (away - self.mean[node]) / NOISE_WARM_UP as f64;
         }
         self.last = away;
         Judgement::Regular
@@ -148,13 +153,13 @@ impl Spread {
     fn begin(&mut self) {
         let mut limit = [0.0; 2];
         for (node, limit) in limit.iter_mut().enumerate() {
-            let mut steps = [0.0; WARM_UP - 1];
+            let mut steps = [0.0; NOISE_WARM_UP - 1];
             for (step, pair) in steps.iter_mut().zip(self.warm_up.windows(2)) {
                 *step = (pair[1][node] - pair[0][node]).abs();
             }
             steps.sort_by(f64::total_cmp);
             // The median absolute deviation of a normal distribution is 0.6745 sigma.
-            *limit = GATE * (steps[WARM_UP / 2 - 1] / 0.6745).max(1.0);
+            *limit = BEYOND_NOISE * (steps[NOISE_WARM_UP / 2 - 1] / 0.6745).max(1.0);
         }
         for pair in self.warm_up.windows(2) {
             let step = [pair[1][0] - pair[0][0], pair[1][1] - pair[0][1]];
@@ -166,7 +171,7 @@ impl Spread {
         for node in 0..2 {
             let mut times = self.warm_up.map(|pair| pair[node]);
             times.sort_by(f64::total_cmp);
-            self.mean[node] = (times[WARM_UP / 2 - 1] + times[WARM_UP / 2]) / 2.0;
+            self.mean[node] = (times[NOISE_WARM_UP / 2 - 1] + times[NOISE_WARM_UP / 2]) / 2.0;
             self.last[node] = self.mean[node];
         }
         self.time = self.mean;
@@ -188,7 +193,7 @@ impl Spread {
     }
 
     fn is_known(&self) -> bool {
-        self.seen == WARM_UP
+        self.seen == NOISE_WARM_UP
     }
 
     fn freedom(&self) -> f64 {
@@ -277,7 +282,7 @@ impl Noise {
                 correlated * (aa * bb).sqrt()
             } else {
                 // Each crossing is stamped by an interrupt of its own.
-                SHARED * aa.min(bb)
+                SHARED_VARIANCE * aa.min(bb)
             };
             Covariance { aa, bb, ab: shared.at(a_ns, b_ns).clamp(0.0, most) }
         }))
@@ -295,7 +300,7 @@ impl Shared {
     /// Through the covariances at two pairs of times, each known with so many degrees of freedom.
     fn through([(t1, v1), (t2, v2)]: [([f64; 2], Covariance); 2], freedom: f64) -> Shared {
         let chance = ((v1.aa * v1.bb + v2.aa * v2.bb) / freedom).sqrt();
-        if v2.ab - v1.ab > PROPORTIONAL * chance {
+        if v2.ab - v1.ab > PROPORTIONAL_SHOWS * chance {
             let proportional = (v2.ab - v1.ab) / (t2[0] * t2[1] - t1[0] * t1[1]);
             let constant = (v1.ab - proportional * t1[0] * t1[1]).max(0.0);
             if proportional.is_finite() {

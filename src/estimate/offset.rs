@@ -60,7 +60,7 @@ struct Round {
     d_ns: f64,
     r_o_ohm: f64,
     s_ns: f64,
-    big_d_ns: f64,
+    difference_ns: f64,
     /// The progress g, weighted as D was, ns/ohm.
     g: f64,
     u_switch_ns: f64,
@@ -125,18 +125,18 @@ impl SplitCalibration {
         let weighted =
             |of: &dyn Fn(usize) -> f64| (0..self.nodes).map(|node| weights[node] * of(node)).sum::<f64>();
         let (s, (r1, r2)) = (switch.at_ns, (self.r1_ohm, self.r2_ohm));
-        let big_d = weighted(&|node| c2[node] - (crossings[node] - switch.on_ns));
-        if s <= 0.0 || big_d <= s || (0..self.nodes).any(|node| crossings[node] <= switch.on_ns) {
+        let difference_ns = weighted(&|node| c2[node] - (crossings[node] - switch.on_ns));
+        if s <= 0.0 || difference_ns <= s || (0..self.nodes).any(|node| crossings[node] <= switch.on_ns) {
             return None;
         }
-        let r_o_ohm = (s * r2 - big_d * r1) / (big_d - s);
+        let r_o_ohm = (s * r2 - difference_ns * r1) / (difference_ns - s);
         let g = weighted(&|node| (c2[node] - c1[node]) / (r2 - r1));
         let d_ns = weighted(&|node| c1[node]) - g * (r1 + r_o_ohm);
         // Two crossings through R_2 are in D: the plain discharge's and the split one's.
         let variance = covariance.map(|covariance| 2.0 * covariance.of(weights[0], weights[1]));
         let sound = d_ns.is_finite() && r_o_ohm.is_finite();
-        let u_switch_ns = split.u_switch_ns;
-        sound.then_some(Round { d_ns, r_o_ohm, s_ns: s, big_d_ns: big_d, g, u_switch_ns, variance })
+        let u_switch_ns = split.u_switch_ns.unwrap_or(0.0);
+        sound.then_some(Round { d_ns, r_o_ohm, s_ns: s, difference_ns, g, u_switch_ns, variance })
     }
 
     /// By inverse variance; alike while the noise is not known.
@@ -159,13 +159,14 @@ impl SplitCalibration {
         let kept = self.rounds.iter().filter(|round| (round.d_ns - middle).abs() <= limit);
         let mean = |of: fn(&Round) -> f64| mean_and_uncertainty(kept.clone().map(of));
         let (d, r_o) = (mean(|round| round.d_ns)?, mean(|round| round.r_o_ohm)?);
-        let (s, big_d) = (mean(|round| round.s_ns)?.0, mean(|round| round.big_d_ns)?.0);
-        let r_o_by_switch = big_d * (self.r2_ohm - self.r1_ohm) / (big_d - s).powi(2);
+        let (s, difference_ns) = (mean(|round| round.s_ns)?.0, mean(|round| round.difference_ns)?.0);
+        let r_o_by_switch = difference_ns * (self.r2_ohm - self.r1_ohm) / (difference_ns - s).powi(2);
         let by_switch = -mean(|round| round.g)?.0 * r_o_by_switch;
         let u_common_ns = UNLIKE_CALLS * mean(|round| round.u_switch_ns)?.0;
 
         let slope = (self.r2_ohm + r_o.0) / (self.r1_ohm + r_o.0);
-        let known = kept.filter_map(|round| Some((round.big_d_ns - slope * round.s_ns, round.variance?)));
+        let known =
+            kept.filter_map(|round| Some((round.difference_ns - slope * round.s_ns, round.variance?)));
         let mut scatter = SwitchScatter::default();
         if let Some((mean, _)) = mean_and_uncertainty(known.clone().map(|(misfit, _)| misfit)) {
             known.for_each(|(misfit, variance)| scatter.add(misfit - mean, variance, slope));

@@ -9,7 +9,7 @@
 //! ([`Noise`]); how fast g drifts is learned from the innovations: their normalised square is 1 on average when the walk is
 //! as fast as the state.
 
-use crate::estimate::law::{Course, D, R_O, State};
+use crate::estimate::law::{D, R_O, Route, State};
 use crate::estimate::noise::{Covariance, Judgement, Noise};
 use crate::estimate::offset::SplitCalibration;
 use crate::reading::Fault;
@@ -220,7 +220,7 @@ impl Tracker {
             let state = [slope[0], slope[1], r_o_ohm, offset.d_ns];
             // While little is known no gate keeps a spike out, and what fits it is rejected afterwards: then the
             // rounds are seen again without the first one. If that never helps, there are new rounds.
-            self.ready = (0..BEGINNINGS).any(|skipped| self.sees(state, &rounds[skipped..]));
+            self.ready = (0..BEGINNINGS).any(|skipped| self.fits(state, &rounds[skipped..]));
             if self.ready {
                 self.noise.expect_what_comes();
             }
@@ -230,7 +230,7 @@ impl Tracker {
     }
 
     /// Lets the filter see rounds, starting from almost no knowledge; whether they fit.
-    fn sees(&mut self, state: State, rounds: &[[Record; 3]]) -> bool {
+    fn fits(&mut self, state: State, rounds: &[[Record; 3]]) -> bool {
         self.state = state;
         self.open();
         self.at = rounds[0][0].start;
@@ -255,8 +255,8 @@ impl Tracker {
 
     fn update(&mut self, kind: CalibrationKind, record: &Record, times: [f64; 2]) -> Result<(), Fault> {
         self.advance(record.start);
-        let course = self.course(record).ok_or(Fault::NoCalibration)?;
-        let expected = [0, 1].map(|node| course.crossing(&self.state, node).ns);
+        let route = self.route(record).ok_or(Fault::NoCalibration)?;
+        let expected = [0, 1].map(|node| route.crossing(&self.state, node).ns);
         if let Some(normalised) = self.correct(record, times) {
             self.learn_noise(kind, times, expected);
             let faster = (LEARN * (normalised / self.nodes as f64 - 1.0)).clamp(-LEARN, 4.0 * LEARN);
@@ -297,7 +297,7 @@ impl Tracker {
     }
 
     /// The resistors of a calibration discharge.
-    fn course(&self, record: &Record) -> Option<Course> {
+    fn route(&self, record: &Record) -> Option<Route> {
         let ohm = |through| match through {
             Through::C1 => Some(self.r_ohm[0]),
             Through::C2 | Through::C12 => Some(self.r_ohm[1]),
@@ -307,38 +307,44 @@ impl Tracker {
             Some(switch) => Some((switch, ohm(switch.to)?)),
             None => None,
         };
-        Some(Course { first_ohm: ohm(record.through)?, switch })
+        Some(Route { first_ohm: ohm(record.through)?, switch })
     }
 
-    /// The covariance of what is observed of a discharge, its noise and its switch. B of a circuit without it is so
-    /// uncertain that it tells nothing.
-    pub fn observation(&self, course: &Course, u_switch_ns: f64) -> Option<Covariance> {
-        let mut noise = self.noise.covariance(course.late_ns(&self.state))?;
+    /// Which nodes there are.
+    fn seen(&self) -> [bool; 2] {
+        [true, self.nodes == 2]
+    }
+
+    /// The covariance of what is observed of a discharge, its noise and its switch.
+    pub fn observation(&self, route: &Route, u_switch_ns: f64) -> Option<Covariance> {
+        let mut noise = self.noise.covariance(route.late_ns(&self.state))?;
         let u_switch = self.u_switch_ns(u_switch_ns);
-        let by = [0, 1].map(|node| course.crossing(&self.state, node).by_switch * u_switch);
+        let by = [0, 1].map(|node| route.crossing(&self.state, node).by_switch * u_switch);
         noise.aa += by[0] * by[0];
         noise.bb += by[1] * by[1];
         noise.ab += by[0] * by[1];
-        if self.nodes == 1 {
-            noise = Covariance { aa: noise.aa, bb: 1e30, ab: 0.0 };
-        }
         Some(noise)
     }
 
     /// Kalman's correction by both crossings; the innovation's normalised square, or `None` if it is beyond the gate.
     fn correct(&mut self, record: &Record, times: [f64; 2]) -> Option<f64> {
-        let course = self.course(record)?;
-        let rows = [0, 1].map(|node| course.crossing(&self.state, node));
+        let route = self.route(record)?;
+        let rows = [0, 1].map(|node| route.crossing(&self.state, node));
         let innovation = [0, 1].map(|node| if node < self.nodes { times[node] - rows[node].ns } else { 0.0 });
         let states = rows.map(|row| row.by_state);
-        let gain = Gain::new(&self.covariance, &states, &self.observation(&course, record.u_switch_ns)?)?;
+        let gain = Gain::new(
+            &self.covariance,
+            &states,
+            &self.observation(&route, record.u_switch_ns.unwrap_or(0.0))?,
+            self.seen(),
+        )?;
         let normalised = gain.normalised(innovation);
         if normalised > GATE * GATE * self.nodes as f64 {
             return None;
         }
         if rows[0].by_switch != 0.0 {
             // As it would scatter if the switch did not.
-            let steady = quadratic(&self.covariance, &states[0]) + self.observation(&course, 0.0)?.aa;
+            let steady = quadratic(&self.covariance, &states[0]) + self.observation(&route, 0.0)?.aa;
             self.scatter.add(innovation[0], steady, rows[0].by_switch);
         }
         for index in 0..4 {
@@ -350,22 +356,22 @@ impl Tracker {
 
     /// By how much a calibration discharge of this kind would lower v^T P v.
     pub fn benefit(&self, kind: CalibrationKind, v: &State) -> Option<f64> {
-        let course = self.planned(kind);
-        let rows = [0, 1].map(|node| course.crossing(&self.state, node).by_state);
-        let gain = Gain::new(&self.covariance, &rows, &self.observation(&course, 0.0)?)?;
+        let route = self.planned(kind);
+        let rows = [0, 1].map(|node| route.crossing(&self.state, node).by_state);
+        let gain = Gain::new(&self.covariance, &rows, &self.observation(&route, 0.0)?, self.seen())?;
         Some(quadratic(&self.covariance, v) - quadratic(&gain.posterior(&self.covariance), v))
     }
 
     /// What a calibration discharge of this kind runs through.
-    pub fn planned(&self, kind: CalibrationKind) -> Course {
+    pub fn planned(&self, kind: CalibrationKind) -> Route {
         let [r1, r2] = self.r_ohm;
         let at_ns = SplitCalibration::FRACTION * self.state[0] * (r1 + self.state[R_O]);
         match kind {
-            CalibrationKind::First => Course { first_ohm: r1, switch: None },
-            CalibrationKind::Second => Course { first_ohm: r2, switch: None },
+            CalibrationKind::First => Route { first_ohm: r1, switch: None },
+            CalibrationKind::Second => Route { first_ohm: r2, switch: None },
             CalibrationKind::Split => {
                 let switch = crate::record::Switch { at_ns, on_ns: at_ns, to: Through::C2 };
-                Course { first_ohm: r1, switch: Some((switch, r2)) }
+                Route { first_ohm: r1, switch: Some((switch, r2)) }
             }
         }
     }
@@ -373,8 +379,8 @@ impl Tracker {
     /// The crossings of the calibration discharges as they would be now, and their derivatives by the state.
     pub fn calibration(&self) -> [[crate::estimate::law::Crossing; 2]; 2] {
         self.r_ohm.map(|first_ohm| {
-            let course = Course { first_ohm, switch: None };
-            [0, 1].map(|node| course.crossing(&self.state, node))
+            let route = Route { first_ohm, switch: None };
+            [0, 1].map(|node| route.crossing(&self.state, node))
         })
     }
 

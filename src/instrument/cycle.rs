@@ -1,8 +1,5 @@
 //! Which discharges a reading needs, in which order, and what each of them is planned to do.
 //!
-//! For: the calibration discharges, the split ones by which the offset is found, one x discharge per channel. Must not
-//! know: pins, clocks, clients.
-//!
 //! All channels share one pair of capacitors and one calibration. With a calibration of its own for each reading, a cycle
 //! is
 //!
@@ -23,30 +20,17 @@ use crate::estimate::leak::LeakTest;
 use crate::estimate::offset::{Offset, SplitCalibration};
 use crate::instrument::diagnosis::Diagnosis;
 use crate::instrument::discharge::{Outcome, Plan};
+use crate::instrument::limits::{
+    CALIBRATIONS_PER_CYCLE, FOLLOW_EVERY, MOST_CALIBRATIONS, MOST_OF_SENSOR, RETRIES, ROUNDS, WINDOW,
+};
 use crate::instrument::settings::{OffsetSource, Settings};
 use crate::instrument::stats::Stats;
-use crate::reading::{Branch, Fault, Method, Reading, Status};
+use crate::reading::{Branch, Fault, Reading, Status};
 use crate::record::CalibrationKind;
 use crate::record::{Record, Through};
 use crate::units::Nanos;
 use calls::CallGate;
 use plan::Memory;
-
-/// A calibration discharge that came to nothing is taken again so many times, and a sensor's whose calls were interrupted.
-const RETRIES: u32 = 2;
-/// Discharges of one sensor in one cycle at the most.
-const MOST_OF_SENSOR: u32 = RETRIES + 1;
-/// Calibration discharges of one cycle at the most: of each kind, each of them taken again.
-const MOST_CALIBRATIONS: u32 = 3 * (RETRIES + 1);
-/// Rounds of split calibration after which the offset is put in force; from then on each round betters it at once.
-const ROUNDS: usize = 64;
-/// Rounds that the offset is the mean of, when there have been that many.
-const WINDOW: usize = 8 * ROUNDS;
-/// Once the offset is known well enough, one cycle in so many has a split discharge.
-const FOLLOW_EVERY: u64 = 8;
-/// Calibration discharges in one cycle of a tracked calibration at the most: more would take longer than the readings
-/// that they improve.
-const CALIBRATIONS_PER_CYCLE: u32 = 1;
 
 /// The longest that the share of one reading in a cycle can take, whatever is connected: every discharge taken as often as it
 /// may be, each of them drained, charged, waited for until its deadline, and finished through R_1 until another. What the
@@ -102,7 +86,7 @@ pub struct Cycle {
 impl Cycle {
     /// A cycle that has learned nothing yet.
     pub fn new(settings: Settings) -> Cycle {
-        let ([r1, r2], nodes, method) = (settings.r_ohm, settings.nodes(), settings.method);
+        let ([r1, r2], nodes, method) = (settings.r_ohm(), settings.nodes(), settings.method);
         let (estimator, split) = match settings.offset {
             _ if settings.tracked => (Estimator::tracked(method, r1, r2, nodes), None),
             OffsetSource::Given(d_ns) => (Estimator::new(method, r1, r2, nodes, Offset::given(d_ns)), None),
@@ -117,7 +101,7 @@ impl Cycle {
             memory: vec![Memory::default(); settings.channels.len()],
             calls: CallGate::default(),
             leak: LeakTest::default(),
-            diagnosis: Diagnosis::new(settings.r_ohm, settings.series, nodes, settings.nominal.as_ns()),
+            diagnosis: Diagnosis::new(settings.board()),
             step: Step::Start,
             retries: 0,
             calibrations: 0,
@@ -230,7 +214,7 @@ impl Cycle {
     /// Takes the outcome of the discharge that [`Cycle::next`] asked for, `now` being the time; answers a reading when
     /// it was a sensor's.
     pub fn done(&mut self, outcome: &Outcome, now: Nanos) -> Option<Reading> {
-        self.ended_early = outcome.result.map_or(true, |record| record.waited_ns > 0.0);
+        self.ended_early = outcome.result.map_or(true, |record| record.waited_ns.is_some());
         let is_plain = matches!(self.step, Step::Calibrate(CalibrationKind::First | CalibrationKind::Second));
         if let (true, Some(call)) = (is_plain, outcome.start_call) {
             self.calls.add(call);
@@ -319,7 +303,7 @@ impl Cycle {
                 ((a_ns + b_ns) / 2.0, 2.0 * noise.of(0.5, 0.5))
             })
         });
-        self.leak.add(lost, self.settings.r_ohm[0], now);
+        self.leak.add(lost, self.settings.r_ohm()[0], now);
         self.estimator.set_leak(self.leak.likely_siemens());
         if self.leak.has_changed() {
             self.estimator.begin_anew();

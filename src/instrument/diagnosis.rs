@@ -1,40 +1,88 @@
-//! What on the board makes a reading a fault.
-//!
-//! For: naming the part to look at, from what the last discharges through known resistors showed. Must not know: how
-//! discharges are taken, or who is told.
+//! What on the board makes a reading a fault: one set of rules for the running instrument and for the wiring test.
 
-use crate::circuit::Node;
+use crate::circuit::{Kind, Node};
 use crate::instrument::discharge::Outcome;
+use crate::instrument::limits::MISSING;
 use crate::pins::Levels;
 use crate::reading::{Fault, Suspect};
-use crate::record::CalibrationKind;
-use crate::record::{Record, Through};
+use crate::record::{CalibrationKind, Record, Through};
 
-/// Where current leaks.
-pub const LEAKS: &str = "pull-downs, leaking capacitors, moisture, a sensor wired to ground";
-/// A node that falls in less than this part of its predicted time has nothing but wires at it.
-pub const MISSING: f64 = 0.05;
+/// Crossings of A and B in the discharges through R_1 and R_2, ns; `None` for a discharge that tells nothing.
+pub type Known = [Option<[Option<f64>; 2]>; 2];
 
-/// The last discharges, as far as they tell about the board.
-#[derive(Debug, Clone, Default)]
+/// What is known of a board before anything is measured.
+#[derive(Debug, Clone, Copy)]
+pub struct Board {
+    /// How it is wired.
+    pub kind: Kind,
+    /// Its nodes as far as they are timed.
+    pub nodes: &'static [Node],
+    /// R_1 and R_2, ohm.
+    pub r_ohm: [f64; 2],
+    /// When node A should cross in a discharge through R_1, by nominal values, ns.
+    pub nominal_ns: f64,
+}
+
+impl Board {
+    /// The nodes that a charge has left low.
+    pub fn uncharged(&self, levels: Levels) -> impl Iterator<Item = Suspect> + use<> {
+        self.nodes.iter().filter(move |node| !levels.of(**node)).map(|node| Suspect::Uncharged(*node))
+    }
+
+    /// What is wrong by which nodes fall in the discharges through known resistors, and when.
+    pub fn suspect(&self, known: Known) -> Option<Suspect> {
+        let falls = known.map(|crossings| {
+            crossings.map(|crossings| self.nodes.iter().any(|node| crossings[node.index()].is_some()))
+        });
+        match falls {
+            [Some(false), Some(false)] => Some(Suspect::BothOpen),
+            [Some(false), _] => Some(Suspect::FirstOpen),
+            [_, Some(false)] => Some(Suspect::SecondOpen),
+            _ => {
+                // A stamp may be late, none is early.
+                let first_a = known.iter().flatten().filter_map(|crossings| crossings[0]).reduce(f64::min);
+                let at_once = first_a.is_some_and(|a_ns| a_ns < MISSING * self.nominal_ns);
+                let order = |crossings: &[Option<f64>; 2]| self.order(*crossings, at_once);
+                known.iter().flatten().find_map(order).or_else(|| self.swapped(known))
+            }
+        }
+    }
+
+    fn order(&self, [a_ns, b_ns]: [Option<f64>; 2], at_once: bool) -> Option<Suspect> {
+        match (a_ns, b_ns) {
+            (Some(_), _) if self.nodes.len() == 1 => at_once.then_some(Suspect::NoCapacitor),
+            (Some(_), None) => Some(if at_once { Suspect::NoCA } else { Suspect::StaysHigh(Node::B) }),
+            (None, Some(_)) => Some(Suspect::StaysHigh(Node::A)),
+            (Some(_), Some(_)) if at_once => Some(Suspect::NoCB),
+            (Some(a_ns), Some(b_ns)) => (b_ns < a_ns).then_some(Suspect::NodesSwapped),
+            (None, None) => None,
+        }
+    }
+
+    /// Whether the times have the ratio that swapped resistors would give, rather than that which they should have.
+    fn swapped(&self, known: Known) -> Option<Suspect> {
+        let ([r1, r2], [first, second]) = (self.r_ohm, known);
+        let swapped = if self.kind == Kind::SeriesCalibration { r2 / (r2 - r1) } else { r1 / r2 };
+        let ratio = second?[0]? / first?[0]?;
+        let away_from = |expected: f64| (ratio / expected).ln().abs();
+        (away_from(swapped) < away_from(r2 / r1)).then_some(Suspect::ResistorsSwapped)
+    }
+}
+
+/// The last discharges of a running instrument, as far as they tell about the board.
+#[derive(Debug, Clone)]
 pub struct Diagnosis {
-    /// Through R_1 and R_2 alone.
-    known: [Option<Record>; 2],
-    /// A sensor's.
+    board: Board,
+    known: Known,
     sensor: Option<Record>,
     /// The levels after the last charge.
     charged: Option<Levels>,
-    r_ohm: [f64; 2],
-    is_series: bool,
-    nodes: usize,
-    /// When node A should cross in a discharge through R_1, by nominal values, ns.
-    nominal_ns: f64,
 }
 
 impl Diagnosis {
-    /// For R_1 < R_2 (`is_series`: Rc1 and Rc1 + Rc2), one or two nodes, and the nominal time of node A through R_1.
-    pub fn new(r_ohm: [f64; 2], is_series: bool, nodes: usize, nominal_ns: f64) -> Diagnosis {
-        Diagnosis { r_ohm, is_series, nodes, nominal_ns, ..Diagnosis::default() }
+    /// Of this board; nothing has been measured yet.
+    pub fn new(board: Board) -> Diagnosis {
+        Diagnosis { board, known: [None; 2], sensor: None, charged: None }
     }
 
     /// Remembers a calibration discharge.
@@ -44,9 +92,10 @@ impl Diagnosis {
             // The system was slow; the board is as it was.
             return;
         }
+        let crossings = outcome.result.ok().map(|record| record.crossings());
         match kind {
-            CalibrationKind::First => self.known[0] = outcome.result.ok(),
-            CalibrationKind::Second => self.known[1] = outcome.result.ok(),
+            CalibrationKind::First => self.known[0] = crossings,
+            CalibrationKind::Second => self.known[1] = crossings,
             CalibrationKind::Split => {}
         }
     }
@@ -59,67 +108,24 @@ impl Diagnosis {
 
     /// What a fault looks like, if the last discharges tell.
     pub fn suspect(&self, fault: Fault) -> Option<Suspect> {
+        let shape = || self.board.suspect(self.known);
         match fault {
-            Fault::NoCharge => self.uncharged(),
-            Fault::Leakage => self.shape().or(Some(Suspect::Leak)),
-            Fault::PullUp => self.shape().or(Some(Suspect::Pull)),
+            Fault::NoCharge => self.board.uncharged(self.charged?).next(),
+            Fault::Leakage => shape().or(Some(Suspect::Leak)),
+            Fault::PullUp => shape().or(Some(Suspect::Pull)),
             Fault::NoCalibration | Fault::Implausible | Fault::LatencyOutlier => {
-                self.shape().or_else(|| self.unfinished())
+                shape().or_else(|| self.unfinished())
             }
             _ => None,
         }
     }
 
-    fn uncharged(&self) -> Option<Suspect> {
-        let levels = self.charged?;
-        let nodes = &Node::BOTH[..self.nodes];
-        nodes.iter().find(|node| !levels.of(**node)).map(|node| Suspect::Uncharged(*node))
-    }
-
-    /// By which nodes fall in the discharges through known resistors, and when.
-    fn shape(&self) -> Option<Suspect> {
-        let [first, second] = self.known;
-        let falls = |record: &Record| record.a_ns.is_some() || (self.nodes == 2 && record.b_ns.is_some());
-        match (first, second) {
-            (Some(first), Some(second)) if !falls(&first) && !falls(&second) => Some(Suspect::BothOpen),
-            (Some(first), _) if !falls(&first) => Some(Suspect::FirstOpen),
-            (_, Some(second)) if !falls(&second) => Some(Suspect::SecondOpen),
-            _ => {
-                let mut known = self.known.iter().flatten();
-                known.find_map(|record| self.order(record)).or_else(|| self.are_swapped(&first?, &second?))
-            }
-        }
-    }
-
     /// A sensor's discharge that a known resistor was to finish, and has not.
     fn unfinished(&self) -> Option<Suspect> {
-        let record = self.sensor?;
-        let is_unfinished = if self.nodes == 2 { record.b_ns.is_none() } else { record.a_ns.is_none() };
-        let to = record.switch.filter(|_| is_unfinished)?.to;
-        Some(if to == Through::C1 { Suspect::FirstOpen } else { Suspect::SecondOpen })
-    }
-
-    fn order(&self, record: &Record) -> Option<Suspect> {
-        // A stamp may be late, none is early.
-        let first_a = self.known.iter().flatten().filter_map(|record| record.a_ns).reduce(f64::min);
-        let at_once = first_a.is_some_and(|a| a < MISSING * self.nominal_ns);
-        match (record.a_ns, record.b_ns) {
-            (Some(_), _) if self.nodes == 1 => at_once.then_some(Suspect::NoCapacitor),
-            (Some(_), None) => Some(if at_once { Suspect::NoCA } else { Suspect::StaysHigh(Node::B) }),
-            (None, Some(_)) => Some(Suspect::StaysHigh(Node::A)),
-            (Some(_), Some(_)) if at_once => Some(Suspect::NoCB),
-            (Some(a), Some(b)) => (b < a).then_some(Suspect::NodesSwapped),
-            (None, None) => None,
-        }
-    }
-
-    /// Whether the times have the ratio that swapped resistors would give, rather than that which they should have.
-    fn are_swapped(&self, first: &Record, second: &Record) -> Option<Suspect> {
-        let [r1, r2] = self.r_ohm;
-        let swapped = if self.is_series { r2 / (r2 - r1) } else { r1 / r2 };
-        let ratio = second.a_ns? / first.a_ns?;
-        let away_from = |expected: f64| (ratio / expected).ln().abs();
-        (away_from(swapped) < away_from(r2 / r1)).then_some(Suspect::ResistorsSwapped)
+        let record = self
+            .sensor
+            .filter(|record| self.board.nodes.last().is_some_and(|last| record.crossing(*last).is_none()))?;
+        Some(if record.switch?.to == Through::C1 { Suspect::FirstOpen } else { Suspect::SecondOpen })
     }
 }
 

@@ -1,82 +1,22 @@
 //! One discharge, without input or output: \[drain\], charge, arm, settle, start, [planned switch], crossings.
 //!
-//! For: turning a [`Plan`] into a [`Record`] or a named [`Fault`], each wait bounded, lines broken before made.
-//! Must not know: clocks, kernels, or what the times mean. [`Discharge`] answers each event with the next
-//! [`Action`]; [`run()`] is the few lines that carry the actions out on real or simulated [`Pins`].
+//! A [`Plan`] becomes a [`Record`] or a named [`Fault`]; each wait is bounded, lines are broken before made. [`Discharge`]
+//! answers each event with the next [`Action`]; [`run()`] is the few lines that carry the actions out on real or simulated
+//! [`Pins`].
 
+mod plan;
 mod run;
 
 use crate::circuit::Node;
+use crate::instrument::limits::LONGEST_PAUSE;
 #[cfg(doc)]
 use crate::pins::Pins;
 use crate::pins::{Armed, Bracket, Drives, Edge, Levels, later};
 use crate::reading::Fault;
 use crate::record::{Record, Switch, Through};
 use crate::units::Nanos;
+pub use plan::Plan;
 pub use run::{Outcome, run, run_on};
-
-/// What one discharge is to do.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Plan {
-    /// What to discharge through first.
-    pub through: Through,
-    /// After how long to switch, and to what. Comes to nothing if the last node crosses earlier.
-    pub switch: Option<(Nanos, Through)>,
-    /// Chargers of the circuit.
-    pub chargers: Drives,
-    /// The node whose crossing ends the discharge: B, or A in circuits that have no other.
-    pub last: Node,
-    /// How long to sink through R_1 before the charge; 0: not at all. A discharge that ended before its time leaves the
-    /// capacitors as no other does, and an incomplete charge would remember it.
-    pub drain: Nanos,
-    /// How long to charge.
-    pub charge: Nanos,
-    /// How long to leave everything floating between charge and start; at least as long as arming takes.
-    pub settle: Nanos,
-    /// When each node crosses, since the start, where that is known before: the system may rest until then. `None`: it is
-    /// waited for all the time.
-    pub expected: [Option<Nanos>; 2],
-    /// The longest wait for the last crossing, from the start (or from the switch to `limit`).
-    pub timeout: Nanos,
-    /// What finishes a discharge that was not switched and has not ended by then; `None`: nothing.
-    pub limit: Option<Through>,
-    /// The longest call that still tells when a line was switched.
-    pub widest_bracket: Nanos,
-    /// How long a call for one line usually takes; `None`: not known yet.
-    pub single_call: Option<Nanos>,
-}
-
-impl Plan {
-    /// A full discharge after a charge, started at once: nothing is known of the calls or of when it ends.
-    pub const fn full(through: Through, last: Node, charge: Nanos, timeout: Nanos) -> Plan {
-        Plan {
-            through,
-            switch: None,
-            chargers: Drives::CHARGE,
-            last,
-            drain: Nanos::ZERO,
-            charge,
-            settle: Nanos::ZERO,
-            expected: [None; 2],
-            timeout,
-            limit: None,
-            widest_bracket: Nanos::MAX,
-            single_call: None,
-        }
-    }
-}
-
-impl Through {
-    /// The lines that sink for this discharge.
-    pub fn drives(self) -> Drives {
-        match self {
-            Through::C1 => Drives::C1,
-            Through::C2 | Through::C12 => Drives::C2,
-            Through::X(channel) => Drives::x(channel),
-            Through::XWithC12(channel) => Drives::x(channel).and(Drives::C2),
-        }
-    }
-}
 
 /// What is to be done next on the pins.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -116,10 +56,6 @@ pub enum Event {
     /// The levels.
     Levels(Levels),
 }
-
-/// A charge that has been left alone for so much longer than was planned leaks away unlike the others. No call takes so
-/// long, only a preemption does.
-const LONGEST_PAUSE: Nanos = Nanos(2_000_000);
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Phase {
@@ -162,7 +98,7 @@ pub struct Discharge {
     highest_seqno: u32,
     edges: u32,
     line_seqno: [u32; 2],
-    waited: Nanos,
+    waited: Option<Nanos>,
     charged: Option<Levels>,
     fault: Option<Fault>,
 }
@@ -183,7 +119,7 @@ impl Discharge {
             highest_seqno: 0,
             edges: 0,
             line_seqno: [0; 2],
-            waited: Nanos::ZERO,
+            waited: None,
             charged: None,
             fault: None,
         };
@@ -370,7 +306,7 @@ impl Discharge {
     }
 
     fn timed_out(&mut self, levels: Levels) -> Action {
-        self.waited = self.wait_until;
+        self.waited = Some(self.wait_until);
         let missed = |node: Node| self.crossings[node.index()].is_none() && !levels.of(node);
         // Of two edges that should have come, the last one alone may do.
         let any = missed(self.plan.last) || (missed(Node::A) && self.crossings[1].is_none());
@@ -395,7 +331,7 @@ impl Discharge {
         Record {
             through: self.plan.through,
             start: self.start.before,
-            second_ns: if is_pair { (self.start.width().as_ns() - single_ns).max(0.0) } else { 0.0 },
+            second_ns: is_pair.then(|| (self.start.width().as_ns() - single_ns).max(0.0)),
             switch: self.switch.map(|switch| Switch {
                 at_ns: since_entry(switch.released),
                 on_ns: since_entry(switch.sunk),
@@ -404,8 +340,8 @@ impl Discharge {
             a_ns,
             b_ns,
             // Anywhere in the middle half of its call, each of two lines.
-            u_switch_ns: single_ns / 2.0 / 6f64.sqrt(),
-            waited_ns: if self.waited == Nanos::ZERO { 0.0 } else { since_start(self.waited) },
+            u_switch_ns: Some(single_ns / 2.0 / 6f64.sqrt()),
+            waited_ns: self.waited.map(since_start),
         }
     }
 }

@@ -1,24 +1,24 @@
 //! Pins and cycle put together: the measuring loop, one step at a time.
 //!
-//! For: the daemon's measuring thread, and tests in virtual time. Must not know: threads, clients, signals. A step
-//! allocates nothing, but to report an error of the pins.
+//! For: which discharges in which order, each of them step by step, and what is wrong with the board; the daemon's measuring
+//! thread runs it, tests do in virtual time. Must not know: files, threads, clients. A step allocates nothing, but to report an
+//! error of the pins.
 
 pub mod cycle;
 pub mod diagnosis;
 pub mod discharge;
+pub mod limits;
 pub mod settings;
 pub mod stats;
 
 use crate::instrument::cycle::{Cycle, Next};
+use crate::instrument::limits::NAP;
 use crate::instrument::settings::Settings;
 use crate::instrument::stats::Stats;
 use crate::pins::{Drives, Pins, PinsError};
 use crate::reading::{Fault, Reading};
 use crate::record::Record;
 use crate::units::Nanos;
-
-/// The longest sleep of one step while waiting for the next cycle, so that the caller can tell its counters in between.
-const NAP: Nanos = Nanos(100_000_000);
 
 /// What comes out of the instrument.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -1,7 +1,8 @@
 //! What the instrument runs with: every default filled in and every file read.
 
-use crate::circuit::Node;
+use crate::circuit::{Kind, Node};
 use crate::estimate::force::Force;
+use crate::instrument::diagnosis::Board;
 use crate::pins::Drives;
 use crate::reading::Method;
 use crate::record::Through;
@@ -45,16 +46,12 @@ impl FromStr for OffsetSource {
 pub struct Settings {
     /// The method.
     pub method: Method,
-    /// R_1 and R_2 of the [ratio](crate::estimate::method), ohm.
-    pub r_ohm: [f64; 2],
-    /// The circuit has Rc1 and Rc2 in series.
-    pub series: bool,
-    /// The chargers there are.
-    pub chargers: Drives,
+    /// How the circuit is wired.
+    pub kind: Kind,
+    /// Rc1 and Rc2, ohm.
+    pub r_c_ohm: [f64; 2],
     /// When node A should cross in a discharge through R_1, by nominal values, for diagnosis alone.
     pub nominal: Nanos,
-    /// The node whose crossing ends a discharge.
-    pub last: Node,
     /// Length of what goes before the charge after a discharge that ended before its time.
     pub drain: Nanos,
     /// Length of a charge.
@@ -80,24 +77,37 @@ pub struct Settings {
 }
 
 impl Settings {
+    /// R_1 and R_2 of the [ratio](crate::estimate::method), ohm.
+    pub fn r_ohm(&self) -> [f64; 2] {
+        self.kind.known(self.r_c_ohm)
+    }
+
+    /// The chargers there are.
+    pub fn chargers(&self) -> Drives {
+        match self.kind.last() {
+            Node::A => Drives::CHARGE_A,
+            Node::B => Drives::CHARGE,
+        }
+    }
+
+    /// The node whose crossing ends a discharge.
+    pub fn last(&self) -> Node {
+        self.method.rules().last(self.kind)
+    }
+
     /// How many nodes the method times.
     pub fn nodes(&self) -> usize {
-        match self.last {
-            Node::A => 1,
-            Node::B => 2,
-        }
+        self.last().index() + 1
+    }
+
+    /// What is known of the board.
+    pub fn board(&self) -> Board {
+        let nodes = &Node::BOTH[..self.nodes()];
+        Board { kind: self.kind, nodes, r_ohm: self.r_ohm(), nominal_ns: self.nominal.as_ns() }
     }
 
     /// The discharge of R_2.
     pub fn second(&self) -> Through {
-        if self.series { Through::C12 } else { Through::C2 }
-    }
-
-    /// What the discharge of a sensor starts through.
-    pub fn sensor(&self, channel: usize) -> Through {
-        match self.method {
-            Method::Qerm => Through::XWithC12(channel),
-            Method::Tpcm | Method::Tcdic | Method::Cerm | Method::Tracked => Through::X(channel),
-        }
+        if self.kind == Kind::SeriesCalibration { Through::C12 } else { Through::C2 }
     }
 }

@@ -1,6 +1,4 @@
-//! What the instrument has counted and learned.
-//!
-//! For: the numbers behind STATS, kept by the measuring thread without allocating. Must not know: how they are sent.
+//! What the instrument has counted and learned: the numbers behind STATS.
 
 use crate::estimate::offset::Offset;
 use crate::estimate::tracker::Counts;

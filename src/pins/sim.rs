@@ -29,8 +29,9 @@ pub mod sensor;
 mod truth;
 pub mod waveform;
 
+pub use crate::circuit::Kind;
 pub use network::SimCircuit;
-pub use scene::{Kind, Scene, SceneError};
+pub use scene::{Scene, SceneError};
 pub use sensor::Sensor;
 pub use truth::Truth;
 

@@ -76,6 +76,8 @@ mod tests {
     }
 
     proptest! {
+        #![proptest_config(crate::seed::cases(256))]
+
         #[test]
         fn so_many_digits_are_shown(mantissa in 1.0f64..10.0, exponent in -3i32..5, digits in 1i32..5) {
             let text = format!("{mantissa:.*}e{exponent}", digits as usize - 1);

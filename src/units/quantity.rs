@@ -260,6 +260,8 @@ mod tests {
     }
 
     proptest! {
+        #![proptest_config(crate::seed::cases(256))]
+
         #[test]
         fn round_trips(mantissa in -10.0..10.0f64, exponent in -18..15i32) {
             let value = mantissa * 10f64.powi(exponent);

@@ -5,6 +5,7 @@
 mod bench;
 mod circuit;
 
+use crate::common::chance::WITHIN_2U;
 use bench::{Board, Found, LONG_TAUS, NEIGHBOUR_OHM};
 use cermd::reading::Method;
 use std::fmt::Write;
@@ -58,13 +59,13 @@ fn the_page_is_up_to_date_and_the_error_is_as_predicted() {
             write!(page, "| {} | {r_ohm} |", method.as_str()).unwrap();
             for part in [0.5, 0.6, 0.75, 1.0] {
                 let found = board.measure(NEIGHBOUR_OHM, part * automatic);
-                let (error, doubt) = found.error_beyond(&long);
-                write!(page, " {error:+.2} ({:.0} %) |", 100.0 * found.coverage).unwrap();
+                let error = found.error_beyond(&long);
+                write!(page, " {:+.2} ({:.0} %) |", error.value, 100.0 * found.within_2u.value).unwrap();
                 let case = format!("{} {r_ohm} ohm, {part} of {automatic:.2} tau", method.as_str());
-                println!("{case}: {error:+.3} +- {doubt:.3} u, within 2u {:.4}", found.coverage);
+                println!("{case}: {error:.3} u, within 2u {}", found.within_2u);
                 check(&board, part, &found, &long, &case, &mut wrong);
                 if part == 0.6 {
-                    left = left.max(error.abs() - 3.0 * doubt);
+                    left = left.max(error.value.abs() - 3.0 * error.u);
                 }
             }
             page.push('\n');
@@ -80,25 +81,25 @@ fn the_page_is_up_to_date_and_the_error_is_as_predicted() {
 /// At the automatic time, the error is within its share and u is true. Below it, the error is as predicted, where each
 /// charge has a known discharge before it, and below the prediction's limit everywhere.
 fn check(board: &Board, part: f64, found: &Found, long: &Found, case: &str, wrong: &mut String) {
-    let (error, doubt) = found.error_beyond(long);
-    if part == 1.0 && error.abs() > SHARE + 3.0 * doubt {
-        writeln!(wrong, "{case}: {error:+.3} +- {doubt:.3} u").unwrap();
+    let error = found.error_beyond(long);
+    if part == 1.0 && !error.is(0.0, SHARE) {
+        writeln!(wrong, "{case}: {error:.3} u").unwrap();
     }
-    if part == 1.0 && !(0.93..=0.97).contains(&found.coverage) {
-        writeln!(wrong, "{case}: {:.4} within 2u", found.coverage).unwrap();
+    if part == 1.0 && !found.within_2u.is(WITHIN_2U, 0.0) {
+        writeln!(wrong, "{case}: {} within 2u", found.within_2u).unwrap();
     }
     let taus = part * board.automatic_taus();
     // In a u that is less than that of any board; of first order.
     let limit = 1.05 * SHARE * (board.automatic_taus() - taus).exp();
-    if error.abs() > limit + 3.0 * doubt {
-        writeln!(wrong, "{case}: {error:+.3} +- {doubt:.3} u is above {limit:.3} u").unwrap();
+    if !error.is(0.0, limit) {
+        writeln!(wrong, "{case}: {error:.3} u is above {limit:.3} u").unwrap();
     }
     if let Some(predicted) = board.predicted_ohm(taus) {
-        let (ohm, doubt) = found.ohm_beyond(long);
-        println!("{case}: {ohm:+.3} +- {doubt:.3} ohm, predicted {predicted:+.3}");
+        let ohm = found.ohm_beyond(long);
+        println!("{case}: {ohm:.3} ohm, predicted {predicted:+.3}");
         // The prediction is of first order in what is left, and takes the reaction to an edge for a constant.
-        if (ohm - predicted).abs() > 4.0 * doubt + 0.05 * predicted.abs() {
-            writeln!(wrong, "{case}: {ohm:+.3} +- {doubt:.3} ohm, predicted {predicted:+.3}").unwrap();
+        if !ohm.is(predicted, 0.05 * predicted.abs()) {
+            writeln!(wrong, "{case}: {ohm:.3} ohm, predicted {predicted:+.3}").unwrap();
         }
     }
 }
@@ -110,11 +111,11 @@ fn an_open_sensor_does_not_disturb_the_next_one() {
     for method in [Method::Tpcm, Method::Tcdic, Method::Cerm, Method::Tracked] {
         let board = Board { method, r_ohm: 5000.0 };
         let taus = 0.6 * board.automatic_taus();
-        let (error, doubt) = board.measure(100e6, taus).error_beyond(&board.measure(100e6, LONG_TAUS));
+        let error = board.measure(100e6, taus).error_beyond(&board.measure(100e6, LONG_TAUS));
         // The u that is planned for is a third of this board's.
         let limit = SHARE / 3.0 * (board.automatic_taus() - taus).exp();
-        println!("{}: {error:+.3} +- {doubt:.3} u, limit {limit:.3} u", method.as_str());
-        assert!(error.abs() < limit + 3.0 * doubt, "{}: {error:+.3} +- {doubt:.3} u", method.as_str());
+        println!("{}: {error:.3} u, limit {limit:.3} u", method.as_str());
+        assert!(error.is(0.0, limit), "{}: {error:.3} u", method.as_str());
     }
 }
 

@@ -3,6 +3,7 @@
 //! `docs/dynamic.md` is what comes out of it; `UPDATE_DOCS=1 cargo test --test accuracy dynamic` writes it anew. Every seed is
 //! fixed; every check has two sides.
 
+use crate::common::chance::{Figure, WITHIN_2U, mean_of};
 use crate::common::{Bench, check_page, read, rest, settle};
 use cermd::pins::Pins;
 use cermd::pins::sim::Sensor;
@@ -22,51 +23,60 @@ const AMPLITUDE: f64 = 0.2;
 /// A reading whose predicted error is greater is `unsettled`.
 const LIMIT: f64 = 0.01;
 
+/// Readings in a row that hang together: their motion, their calibration. So many are one of what chance chooses.
+const BLOCK: usize = 25;
+
 /// What became of the readings of a sensor that moves.
 #[derive(Debug, Default)]
 struct Seen {
-    /// Errors in sigmas; sigmas and errors as shares of R.
-    errors: Vec<f64>,
+    /// Errors in sigmas, or why there is no number.
+    readings: Vec<Result<f64, &'static str>>,
+    /// Sigmas as shares of R.
     us: Vec<f64>,
-    others: BTreeMap<&'static str, usize>,
-    readings: usize,
     seconds: f64,
 }
 
 impl Seen {
     fn add(&mut self, reading: &Reading, truth: f64) {
-        self.readings += 1;
         self.seconds += reading.duration.as_seconds();
-        match reading.status {
+        self.readings.push(match reading.status {
             Status::Ok { r_ohm, .. } => {
                 let u = r_ohm.u.unwrap();
-                self.errors.push((r_ohm.value - truth) / u);
                 self.us.push(u / truth);
+                Ok((r_ohm.value - truth) / u)
             }
-            Status::Fault(fault) => *self.others.entry(fault.as_str()).or_default() += 1,
-            status => *self.others.entry(status.as_str()).or_default() += 1,
-        }
+            Status::Fault(fault) => Err(fault.as_str()),
+            status => Err(status.as_str()),
+        });
     }
 
-    fn share(&self, name: &str) -> f64 {
-        self.others.get(name).copied().unwrap_or(0) as f64 / self.readings as f64
+    /// The mean of something over the readings that it is there for.
+    fn mean(&self, of: impl Fn(&Result<f64, &'static str>) -> Option<f64>) -> Figure {
+        let values: Vec<Option<f64>> = self.readings.iter().map(of).collect();
+        let mean = |values: &[Option<f64>]| {
+            let count = values.iter().flatten().count();
+            (count > 0).then(|| values.iter().flatten().sum::<f64>() / count as f64)
+        };
+        let blocks: Vec<f64> = values.chunks(BLOCK).filter_map(mean).collect();
+        // Blocks have more numbers and fewer: the mean is that of all of them, its error that of the blocks.
+        Figure { value: mean(&values).unwrap_or(f64::NAN), ..mean_of(&blocks) }
     }
 
-    fn ok(&self) -> f64 {
-        self.errors.len() as f64 / self.readings as f64
+    fn share(&self, name: &str) -> Figure {
+        self.mean(|reading| Some(f64::from(u8::from(*reading == Err(name)))))
     }
 
-    /// The share of the numbers that are off by more than so many of their own sigmas.
-    fn beyond(&self, sigmas: f64) -> f64 {
-        self.errors.iter().filter(|error| error.abs() > sigmas).count() as f64 / self.errors.len() as f64
+    /// The share of the numbers that are off by less than so many of their own sigmas.
+    fn within(&self, sigmas: f64) -> Figure {
+        self.mean(|reading| reading.ok().map(|error| f64::from(u8::from(error.abs() <= sigmas))))
     }
 
-    fn rms(&self) -> f64 {
-        (self.errors.iter().map(|error| error * error).sum::<f64>() / self.errors.len() as f64).sqrt()
+    fn rms(&self) -> Figure {
+        self.mean(|reading| reading.ok().map(|error| error * error)).sqrt()
     }
 
     fn worst(&self) -> f64 {
-        self.errors.iter().fold(0.0, |worst, error| error.abs().max(worst))
+        self.readings.iter().flatten().fold(0.0, |worst, error| error.abs().max(worst))
     }
 
     fn median_u(&self) -> f64 {
@@ -76,15 +86,19 @@ impl Seen {
     }
 
     fn in_words(&self) -> String {
+        let mut others = BTreeMap::<_, usize>::new();
+        self.readings
+            .iter()
+            .filter_map(|reading| reading.err())
+            .for_each(|name| *others.entry(name).or_default() += 1);
         format!(
-            "ok {:.1} %, within 2u {:.1} %, rms {:.2} u, worst {:.1} u, median u {:.3} %, {:.1} ms, {:?}",
-            100.0 * self.ok(),
-            100.0 * (1.0 - self.beyond(2.0)),
+            "{} numbers, within 2u {}, rms {:.2} u, worst {:.1} u, median u {:.3} %, {:.1} ms, {others:?}",
+            self.us.len(),
+            self.within(2.0),
             self.rms(),
             self.worst(),
             100.0 * self.median_u(),
-            1e3 * self.seconds / self.readings as f64,
-            self.others
+            1e3 * self.seconds / self.readings.len() as f64,
         )
     }
 }
@@ -157,15 +171,12 @@ fn oscillations() -> (String, String) {
                 let is_blurred = predicted > 2.0 * LIMIT;
                 let bounds = if is_blurred { 0.9..=1.0 } else { 0.0..=0.05 };
                 let bounds = if predicted > 0.5 * LIMIT && !is_blurred { 0.0..=0.5 } else { bounds };
-                let within = 1.0 - seen.beyond(2.0);
                 // An oscillation is never off by more than 1.4 times its root mean square: where it is most of the error, all
                 // is within two sigma.
-                let most = if predicted > 1e-3 { 1.0 } else { 0.995 };
+                let within = seen.within(2.0);
                 let is_true = is_blurred
-                    || ((0.93..=most).contains(&within)
-                        && (0.7..1.15).contains(&seen.rms())
-                        && seen.worst() < 7.0);
-                if !bounds.contains(&seen.share("unsettled")) || !is_true {
+                    || (within.is_in(WITHIN_2U..=1.0) && seen.rms().is_in(0.7..=1.0) && seen.worst() < 7.0);
+                if !seen.share("unsettled").is_in(bounds) || !is_true {
                     writeln!(wrong, "{} {r_ohm} ohm {hertz} Hz: {}", method.as_str(), seen.in_words())
                         .unwrap();
                 }
@@ -175,8 +186,8 @@ fn oscillations() -> (String, String) {
                     method.as_str(),
                     100.0 * predicted,
                     if is_blurred { String::new() } else { format!("{:.3}", 100.0 * seen.median_u()) },
-                    if is_blurred { String::new() } else { format!("{:.1}", 100.0 * within) },
-                    100.0 * seen.share("unsettled")
+                    if is_blurred { String::new() } else { format!("{:.1}", 100.0 * within.value) },
+                    100.0 * seen.share("unsettled").value
                 )
                 .unwrap();
             }
@@ -217,11 +228,11 @@ fn a_press_from_100_kohm_to_1_kohm_is_true_where_it_is_a_number() {
             let seen = observe(|seed| quiet(method, 100e3, seed), &press(flank), 0, 400);
             let row = format!("{} flank {flank} s: {}", method.as_str(), seen.in_words());
             println!("{row}");
-            let sound = (0.93..=1.0).contains(&(1.0 - seen.beyond(2.0)))
-                && seen.beyond(5.0) <= 0.002
-                && seen.rms() > 0.4
-                && (0.005..0.4).contains(&seen.share("unsettled"))
-                && seen.share("latency-outlier") < 0.02;
+            let sound = seen.within(2.0).is_in(WITHIN_2U..=1.0)
+                && seen.within(5.0).is_in(0.998..=1.0)
+                && seen.rms().is_in(0.4..=1.0)
+                && seen.share("unsettled").is_in(0.005..=0.4)
+                && seen.share("latency-outlier").is_in(0.0..=0.02);
             if !sound {
                 writeln!(failed, "{row}").unwrap();
             }
@@ -247,14 +258,16 @@ fn a_step_is_unsettled_when_it_falls_into_a_discharge_and_only_then() {
     for (low, high) in [(1000.0, 1300.0), (5000.0, 6000.0), (5000.0, 16_200.0), (13_000.0, 16_200.0)] {
         let seen = observe(|seed| quiet(Method::Tracked, low, seed), &steps(low, high), 0, 400);
         let steps = seen.seconds / 0.237;
-        let inside = 1.0708e-6 * (0.5 * (low + high) + 40.0) / (seen.seconds / seen.readings as f64);
-        let expected = steps * inside / seen.readings as f64;
-        let found = seen.share("unsettled") + seen.share("latency-outlier");
+        let count = seen.readings.len() as f64;
+        let inside = 1.0708e-6 * (0.5 * (low + high) + 40.0) / (seen.seconds / count);
+        let expected = steps * inside / count;
+        let found = seen.mean(|reading| Some(f64::from(u8::from(reading.is_err()))));
         let row = format!("{low} to {high} ohm: expected {:.2} %, {}", 100.0 * expected, seen.in_words());
         println!("{row}");
         // At most one more reading for each step, whose change is greater than anything before it.
-        let most = 1.3 * expected + steps / seen.readings as f64;
-        if !(0.5 * expected..most).contains(&found) || seen.beyond(5.0) > 0.001 || seen.beyond(2.0) > 0.07 {
+        let most = expected + steps / count;
+        let numbers = seen.within(2.0).is_in(WITHIN_2U..=1.0) && seen.within(5.0).is_in(0.999..=1.0);
+        if !found.is_in(0.5 * expected..=most) || !numbers {
             writeln!(failed, "{row}").unwrap();
         }
     }
@@ -274,10 +287,10 @@ fn the_instant_of_a_ramp_is_right_for_direct_and_inferred_readings() {
         (Method::Tpcm, 4000.0, 14_000.0, ""),
         (Method::Qerm, 4000.0, 14_000.0, ""),
     ] {
-        let (mut sum, mut variance, mut count) = (0.0, 0.0, 0.0);
+        let (mut means, mut count) = (Vec::new(), 0.0);
         for seed in 0..8 * INSTRUMENTS {
             let mut bench = quiet(method, from, seed);
-            bench.config = bench.config.replace("[[channel]]", &format!("{measure}\n[[channel]]"));
+            bench.config.lines("measure", measure);
             let mut instrument = bench.instrument();
             settle(&mut instrument);
             rest(&mut instrument);
@@ -290,6 +303,7 @@ fn the_instant_of_a_ramp_is_right_for_direct_and_inferred_readings() {
             };
             instrument.pins().connect(0, ramp);
             read(&mut instrument, 4, |_| {});
+            let (mut sum, mut weights) = (0.0, 0.0);
             loop {
                 let mut last = None;
                 read(&mut instrument, 1, |reading| last = Some(*reading));
@@ -301,20 +315,20 @@ fn the_instant_of_a_ramp_is_right_for_direct_and_inferred_readings() {
                 let truth = instrument.pins().r_x(0, reading.at).unwrap();
                 let weight = (r_ohm.u.unwrap() / truth).powi(-2);
                 sum += weight * (r_ohm.value / truth - 1.0);
-                variance += weight;
+                weights += weight;
                 count += 1.0;
             }
+            means.push(sum / weights);
         }
-        let (mean, u) = (sum / variance, variance.powf(-0.5));
+        // Readings of one instrument share a calibration.
+        let mean = mean_of(&means);
         let row = format!(
-            "{} {from} to {to} ohm {measure:?}: mean error {:+.4} %, u {:.4} %, {count} readings",
+            "{} {from} to {to} ohm {measure:?}: mean error {} %, {count} readings",
             method.as_str(),
-            100.0 * mean,
-            100.0 * u
+            mean.times(100.0)
         );
         println!("{row}");
-        // Readings of one instrument share a calibration.
-        if count < 100.0 || mean.abs() > 4.0 * u {
+        if count < 100.0 || !mean.is(0.0, 0.0) {
             writeln!(failed, "{row}").unwrap();
         }
     }
@@ -346,11 +360,11 @@ fn a_late_stamp_stays_an_outlier_at_rest_and_harms_little_in_motion() {
                 moving.in_words()
             );
             println!("{row}");
-            let sound = (0.005..0.03).contains(&rest.share("latency-outlier"))
-                && rest.share("unsettled") < 0.002
-                && rest.beyond(5.0) < 0.002
-                && moving.beyond(2.0) < 0.07
-                && moving.beyond(5.0) < 0.02;
+            let sound = rest.share("latency-outlier").is_in(0.005..=0.03)
+                && rest.share("unsettled").is_in(0.0..=0.002)
+                && rest.within(5.0).is_in(0.998..=1.0)
+                && moving.within(2.0).is_in(0.93..=1.0)
+                && moving.within(5.0).is_in(0.98..=1.0);
             if !sound {
                 writeln!(failed, "{row}").unwrap();
             }

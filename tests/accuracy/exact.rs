@@ -5,6 +5,7 @@
 
 mod circuits;
 
+use crate::common::seed;
 use cermd::circuit::Network;
 use cermd::ctl::replay;
 use cermd::estimate::Estimator;
@@ -19,10 +20,6 @@ use cermd::units::{Farad, Ohm, Volt};
 use circuits::{Case, cases, record, walk};
 use proptest::prelude::*;
 
-fn config() -> ProptestConfig {
-    ProptestConfig { failure_persistence: None, ..ProptestConfig::with_cases(10_000) }
-}
-
 fn estimator(case: &Case, d_ns: f64) -> Estimator {
     let [r1, r2] = case.r_ohm();
     let nodes = if case.way.method == Method::Tpcm { 1 } else { case.way.nodes };
@@ -30,7 +27,7 @@ fn estimator(case: &Case, d_ns: f64) -> Estimator {
 }
 
 proptest! {
-    #![proptest_config(config())]
+    #![proptest_config(seed::cases(10_000))]
 
     /// The equations lose this many units in the last place, at most:
     ///
@@ -83,7 +80,7 @@ fn error_from_tape(case: &Case, text: &str, offset: Option<OffsetSource>) -> f64
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { cases: 2000, ..config() })]
+    #![proptest_config(seed::cases(2000))]
 
     #[test]
     fn a_tape_gives_the_resistance(case in cases()) {

@@ -2,7 +2,8 @@
 //!
 //! Whole instruments in virtual time; every seed is fixed.
 
-use crate::common::{Bench, Errors, read, settle};
+use crate::common::chance::{WITHIN_2U, mean_of, sd_of, share_is};
+use crate::common::{Bench, Errors, file_for, read, settle};
 use cermd::circuit::Node;
 use cermd::instrument::Message;
 use cermd::pins::sim::{Kind, Scene, Sensor};
@@ -22,11 +23,9 @@ fn late_stamps(r_ohm: f64, jitter: &str, measure: &str, seed: u64) -> Bench {
          [stamps]\nmean = \"8 us\"\njitter = \"{jitter}\"\n"
     );
     let scene = Scene::parse(&scene, Path::new("late-stamps")).unwrap();
-    let config = format!(
-        "[circuit]\nkind = \"two-capacitor\"\nc-a = \"10 uF\"\nc-b = \"0.68 uF\"\nr-c1 = \"2.32 kohm\"\nr-c2 = \"12.7 kohm\"\n\
-         [measure]\nmethod = \"cerm\"\nt-l = \"1 s\"\n{measure}\n\
-         [[channel]]\nid = \"x\"\n[mock]\nscene = \"late-stamps\"\n"
-    );
+    let circuit = "c-a = \"10 uF\"\nc-b = \"0.68 uF\"";
+    let mut config = file_for(Kind::TwoCapacitor, Method::Cerm, circuit, "late-stamps");
+    config.set("measure", "t-l", "1 s").lines("measure", measure);
     Bench { scene: scene.with_sensors(vec![Sensor::Constant(Ohm(r_ohm))]).unwrap(), config, seed }
 }
 
@@ -68,21 +67,19 @@ fn without_correction_the_bias_is_the_predicted_one() {
 #[test]
 fn with_auto_the_bias_vanishes_within_its_uncertainty() {
     for r_ohm in [100.0, 1000.0, 4000.0] {
-        let mut means = Errors::default();
+        let mut means = Vec::new();
         for seed in 0..40 {
             let found = errors(
                 &late_stamps(r_ohm, "1.5 us", "offset = \"auto\"\nswitch-fraction = 1.0", seed),
                 r_ohm,
                 100,
             );
-            means.errors.push(found.mean());
-            means.us.push(found.mean_u());
+            means.push(found.mean());
         }
-        let standard_error = means.sd() / (means.count() as f64).sqrt();
-        let (bias, predicted) = (means.mean(), bias_ohm(r_ohm));
-        println!("{r_ohm} ohm: bias {bias:.3} +- {standard_error:.3} ohm, {predicted:.3} without correction");
-        assert!(standard_error < 0.05 * predicted.abs(), "{r_ohm} ohm: {standard_error} shows nothing");
-        assert!(bias.abs() < 3.0 * standard_error, "{r_ohm} ohm: {bias} +- {standard_error}, seeds 0..40");
+        let (bias, predicted) = (mean_of(&means), bias_ohm(r_ohm));
+        println!("{r_ohm} ohm: bias {bias:.3} ohm, {predicted:.3} without correction");
+        assert!(bias.u < 0.05 * predicted.abs(), "{r_ohm} ohm: {bias} shows nothing");
+        assert!(bias.is(0.0, 0.0), "{r_ohm} ohm: {bias}, seeds 0..40");
     }
 }
 
@@ -90,13 +87,12 @@ const INSTRUMENTS: u64 = 400;
 
 /// (found - true) / u of many instruments, which is to be normal with mean 0 and standard deviation 1.
 fn check_pulls(what: &str, pulls: &[f64]) {
-    let count = pulls.len() as f64;
-    let mean = pulls.iter().sum::<f64>() / count;
-    let sd = (pulls.iter().map(|pull| (pull - mean).powi(2)).sum::<f64>() / (count - 1.0)).sqrt();
-    let within = pulls.iter().filter(|pull| pull.abs() <= 2.0).count() as f64 / count;
-    println!("{what}: pulls {mean:.3} +- {sd:.3}, {within:.3} within 2 u");
-    let sound = mean.abs() < 0.3 && (0.85..1.15).contains(&sd) && (0.90..=0.99).contains(&within);
-    assert!(sound, "{what}: pulls {mean} +- {sd}, {within} within 2 u, seeds 0..{INSTRUMENTS}");
+    let (mean, sd) = (mean_of(pulls), sd_of(pulls));
+    let within = pulls.iter().filter(|pull| pull.abs() <= 2.0).count();
+    let row = format!("{what}: pulls {mean:.3}, sd {sd:.3}, {within} of {} within 2 u", pulls.len());
+    println!("{row}");
+    let sound = mean.is(0.0, 0.0) && sd.is(1.0, 0.0) && share_is(within, pulls.len(), WITHIN_2U);
+    assert!(sound, "{row}, seeds 0..{INSTRUMENTS}");
 }
 
 fn median(mut values: Vec<f64>) -> f64 {

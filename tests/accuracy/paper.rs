@@ -5,12 +5,12 @@
 
 mod report;
 
+use crate::common::seed::rng;
 use crate::common::{Bench, Errors, check_page, read, settle};
 use cermd::pins::sim::{Kind, Sensor};
 use cermd::reading::Method;
 use cermd::units::{Farad, Ohm};
-use rand::{RngExt, SeedableRng};
-use rand_chacha::ChaCha8Rng;
+use rand::RngExt;
 use std::fmt::Write;
 
 /// Section IV: 2^13 cycles of charge, and no pause.
@@ -46,7 +46,7 @@ fn bench(scene: &str, way: Way, r_ohm: f64, seed: u64, tolerance: f64) -> (Bench
     let timing = if scene == "fpga-paper" { SECTION_IV } else { "" };
     let measure = format!("{timing}{}", way.measure);
     let mut bench = Bench::with_kind(scene, way.kind, way.method, r_ohm, seed, &measure);
-    let mut rng = ChaCha8Rng::seed_from_u64(seed);
+    let mut rng = rng(seed);
     let mut about = |value: f64| value * (1.0 + tolerance * rng.random_range(-1.0..1.0));
     let circuit = &mut bench.scene.circuit;
     for c in [&mut circuit.c_a, &mut circuit.c_b, &mut circuit.c].into_iter().flatten() {

@@ -1,5 +1,6 @@
 //! What a tracked calibration must show, on simulated boards in virtual time. Every seed is fixed.
 
+use crate::common::chance::WITHIN_2U;
 use crate::common::{Bench, Errors, read, settle};
 use cermd::pins::sim::scene::{DelayScene, DriftScene};
 use cermd::reading::{Fault, Method, Status};
@@ -10,6 +11,10 @@ const INSTRUMENTS: u64 = 40;
 const READINGS: usize = 150;
 /// Cycles before the first reading counts.
 const BEFORE: usize = 600;
+
+/// More readings are within 2u: a walk of g that is never assumed slower than a drift makes u greater than the errors on a
+/// board that does not drift, by up to 8 %.
+const SLOWEST_WALK: f64 = 0.012;
 
 /// Half the width that the middle 68.27 % of the errors take: what one spike of a thousand does not change.
 fn sd(errors: &[f64]) -> f64 {
@@ -45,8 +50,9 @@ fn figure(method: Method, r_ohm: f64, measure: &str) -> (f64, f64, f64) {
             let record = last.take().filter(|record| ok && record.through.channel().is_some());
             if let Some(record) = record {
                 let estimator = instrument.cycle().estimator();
-                let foreseen = estimator.foresee(r_ohm, record.switch, record.u_switch_ns);
-                bounds.extend(foreseen.map(|foreseen| foreseen.bound));
+                let predicted =
+                    estimator.predict_tracked(r_ohm, record.switch, record.u_switch_ns.unwrap_or(0.0));
+                bounds.extend(predicted.map(|predicted| predicted.bound));
             }
         }
     }
@@ -121,6 +127,7 @@ fn changed(
         read(&mut instrument, 30, |_| {});
         let before = instrument.stats().faults;
         let mut elapsed = 0.0;
+        all.next_board();
         while elapsed < seconds {
             read(&mut instrument, 1, |reading| {
                 elapsed += reading.duration.as_seconds();
@@ -144,6 +151,7 @@ fn finds_everything_within_two_seconds_of_a_cold_start() {
         for seed in 0..400 {
             let mut instrument = Bench::new("pi4", Method::Tracked, r_ohm, seed, "").instrument();
             let mut elapsed = 0.0;
+            all.next_board();
             while elapsed < 2.3 {
                 read(&mut instrument, 1, |reading| {
                     elapsed += reading.duration.as_seconds();
@@ -155,13 +163,14 @@ fn finds_everything_within_two_seconds_of_a_cold_start() {
             tracked += u32::from(instrument.stats().offset_is_known);
         }
         let row = format!(
-            "{r_ohm} ohm: sd {:.3}, u {:.3}, within 2u {:.4}, tracked already: {tracked} of 400",
+            "{r_ohm} ohm: sd {:.3}, u {:.3}, within 2u {}, tracked already: {tracked} of 400",
             all.sd(),
             all.mean_u(),
-            all.coverage()
+            all.within_2u()
         );
         writeln!(table, "{row}").unwrap();
-        failed |= !(0.93..=0.98).contains(&all.coverage()) || all.without_u > 0;
+        // Until it tracks, readings are of the method that it begins with, whose noise is known from few discharges.
+        failed |= !all.within_2u().is_in(WITHIN_2U..=WITHIN_2U + SLOWEST_WALK) || all.without_u > 0;
     }
     println!("pi4 (simulated), 2 s after a cold start\n{table}");
     assert!(!failed, "seeds 0..400\n{table}");
@@ -188,14 +197,14 @@ fn stays_true_while_the_circuit_drifts() {
             let (all, _) =
                 changed("pi4", r_ohm, 3.0, 5 * INSTRUMENTS, |bench| bench.scene.drift = Some(drift));
             let row = format!(
-                "{name}, {r_ohm} ohm: mean {:.3}, sd {:.3}, u {:.3}, within 2u {:.4}",
+                "{name}, {r_ohm} ohm: mean {:.3}, sd {:.3}, u {:.3}, within 2u {}",
                 all.mean(),
                 all.sd(),
                 all.mean_u(),
-                all.coverage()
+                all.within_2u()
             );
             writeln!(table, "{row}").unwrap();
-            failed |= !(0.93..=0.97).contains(&all.coverage());
+            failed |= !all.within_2u().is_in(WITHIN_2U..=WITHIN_2U + SLOWEST_WALK);
         }
     }
     println!("pi4 (simulated)\n{table}");
@@ -217,17 +226,18 @@ fn spikes_are_counted_and_do_not_bias() {
             })
         };
         let ((quiet, _), (all, faults)) = (with(None), with(Some(0.01)));
-        let moved = (all.mean() - quiet.mean()) / quiet.sd();
+        let moved = all.mean_error().less(quiet.mean_error()).times(1.0 / quiet.sd());
         let spikes = faults[Fault::LatencyOutlier as usize] as f64 / (all.count() + all.not_ok.len()) as f64;
         let row = format!(
-            "{r_ohm} ohm: mean moved by {moved:+.3} sigma, within 2u {:.4}, latency outliers {:.2} %, other faults {}",
-            all.coverage(),
+            "{r_ohm} ohm: mean moved by {moved:.3} sigma, within 2u {}, latency outliers {:.2} %, other faults {}",
+            all.within_2u(),
             100.0 * spikes,
             faults.iter().sum::<u64>() - faults[Fault::LatencyOutlier as usize]
         );
         writeln!(table, "{row}").unwrap();
-        failed |=
-            moved.abs() > 0.1 || !(0.93..=0.97).contains(&all.coverage()) || !(0.005..0.03).contains(&spikes);
+        failed |= !moved.is(0.0, 0.1)
+            || !all.within_2u().is_in(WITHIN_2U..=WITHIN_2U + SLOWEST_WALK)
+            || !(0.005..0.03).contains(&spikes);
     }
     println!("pi4 (simulated), 1 % of stamps late by 200 us on average\n{table}");
     assert!(!failed, "seeds 0..{}\n{table}", 16 * INSTRUMENTS);
@@ -235,8 +245,6 @@ fn spikes_are_counted_and_do_not_bias() {
 
 #[test]
 fn light_touches_are_measured_within_a_deadline_of_60_ms() {
-    // A walk of g that is never assumed slower than a drift makes the stated uncertainty of such readings, which depend on
-    // g most, a little greater than it is on a board that does not drift.
     let mut table = String::new();
     let mut failed = false;
     for (r_ohm, share) in [(100e3, 0.01), (1e6, 0.1)] {
@@ -247,6 +255,7 @@ fn light_touches_are_measured_within_a_deadline_of_60_ms() {
                 Bench::new("pi4", Method::Tracked, r_ohm, seed, "deadline = \"60 ms\"").instrument();
             settle(&mut instrument);
             read(&mut instrument, 100, |_| {});
+            all.next_board();
             read(&mut instrument, 50, |reading| {
                 all.add(reading, r_ohm);
                 longest = longest.max(reading.duration.as_seconds());
@@ -254,9 +263,9 @@ fn light_touches_are_measured_within_a_deadline_of_60_ms() {
         }
         let sigma = sd(&all.errors) / r_ohm;
         let row = format!(
-            "{r_ohm} ohm: mean {:+.4}, sigma {sigma:.4}, within 2u {:.4}, {} of {} with a number, longest reading {:.1} ms",
+            "{r_ohm} ohm: mean {:+.4}, sigma {sigma:.4}, within 2u {}, {} of {} with a number, longest reading {:.1} ms",
             all.mean() / r_ohm,
-            all.coverage(),
+            all.within_2u(),
             all.count(),
             INSTRUMENTS * 50,
             1e3 * longest
@@ -265,7 +274,7 @@ fn light_touches_are_measured_within_a_deadline_of_60_ms() {
         failed |= longest > 0.2
             || sigma > share
             || all.mean().abs() > share * r_ohm
-            || !(0.93..=0.985).contains(&all.coverage());
+            || !all.within_2u().is_in(WITHIN_2U..=WITHIN_2U + 2.0 * SLOWEST_WALK);
     }
     println!("pi4 (simulated)\n{table}");
     assert!(!failed, "seeds 0..{INSTRUMENTS}\n{table}");

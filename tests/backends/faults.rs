@@ -5,24 +5,21 @@
 
 use crate::common::Bench;
 use crate::common::faulty::{Faulty, Injection};
+use crate::common::seed::rng;
 use cermd::estimate::force::Force;
 use cermd::instrument::cycle::longest_reading;
 use cermd::instrument::{Instrument, Message};
 use cermd::pins::Pins;
 use cermd::pins::sim::SimPins;
 use cermd::reading::{Measured, Method, Reading, Status};
-use cermd::units::Nanos;
-use rand::{RngExt, SeedableRng};
+use cermd::units::{Nanos, Newton};
+use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 
 /// What injected delays and the scene's own preemptions may add to one reading.
 const FOR_THE_SYSTEM: Nanos = Nanos(20_000_000);
 /// Readings of one instrument; then another one, with other faults, another method and another sensor, follows.
 const READINGS_EACH: u64 = 2000;
-
-fn from_environment(name: &str, default: u64) -> u64 {
-    std::env::var(name).map_or(default, |value| value.parse().unwrap())
-}
 
 fn is_sound_number(value: f64) -> bool {
     value.is_finite() && value >= 0.0
@@ -51,7 +48,7 @@ fn draw(rng: &mut ChaCha8Rng) -> (Instrument<Faulty<SimPins>>, Nanos) {
     // 1 ohm to 10 Mohm: short, ok and open.
     let r_ohm = 10f64.powf(rng.random_range(0.0..7.0));
     let (pins, mut settings) = Bench::new("pi4", method, r_ohm, rng.random(), "").parts();
-    settings.channels[0].force = Some(Force::Pair { r_ohm: settings.r_ohm, f_n: [5.75, 1.05] });
+    settings.channels[0].force = Some(Force::Calibrated { fc1: Newton(5.75), fc2: Newton(1.05) });
     let mut pins = Faulty::new(pins, rng.random());
     for injection in Injection::ALL {
         // From never to often; a call that fails ends its cycle, and there are twenty of them in one.
@@ -64,10 +61,8 @@ fn draw(rng: &mut ChaCha8Rng) -> (Instrument<Faulty<SimPins>>, Nanos) {
 
 #[test]
 fn no_fault_becomes_a_number_that_is_none() {
-    let seed = from_environment("CERMD_SEED", 1);
-    let readings = from_environment("CERMD_READINGS", 100_000);
-    println!("seed {seed}, {readings} readings");
-    let mut rng = ChaCha8Rng::seed_from_u64(seed);
+    let readings = std::env::var("CERMD_READINGS").map_or(100_000, |count| count.parse().unwrap());
+    let mut rng = rng(1);
     let mut seen = [0; 4];
     let mut longest = 0.0f64;
     for round in 0..readings / READINGS_EACH {
@@ -77,14 +72,11 @@ fn no_fault_becomes_a_number_that_is_none() {
             // An error of the pins is told to the caller, who opens them again; here the next call may work.
             let _ = instrument.step(&mut |message| {
                 let Message::Reading(reading) = message else { return };
-                assert!(is_sound(reading.status), "seed {seed}, round {round}: {reading:?}");
-                assert_eq!(reading.seq, last.seq + 1, "seed {seed}, round {round}");
-                assert!(reading.at >= last.at, "seed {seed}, round {round}: {last:?}, then {reading:?}");
-                assert!(reading.duration.0 >= 0, "seed {seed}, round {round}: {reading:?}");
-                assert!(
-                    reading.duration <= bound,
-                    "seed {seed}, round {round}: {reading:?}, at most {bound:?}"
-                );
+                assert!(is_sound(reading.status), "round {round}: {reading:?}");
+                assert_eq!(reading.seq, last.seq + 1, "round {round}");
+                assert!(reading.at >= last.at, "round {round}: {last:?}, then {reading:?}");
+                assert!(reading.duration.0 >= 0, "round {round}: {reading:?}");
+                assert!(reading.duration <= bound, "round {round}: {reading:?}, at most {bound:?}");
                 longest = longest.max(reading.duration.as_seconds() / bound.as_seconds());
                 seen[kind(reading.status)] += 1;
                 last = reading;

@@ -7,3 +7,6 @@ mod daemon;
 mod manual;
 mod processes;
 mod protocol;
+#[path = "../common/seed.rs"]
+#[allow(dead_code, reason = "shared with all other tests")]
+mod seed;

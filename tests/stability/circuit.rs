@@ -1,23 +1,24 @@
 //! Circuits at the edge of what the equations allow, and circuits that do not stay what they are.
 
+use crate::common::seed::rng;
 use crate::common::{Errors, read, settle};
 use crate::paper::{self, Noise, Parts, R_O, Times, V_DD};
 use crate::scenario::{Board, ByHand, Scenario, is_true, moments, rms, truth};
 use crate::switching::PI4_NOISE;
 
-use cermd::config::{Config, Severity};
+use cermd::config::Severity;
 use cermd::pins::sim::SimPins;
 use cermd::pins::sim::scene::DriftScene;
 use cermd::pins::{Armed, Bracket, Drives, Edge, Levels, Particulars, Pins, PinsError};
 use cermd::reading::{Measured, Method, Status};
 use cermd::units::{Nanos, Volt};
-use rand::{RngExt, SeedableRng};
+use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 use std::fmt::Write;
 
 /// What the check of the configuration says about a key, if anything.
 fn finding(board: &Board, method: Method, key: &str) -> Option<Severity> {
-    let config = Config::parse(&board.bench(method, 1000.0, 0).config, "bench").unwrap();
+    let config = board.bench(method, 1000.0, 0).config.parse();
     config.check().iter().filter(|finding| finding.key == key).map(|finding| finding.severity).min()
 }
 
@@ -248,10 +249,7 @@ impl Pins for Restless {
 }
 
 fn restless_errors(board: &Board, method: Method, r_ohm: f64) -> Errors {
-    board.errors_with(method, r_ohm, 20, 100, |inner, seed| Restless {
-        inner,
-        rng: ChaCha8Rng::seed_from_u64(1000 + seed),
-    })
+    board.errors_with(method, r_ohm, 20, 100, |inner, seed| Restless { inner, rng: rng(1000 + seed) })
 }
 
 pub fn restless_supply() -> Scenario {

@@ -1,5 +1,6 @@
 //! Noise of every kind: of the clock, at the threshold, wide-band, and rare long delays.
 
+use crate::common::seed::rng;
 use crate::common::{Errors, read, settle};
 use crate::paper::{self, Noise, Parts, R_O, Times};
 use crate::scenario::{Board, ByHand, Scenario, moments, percent, rms, share_of, without_number};
@@ -7,15 +8,14 @@ use crate::switching::{PI4_NOISE, STAMP, bias_of_offset};
 use cermd::pins::sim::scene::{DelayScene, NoiseScene};
 use cermd::reading::{Fault, Method};
 use cermd::units::{Hertz, Seconds, Volt};
-use rand::{RngExt, SeedableRng};
-use rand_chacha::ChaCha8Rng;
+use rand::RngExt;
 use std::fmt::Write;
 
 /// The paper's board with capacitors within 1 % of theirs: where in a cycle a crossing falls differs from board to board.
 fn paper_s_boards(method: Method, boards: u64) -> (Errors, f64) {
     let (mut all, mut largest) = (Errors::default(), Vec::new());
     for seed in 0..boards {
-        let mut rng = ChaCha8Rng::seed_from_u64(seed);
+        let mut rng = rng(seed);
         let mut near = |value: f64| value * rng.random_range(0.99..1.01);
         let mut board = Board::paper();
         let Parts { c_a, c_b, c, .. } = board.parts;

@@ -1,6 +1,6 @@
 //! A scenario: a board, what is expected of each method on it, and the row of the table that comes of it.
 
-use crate::common::{Bench, Errors, kind_of};
+use crate::common::{Bench, Errors, file_for, kind_of};
 use crate::paper::{Parts, Times};
 use cermd::circuit::Node;
 use cermd::instrument::discharge::{Plan, run};
@@ -125,17 +125,12 @@ impl Board {
         circuit.threshold.falling = Volt(v_th);
         let scene = scene.with_kind(kind).unwrap().with_sensors(vec![Sensor::Constant(Ohm(r_ohm))]).unwrap();
         let capacitors = match kind {
-            Kind::TwoCapacitor => {
-                format!("kind = \"two-capacitor\"\nc-a = \"{c_a} F\"\nc-b = \"{c_b} F\"")
-            }
-            _ => format!("kind = \"series-calibration\"\nc = \"{c} F\""),
+            Kind::TwoCapacitor => format!("c-a = \"{c_a} F\"\nc-b = \"{c_b} F\""),
+            _ => format!("c = \"{c} F\""),
         };
-        let config = format!(
-            "[circuit]\n{capacitors}\nr-c1 = \"{r_c1} ohm\"\nr-c2 = \"{r_c2} ohm\"\nv-th = \"{v_th} V\"\n\
-             [measure]\nmethod = \"{}\"\n{}\n[[channel]]\nid = \"x\"\n[mock]\nscene = \"pi4\"\n",
-            method.as_str(),
-            self.measure
-        );
+        let mut config = file_for(kind, method, &capacitors, "pi4");
+        config.set("circuit", "r-c1", format!("{r_c1} ohm")).set("circuit", "r-c2", format!("{r_c2} ohm"));
+        config.set("circuit", "v-th", format!("{v_th} V")).lines("measure", &self.measure);
         Bench { scene, config, seed }
     }
 

@@ -114,7 +114,7 @@ impl Said {
         *self.names.entry(name).or_default() += 1;
         self.readings += 1;
         if let Some(suspect) = reading.suspect {
-            *self.suspects.entry(suspect.sight()).or_default() += 1;
+            *self.suspects.entry(suspect.seen()).or_default() += 1;
         }
         self.longest = Nanos(self.longest.0.max(reading.duration.0));
     }
@@ -166,7 +166,7 @@ fn examine(defect: &Defect, method: Method) -> (String, Option<String>) {
     let longest = [&well, &noticing, &ill, &recovering, &cured].map(|said| said.longest.0).into_iter().max();
 
     let mut wrong = String::new();
-    let sights: Vec<_> = defect.suspects.iter().map(|suspect| suspect.sight()).collect();
+    let sights: Vec<_> = defect.suspects.iter().map(|suspect| suspect.seen()).collect();
     if ill.suspects.keys().any(|sight| !sights.contains(sight)) {
         write!(wrong, "looks like {:?}; ", ill.suspects).unwrap();
     }
@@ -198,7 +198,7 @@ pub fn report() -> (String, String) {
     }
     table.push_str("\n|---|---|---|---|---|---|---|\n");
     for defect in &DEFECTS {
-        let sights: Vec<_> = defect.suspects.iter().map(|suspect| suspect.sight()).collect();
+        let sights: Vec<_> = defect.suspects.iter().map(|suspect| suspect.seen()).collect();
         write!(table, "| {} | {} |", defect.name, sights.join("; or: ")).unwrap();
         for method in Method::ALL {
             let (cell, failure) = examine(defect, method);

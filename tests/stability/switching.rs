@@ -383,6 +383,7 @@ fn the_law_is_that_of_the_circuit() {
 }
 
 fn rms_of_one() -> bool {
-    let errors = crate::common::Errors { errors: vec![3.0, -4.0], ..Default::default() };
+    let mut errors = crate::common::Errors::default();
+    errors.errors = vec![3.0, -4.0];
     (rms(&errors) - 12.5f64.sqrt()).abs() < 1e-12
 }

@@ -2,7 +2,7 @@
 
 use super::Findings;
 use super::channels::key;
-use crate::circuit::Network;
+use crate::circuit::Kind;
 use crate::config::{Backend, Config, Gpio, LineName};
 
 pub fn check(config: &Config, findings: &mut Findings) {
@@ -15,7 +15,7 @@ pub fn check(config: &Config, findings: &mut Findings) {
         let remedy = "the chip's label, such as \"pinctrl-rp1\" (see `cermctl lines`)";
         findings.error("gpio.chip", "missing", remedy);
     }
-    let has_node_b = matches!(config.circuit.network, Network::TwoCapacitor { .. });
+    let has_node_b = config.circuit.kind() == Kind::TwoCapacitor;
     for (key, line, need) in lines(gpio) {
         match (line, need) {
             (None, Need::Always) => missing(key, findings),

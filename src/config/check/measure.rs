@@ -1,7 +1,7 @@
 //! `[measure]`: values that are wrong in any circuit, and methods that are wrong in this one.
 
 use super::Findings;
-use crate::circuit::Network;
+use crate::circuit::Kind;
 use crate::config::limits::{LARGEST_SWITCH_FRACTION, LONGEST_WAIT};
 use crate::config::{Calibration, Config, Measure};
 use crate::estimate::offset;
@@ -11,9 +11,9 @@ use crate::units::{Nanos, Seconds};
 
 pub fn check(config: &Config, findings: &mut Findings) {
     let measure = &config.measure;
-    method(measure.method, config.circuit.network, findings);
-    calibration(measure, config.circuit.network, findings);
-    if measure.t_l.is_some() && config.method() != Method::Cerm {
+    method(measure.method, config.circuit.kind(), findings);
+    calibration(measure, config.circuit.kind(), findings);
+    if measure.t_l.is_some() && !config.method().rules().has_time_limit() {
         findings.warning("measure.t-l", "not used: only \"cerm\" has it", "method = \"cerm\", or without it");
     }
     durations(measure, findings);
@@ -36,13 +36,13 @@ pub fn check(config: &Config, findings: &mut Findings) {
     }
 }
 
-fn calibration(measure: &Measure, network: Network, findings: &mut Findings) {
-    let series = matches!(network, Network::SeriesCalibration { .. });
-    if series && measure.calibration == Some(Calibration::Tracked) {
+fn calibration(measure: &Measure, kind: Kind, findings: &mut Findings) {
+    if kind == Kind::SeriesCalibration && measure.calibration == Some(Calibration::Tracked) {
         let reason = "a tracked calibration does not know the circuit with series calibration";
         findings.error("measure.calibration", reason, "\"each-reading\"");
     }
-    if measure.method == Some(Method::Tracked) && measure.calibration == Some(Calibration::EachReading) {
+    if measure.method.is_some_and(Method::is_tracked) && measure.calibration == Some(Calibration::EachReading)
+    {
         let reason = "not used: method \"tracked\" has a tracked calibration";
         findings.warning("measure.calibration", reason, "without it, or method = \"cerm\"");
     }
@@ -51,26 +51,15 @@ fn calibration(measure: &Measure, network: Network, findings: &mut Findings) {
     }
 }
 
-fn method(method: Option<Method>, network: Network, findings: &mut Findings) {
-    let (remedy, reason) = match (method, network) {
-        (Some(Method::Tracked), Network::SeriesCalibration { .. }) => {
-            ("\"qerm\", or another circuit", "\"tracked\" does not know the circuit with series calibration")
-        }
-        (Some(Method::Cerm | Method::Tcdic), Network::OneCapacitor { .. }) => {
-            ("\"tpcm\", or another circuit", "this method needs kind = \"two-capacitor\"")
-        }
-        (Some(Method::Cerm | Method::Tcdic), Network::SeriesCalibration { .. }) => {
-            ("\"qerm\", or another circuit", "this method needs kind = \"two-capacitor\"")
-        }
-        (Some(Method::Qerm), Network::TwoCapacitor { .. }) => {
-            ("\"cerm\", or another circuit", "\"qerm\" needs kind = \"series-calibration\"")
-        }
-        (Some(Method::Qerm), Network::OneCapacitor { .. }) => {
-            ("\"tpcm\", or another circuit", "\"qerm\" needs kind = \"series-calibration\"")
-        }
-        _ => return,
-    };
-    findings.error("measure.method", reason, remedy);
+fn method(method: Option<Method>, kind: Kind, findings: &mut Findings) {
+    let Some(method) = method.filter(|method| !method.rules().circuits().contains(&kind)) else { return };
+    let kinds: Vec<String> =
+        method.rules().circuits().iter().map(|kind| format!("\"{}\"", kind.as_str())).collect();
+    findings.error(
+        "measure.method",
+        format!("\"{}\" needs kind = {}", method.as_str(), kinds.join(" or ")),
+        format!("\"{}\", or another circuit", Method::best(kind).as_str()),
+    );
 }
 
 fn durations(measure: &Measure, findings: &mut Findings) {

@@ -3,12 +3,12 @@
 //! Runs only for a valid circuit, an available method, and settings that are right in themselves.
 
 use super::Findings;
-use crate::circuit::{Network, Node};
+use crate::circuit::Node;
 use crate::config::Config;
 use crate::config::charge::Remembered;
 use crate::config::limits::{SHORT_CHARGE, SHORTEST_PART};
+use crate::estimate::method::Switching;
 use crate::instrument::settings::OffsetSource;
-use crate::reading::Method;
 use crate::units::Seconds;
 
 pub fn check(config: &Config, findings: &mut Findings) {
@@ -19,14 +19,6 @@ pub fn check(config: &Config, findings: &mut Findings) {
     split_calibration(config, findings);
     if !findings.has_errors() {
         predictions(config, findings);
-    }
-}
-
-/// The name of the second calibration resistor.
-fn second(config: &Config) -> &'static str {
-    match config.circuit.network {
-        Network::SeriesCalibration { .. } => "Rc1 + Rc2",
-        _ => "Rc2",
     }
 }
 
@@ -59,7 +51,7 @@ fn deadline(config: &Config, findings: &mut Findings) {
             format!(
                 "{:.3} is shorter than the discharge through {}, {calibration:.3}: even calibration would fail",
                 Seconds::from(deadline),
-                second(config),
+                config.circuit.kind().second(),
             ),
             format!("at least \"{:.2}\", or without it", Seconds(2.0 * calibration.0)),
         );
@@ -75,16 +67,19 @@ fn rate(config: &Config, findings: &mut Findings) {
         let reason = format!("calibration and charging alone take {fastest:.3}, {:.1} Hz", 1.0 / fastest.0);
         findings.error("measure.rate-hz", reason, remedy);
     } else if rate * usual.0 > 1.0 {
-        let reason = format!("a cycle with the sensor at {} takes {usual:.3}", second(config));
+        let reason =
+            format!("a cycle with the sensor at {} takes {usual:.3}", config.circuit.kind().second());
         findings.warning("measure.rate-hz", reason, remedy);
     }
 }
 
 fn switch(config: &Config, findings: &mut Findings) {
-    let latest = match config.method() {
-        Method::Cerm => ratio_b_to_a(config),
-        Method::Qerm => 1.0,
-        _ => return,
+    if config.method().rules().switching() != Switching::AtFraction {
+        return;
+    }
+    let latest = match (config.circuit.g(Node::A), config.circuit.g(config.last_node())) {
+        (Some(a), Some(last)) => last.0 / a.0,
+        _ => 1.0,
     };
     if config.switch_fraction() >= latest {
         findings.warning(
@@ -92,13 +87,6 @@ fn switch(config: &Config, findings: &mut Findings) {
             format!("the last crossing comes at {latest:.3} of T_xA, before the planned switch"),
             format!("{:.2}", 0.9 * latest),
         );
-    }
-}
-
-fn ratio_b_to_a(config: &Config) -> f64 {
-    match (config.circuit.g(Node::A), config.circuit.g(Node::B)) {
-        (Some(a), Some(b)) => b.0 / a.0,
-        _ => 1.0,
     }
 }
 
@@ -113,7 +101,7 @@ fn split_calibration(config: &Config, findings: &mut Findings) {
     let at = g_a.0 * config.switch_fraction();
     let parts = [
         ("Rc1", Seconds(at * (circuit.r_c1.0 + circuit.r_o.0))),
-        (second(config), Seconds((g.0 - at) * (circuit.r_second().0 + circuit.r_o.0))),
+        (config.circuit.kind().second(), Seconds((g.0 - at) * (circuit.r_second().0 + circuit.r_o.0))),
     ];
     for (name, part) in parts {
         if part < SHORTEST_PART {
@@ -132,7 +120,9 @@ fn split_calibration(config: &Config, findings: &mut Findings) {
 fn predictions(config: &Config, findings: &mut Findings) {
     let circuit = &config.circuit;
     let nodes = if config.last_node() == Node::B { &Node::BOTH[..] } else { &[Node::A] };
-    for (key, name, r) in [("r-c1", "Rc1", circuit.r_c1), ("r-c2", second(config), circuit.r_second())] {
+    for (key, name, r) in
+        [("r-c1", "Rc1", circuit.r_c1), ("r-c2", config.circuit.kind().second(), circuit.r_second())]
+    {
         let times: Vec<String> = nodes
             .iter()
             .filter_map(|node| {
@@ -155,7 +145,7 @@ fn predictions(config: &Config, findings: &mut Findings) {
         format!(
             "a cycle takes {usual:.3} ({:.1} Hz) with the sensor at {}, {longest:.3} at most",
             1.0 / usual.0,
-            second(config),
+            config.circuit.kind().second(),
         ),
     );
 }

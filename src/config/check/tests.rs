@@ -205,11 +205,11 @@ fn methods() {
     );
     one_measure("resolution = \"0 s\"", "error: measure.resolution: not between");
     one(&[("\"cerm\"", "\"qerm\"")], "error: measure.method: \"qerm\" needs kind = \"series-calibration\"");
-    one(&SERIES, "error: measure.method: this method needs kind = \"two-capacitor\"");
+    one(&SERIES, "error: measure.method: \"cerm\" needs kind = \"two-capacitor\"");
     let one_capacitor = [SERIES[0].0, "\"one-capacitor\""];
     one(
         &[(one_capacitor[0], one_capacitor[1]), SERIES[1], SERIES[2], SERIES[3], ("\"cerm\"", "\"tcdic\"")],
-        "error: measure.method: this method needs kind = \"two-capacitor\"",
+        "error: measure.method: \"tcdic\" needs kind = \"two-capacitor\"",
     );
     for (method, changes) in [("\"tpcm\"", &[][..]), ("\"tcdic\"", &[]), ("\"tpcm\"", &SERIES)] {
         let changes: Vec<_> = changes.iter().copied().chain([("\"cerm\"", method)]).collect();
@@ -331,6 +331,8 @@ fn sockets() {
 }
 
 proptest! {
+    #![proptest_config(crate::seed::cases(256))]
+
     /// Whatever passes can be planned with; whatever does not is refused without a panic.
     #[test]
     fn what_passes_can_be_planned(

@@ -110,7 +110,8 @@ fn said(reading: &ReadingLine) -> String {
 
 /// The forces at Rc1 and Rc2, newton; `None` where the characteristic gives none.
 fn at_resistors(fit: &Fit, circuit: &Circuit) -> [Option<f64>; 2] {
-    [circuit.r_c1.0, circuit.r_c2.0].map(|r_ohm| fit.force().at_bound(r_ohm))
+    let known = [circuit.r_c1.0, circuit.r_c2.0];
+    known.map(|r_ohm| fit.force().at_bound(r_ohm, known))
 }
 
 /// What was fitted, and by how much each pair is off, with a bar to the side that it is off to.

@@ -57,7 +57,7 @@ fn take(target: &Target, arguments: &Zero, part: &'static str) -> Result<Vec<f64
     let channels = [target.id.clone()];
     let mut stream = Stream::connect(&arguments.connection.socket, &channels)?;
     let method = method(&mut stream)?;
-    if method == Method::Tracked || target.config.is_tracked() {
+    if method.is_tracked() || target.config.is_tracked() {
         return Err(CalibrateError::Tracked.into());
     }
     stream.watch(&channels, None, true)?;

@@ -107,7 +107,10 @@ mod tests {
         let config = "[circuit]\nkind = \"two-capacitor\"\nc-a = \"2.2 uF\"\nc-b = \"680 nF\"\nr-c1 = \"2.32 kohm\"\n\
                       r-c2 = \"12.7 kohm\"\n[[channel]]\nid = \"thumb\"\n";
         let config = Config::parse(config, "test").unwrap();
-        let of = |name| stamps(&mut SimPins::new(&Scene::builtin(name).unwrap(), Some(1)), &config).unwrap();
+        let of = |name| {
+            stamps(&mut SimPins::new(&Scene::builtin(name).unwrap(), Some(crate::seed::seed(1))), &config)
+                .unwrap()
+        };
         assert_eq!(of("ideal").counts[0], DISCHARGES);
         assert!(of("pi4").counts[0] < DISCHARGES / 2);
     }

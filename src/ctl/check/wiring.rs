@@ -1,15 +1,15 @@
 //! The wiring test: what a person with a multimeter would look for, done by the pins themselves.
 //!
-//! For: charges, discharges and their times against what the configuration promises, each difference with what to look
-//! at on the board. Must not know: which backend the pins belong to.
+//! What the discharges through known resistors say of the board is judged by the rules of the running instrument,
+//! [`Board`]; only here a node is watched while nothing drives, and times are held against the printed values.
 
-use crate::circuit::Node;
+use crate::circuit::{Kind, Node};
 use crate::config::{Config, Finding};
-use crate::estimate::leak;
-use crate::instrument::diagnosis::{LEAKS, MISSING};
+use crate::estimate::{leak, limits};
+use crate::instrument::diagnosis::Board;
 use crate::instrument::discharge::{self, Plan};
 use crate::pins::{Drives, Levels, Pins, PinsError};
-use crate::reading::Fault;
+use crate::reading::{Fault, Suspect};
 use crate::record::{Record, Through};
 use crate::units::{Nanos, Ohm, Seconds};
 
@@ -58,26 +58,24 @@ impl<P: Pins> Bench<'_, P> {
         if !self.charges()? || !self.holds(true)? {
             return Ok(());
         }
-        let c1 = self.calibration(Through::C1)?;
-        if c1.is_some() && !self.stays_discharged()? {
-            return Ok(());
-        }
-        let second = match self.config.circuit.network {
-            crate::circuit::Network::SeriesCalibration { .. } => Through::C12,
+        let second = match self.config.circuit.kind() {
+            Kind::SeriesCalibration => Through::C12,
             _ => Through::C2,
         };
-        // After a failure, the other resistor tells whether it is the resistor's wire or a node.
-        let c2 = if c1.is_some() || self.findings.iter().any(|finding| finding.key == "gpio.sink-c1") {
-            self.calibration(second)?
-        } else {
-            None
-        };
-        let (Some(c1), Some(c2)) = (c1, c2) else { return Ok(()) };
-        if !self.resistors(&c1, &c2) {
+        let c1 = self.calibration(Through::C1)?;
+        // If nothing fell, the other resistor tells whether it is the resistor's wire or a node.
+        let falls = c1.is_some_and(|record| record.crossings().iter().any(Option::is_some));
+        if falls && (self.is_suspect(c1, None) || !self.stays_discharged()?) {
             return Ok(());
         }
+        let c2 = self.calibration(second)?;
+        if self.is_suspect(c1, c2) {
+            return Ok(());
+        }
+        let (Some(c1), Some(c2)) = (c1, c2) else { return Ok(()) };
+        self.resistors(&c1, &c2);
         self.times(&c1, "Rc1", self.config.circuit.r_c1);
-        self.times(&c2, second_name(second), self.config.circuit.r_second());
+        self.times(&c2, self.config.circuit.kind().second(), self.config.circuit.r_second());
         self.leak()?;
         for channel in 0..self.config.channels.len() {
             self.sensor(channel, &c1, &c2)?;
@@ -92,7 +90,36 @@ impl<P: Pins> Bench<'_, P> {
     }
 
     fn has_node_b(&self) -> bool {
-        matches!(self.config.circuit.network, crate::circuit::Network::TwoCapacitor { .. })
+        self.config.circuit.kind() == Kind::TwoCapacitor
+    }
+
+    fn board(&self) -> Board {
+        let circuit = &self.config.circuit;
+        let nominal = circuit.crossing(Node::A, circuit.r_c1).unwrap_or_default();
+        Board {
+            kind: circuit.kind(),
+            nodes: circuit.kind().nodes(),
+            r_ohm: [circuit.r_c1.0, circuit.r_second().0],
+            nominal_ns: nominal.0 * 1e9,
+        }
+    }
+
+    /// Whether the discharges through known resistors show what is wrong with the board.
+    fn is_suspect(&mut self, c1: Option<Record>, c2: Option<Record>) -> bool {
+        let known = [c1, c2].map(|record| record.map(|record| record.crossings()));
+        let Some(suspect) = self.board().suspect(known) else { return false };
+        let names = ["Rc1", self.config.circuit.kind().second()];
+        let taken =
+            names.iter().zip([c1, c2]).filter_map(|(name, record)| record.map(|record| (name, record)));
+        let taken: Vec<String> =
+            taken.map(|(name, record)| format!("{} through {name}", times(&record))).collect();
+        self.suspect(suspect, &format!("{} ({})", suspect.seen(), taken.join("; ")));
+        true
+    }
+
+    /// An error that the rules for boards have found.
+    fn suspect(&mut self, suspect: Suspect, reason: &str) {
+        self.findings.push(error(key(suspect), reason, format!("another {}", suspect.look())));
     }
 
     fn charge(&mut self) -> Result<Levels, PinsError> {
@@ -117,29 +144,16 @@ impl<P: Pins> Bench<'_, P> {
     fn charges(&mut self) -> Result<bool, PinsError> {
         let levels = self.charge()?;
         let time = Seconds::from(self.config.charge_time());
-        let mut all = true;
-        for (node, letter) in self.nodes().filter(|(node, _)| !levels.of(*node)) {
-            all = false;
-            self.findings.push(error(
-                format!("gpio.charge-{letter}"),
-                format!("node {node:?} is low after a charge of {time:.3}"),
-                format!("the wires from the charger through its resistor to node {node:?} and on to sense-{letter}, and \
-                         look for a short to ground"),
-            ));
+        let suspects: Vec<Suspect> = self.board().uncharged(levels).collect();
+        for suspect in &suspects {
+            self.suspect(*suspect, &format!("{} of {time:.3}", suspect.seen()));
         }
-        Ok(all)
+        Ok(suspects.is_empty())
     }
 
     /// Whether every node keeps its level, `high` or low, while nothing drives.
     fn holds(&mut self, high: bool) -> Result<bool, PinsError> {
-        let (moves, remedy) = if high {
-            (
-                "falls",
-                "no pull-down on any line, no leaking capacitor, and the sensor behind its sink, not to ground",
-            )
-        } else {
-            ("rises", "no pull-up on any line, and each charger through its resistor to its own node")
-        };
+        let (moves, suspect) = if high { ("falls", Suspect::Leak) } else { ("rises", Suspect::Pull) };
         let time = self.config.circuit.crossing(Node::A, NO_PULL).unwrap_or_default();
         let until = self.pins.now() + Nanos::from_seconds(time.0);
         self.pins.sleep_until(until)?;
@@ -147,6 +161,7 @@ impl<P: Pins> Bench<'_, P> {
         let moved: Vec<_> = self.nodes().filter(|(node, _)| levels.of(*node) != high).collect();
         for (node, letter) in &moved {
             let reason = format!("node {node:?} {moves} by itself within {time:.3} while nothing drives");
+            let remedy = format!("another {}", suspect.look());
             self.findings.push(error(format!("gpio.sense-{letter}"), reason, remedy));
         }
         Ok(moved.is_empty())
@@ -171,7 +186,7 @@ impl<P: Pins> Bench<'_, P> {
                 let record = self.held_discharge(Through::C1, Nanos::from_seconds(timeout), hold)?;
                 Ok(record.ok().and_then(|record| record.a_ns))
             };
-            if let (Some(usual), Some(held)) = (fall(Nanos::ZERO)?, fall(leak::HOLD)?) {
+            if let (Some(usual), Some(held)) = (fall(Nanos::ZERO)?, fall(limits::LEAK_HOLD)?) {
                 siemens.push(leak::siemens_by(usual - held, r.0));
             }
         }
@@ -183,7 +198,7 @@ impl<P: Pins> Bench<'_, P> {
         {
             let leak = Ohm(1.0 / median);
             let reason = format!("charge leaks away as through {leak:.2} beside the resistors");
-            self.findings.push(warning("wiring", reason, format!("another look at the board: {LEAKS}")));
+            self.findings.push(warning("wiring", reason, format!("another {}", Suspect::Leak.look())));
         }
         Ok(())
     }
@@ -206,83 +221,19 @@ impl<P: Pins> Bench<'_, P> {
         Ok(discharge::run(self.pins, plan)?.result)
     }
 
-    /// The crossings through a calibration resistor, compared with what the capacitors promise.
+    /// A discharge through a calibration resistor, whether anything falls in it or not; `None` after a fault.
     fn calibration(&mut self, through: Through) -> Result<Option<Record>, PinsError> {
-        let circuit = &self.config.circuit;
-        let (key, name, r) = match through {
-            Through::C1 => ("gpio.sink-c1", "Rc1", circuit.r_c1),
-            second => ("gpio.sink-c2", second_name(second), circuit.r_second()),
+        let (key, name) = match through {
+            Through::C1 => ("gpio.sink-c1", "Rc1"),
+            _ => ("gpio.sink-c2", self.config.circuit.kind().second()),
         };
-        let timeout = PATIENCE * self.config.discharge(circuit.r_second()).0;
-        let record = match self.discharge(through, Nanos::from_seconds(timeout))? {
-            Ok(record) => record,
-            Err(fault) => {
-                self.findings.push(error(
-                    key,
-                    fault_reason(fault, name),
-                    "the same again; the kernel's log (dmesg)",
-                ));
-                return Ok(None);
-            }
-        };
-        let (first, last) = (record.a_ns, record.b_ns);
-        if first.is_none() && last.is_none() {
-            self.findings.push(error(
-                key,
-                format!("nothing falls within {:.3} of a discharge through {name}", Seconds(timeout)),
-                format!("the wire from the sink through {name} to node A"),
-            ));
-            return Ok(None);
+        let timeout = PATIENCE * self.config.discharge(self.config.circuit.r_second()).0;
+        let result = self.discharge(through, Nanos::from_seconds(timeout))?;
+        if let Err(fault) = result {
+            let reason = fault_reason(fault, name);
+            self.findings.push(error(key, reason, "the same again; the kernel's log (dmesg)"));
         }
-        if self.lacks_capacitor(&record, name, r) || !self.order(&record, name) {
-            return Ok(None);
-        }
-        Ok(Some(record))
-    }
-
-    /// Whether node A falls so early that there is nothing but wire. B follows it at once without C_B, and not at all
-    /// without C_A.
-    fn lacks_capacitor(&mut self, record: &Record, name: &str, r: Ohm) -> bool {
-        let predicted = self.config.circuit.crossing(Node::A, r).unwrap_or_default();
-        let Some(a) = record.a_ns.map(|ns| Seconds(ns * 1e-9)).filter(|a| a.0 < MISSING * predicted.0) else {
-            return false;
-        };
-        let (key, part) = match (self.has_node_b(), record.b_ns) {
-            (false, _) => ("circuit.c", "the capacitor"),
-            (true, None) => ("circuit.c-a", "C_A"),
-            (true, Some(_)) => ("circuit.c-b", "C_B"),
-        };
-        self.findings.push(error(
-            key,
-            format!("node A falls {a:.3} into a discharge through {name}; {predicted:.3} was predicted"),
-            format!("another look at the board: {part} is missing or has no contact"),
-        ));
-        true
-    }
-
-    /// Whether both nodes have crossed, A before B.
-    fn order(&mut self, record: &Record, name: &str) -> bool {
-        if !self.has_node_b() {
-            return true;
-        }
-        match (record.a_ns, record.b_ns) {
-            (Some(a), Some(b)) if a < b => return true,
-            (Some(_), Some(_)) => self.findings.push(error(
-                "gpio.sense-b",
-                format!("node B falls before node A in a discharge through {name}"),
-                "sense-a at the resistors and sense-b between the capacitors: they, or C_A and C_B, look swapped",
-            )),
-            (a, _) => {
-                let letter = if a.is_none() { "a" } else { "b" };
-                self.findings.push(error(
-                    format!("gpio.sense-{letter}"),
-                    format!("node {} stays high in a discharge through {name}, the other falls", letter.to_uppercase()),
-                    format!("the wire of sense-{letter}, and both capacitors: C_A from node A to node B, C_B from there to \
-                             ground"),
-                ));
-            }
-        }
-        false
+        Ok(result.ok())
     }
 
     fn times(&mut self, record: &Record, name: &str, r: Ohm) {
@@ -309,21 +260,11 @@ impl<P: Pins> Bench<'_, P> {
         }
     }
 
-    /// Whether the two calibration resistors look like themselves.
-    fn resistors(&mut self, c1: &Record, c2: &Record) -> bool {
+    /// Whether the two calibration resistors are as the configuration says.
+    fn resistors(&mut self, c1: &Record, c2: &Record) {
         let circuit = &self.config.circuit;
-        let (Some(t1), Some(t2)) = (c1.a_ns, c2.a_ns) else { return false };
         let expected = circuit.r_second().0 / circuit.r_c1.0;
-        let ratio = t2 / t1;
-        if ratio <= 1.0 {
-            self.findings.push(error(
-                "circuit.r-c1",
-                format!("the discharge through Rc2 takes {ratio:.3} times as long as that through Rc1; {expected:.2} times \
-                         was expected"),
-                "sink-c1 and sink-c2 the other way round: Rc1 and Rc2 look swapped",
-            ));
-            return false;
-        }
+        let ratio = c1.a_ns.zip(c2.a_ns).map_or(expected, |(t1, t2)| t2 / t1);
         if !(1.0 / PLAUSIBLE_RATIO..=PLAUSIBLE_RATIO).contains(&(ratio / expected)) {
             self.findings.push(warning(
                 "circuit.r-c2",
@@ -331,19 +272,11 @@ impl<P: Pins> Bench<'_, P> {
                 "Rc1 and Rc2 measured again; another path to ground",
             ));
         }
-        let ms = |record: &Record| {
-            let crossings = [record.a_ns, record.b_ns].into_iter().flatten();
-            crossings.map(|ns| format!("{:.3} ms", ns * 1e-6)).collect::<Vec<_>>().join(", ")
-        };
+        let [first, second] = [c1, c2].map(times);
         self.findings.push(Finding::info(
             "wiring",
-            format!(
-                "the nodes charge, hold, and fall in order: {} through Rc1, {} through Rc2",
-                ms(c1),
-                ms(c2)
-            ),
+            format!("the nodes charge, hold, and fall in order: {first} through Rc1, {second} through Rc2"),
         ));
-        true
     }
 
     /// What a sensor reads, roughly: eq. (3).
@@ -373,8 +306,28 @@ impl<P: Pins> Bench<'_, P> {
     }
 }
 
-fn second_name(through: Through) -> &'static str {
-    if through == Through::C12 { "Rc1 + Rc2" } else { "Rc2" }
+/// The key of the configuration that a suspect is about.
+fn key(suspect: Suspect) -> &'static str {
+    match suspect {
+        Suspect::Uncharged(Node::A) => "gpio.charge-a",
+        Suspect::Uncharged(Node::B) => "gpio.charge-b",
+        Suspect::FirstOpen => "gpio.sink-c1",
+        Suspect::SecondOpen => "gpio.sink-c2",
+        Suspect::BothOpen | Suspect::StaysHigh(Node::A) => "gpio.sense-a",
+        Suspect::StaysHigh(Node::B) | Suspect::NodesSwapped => "gpio.sense-b",
+        Suspect::ResistorsSwapped => "circuit.r-c1",
+        Suspect::NoCA => "circuit.c-a",
+        Suspect::NoCB => "circuit.c-b",
+        Suspect::NoCapacitor => "circuit.c",
+        Suspect::Leak | Suspect::Pull => "wiring",
+    }
+}
+
+/// The crossings of a discharge.
+fn times(record: &Record) -> String {
+    let crossings = record.crossings().into_iter().flatten();
+    let times: Vec<String> = crossings.map(|ns| format!("{:.3}", Seconds(ns * 1e-9))).collect();
+    if times.is_empty() { "nothing".to_owned() } else { times.join(", ") }
 }
 
 fn fault_reason(fault: Fault, name: &str) -> String {

@@ -8,7 +8,6 @@ use crate::ctl::cli;
 use crate::pins::Drives;
 use crate::pins::sim::network::line_index;
 use crate::pins::sim::{Kind, Scene, Sensor, SimPins};
-use crate::reading::Method;
 use crate::units::{Farad, Nanos, Newton, NewtonOhm, Ohm, Seconds};
 use std::cell::Cell;
 use std::path::{Path, PathBuf};
@@ -39,9 +38,11 @@ impl Board {
         } else {
             Scene::builtin(&arguments.scene)?.with_sensors(vec![hand()])?
         };
-        let scene = match arguments.method {
-            Some(Method::Qerm) => scene.with_kind(Kind::SeriesCalibration)?,
-            _ => scene,
+        let circuits = arguments.method.map(|method| method.rules().circuits());
+        let other = circuits.filter(|kinds| !kinds.contains(&scene.circuit.kind)).and_then(<[Kind]>::first);
+        let scene = match other {
+            Some(kind) => scene.with_kind(*kind)?,
+            None => scene,
         };
         let connected = if is_file { "the sensors of the scene" } else { "a hand pressing an FSR 402" };
         Ok(Board {

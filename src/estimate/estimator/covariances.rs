@@ -1,8 +1,7 @@
-//! The uncertainty of everything that enters an estimate.
-//!
-//! For: the law of propagation of uncertainty. Must not know: the equations.
+//! The uncertainty of everything that enters an estimate, and its propagation.
 
 use crate::estimate::law;
+use crate::estimate::method::dual::Gradient;
 use crate::estimate::noise::Covariance;
 use crate::estimate::tracker::{Tracker, quadratic};
 
@@ -19,32 +18,33 @@ pub(super) struct Covariances<'a> {
 }
 
 impl Covariances<'_> {
-    /// Law of propagation: g^T C g for a gradient in the order of [`Times::to_array`](crate::estimate::method::Times::to_array).
-    pub fn of(&self, by: &[f64; 9]) -> f64 {
-        let crossings =
-            self.crossings.iter().enumerate().map(|(i, block)| block.of(by[2 * i], by[2 * i + 1]));
-        // When R_2 comes in hardly matters beside when the sensor goes.
-        let single = by[6] * by[6] * self.single[0] + by[8] * by[8] * self.single[1];
-        let common = self.common.0 * (by[6] + by[8] * self.common.1).powi(2);
-        crossings.sum::<f64>()
-            + single
+    /// Law of propagation: g^T C g for a gradient g.
+    pub fn of(&self, by: &Gradient) -> f64 {
+        let [c1, c2, x] = &self.crossings;
+        let crossings = c1.of(by.c1[0], by.c1[1]) + c2.of(by.c2[0], by.c2[1]) + x.of(by.x[0], by.x[1]);
+        let common = self.common.0 * (by.switch + by.offset * self.common.1).powi(2);
+        crossings
+            + by.switch * by.switch * self.single[0]
+            + self.of_offset(by)
             + common
             + self.tracker.map_or(0.0, |tracker| tracked_part(tracker, by))
     }
 
     /// The part that a better known d would take away.
-    pub fn of_offset(&self, by: &[f64; 9]) -> f64 {
-        by[8] * by[8] * self.single[1]
+    pub fn of_offset(&self, by: &Gradient) -> f64 {
+        by.offset * by.offset * self.single[1]
     }
 }
 
 /// What the uncertainty of a tracked state adds.
-fn tracked_part(tracker: &Tracker, by: &[f64; 9]) -> f64 {
+fn tracked_part(tracker: &Tracker, by: &Gradient) -> f64 {
     let mut by_state = [0.0; 4];
-    by_state[law::D] = by[8];
-    for (index, crossing) in tracker.calibration().iter().flatten().enumerate() {
-        for (sum, partial) in by_state.iter_mut().zip(crossing.by_state) {
-            *sum += by[index] * partial;
+    by_state[law::D] = by.offset;
+    for (crossings, by) in tracker.calibration().iter().zip([by.c1, by.c2]) {
+        for (crossing, by) in crossings.iter().zip(by) {
+            for (sum, partial) in by_state.iter_mut().zip(crossing.by_state) {
+                *sum += by * partial;
+            }
         }
     }
     quadratic(tracker.covariance(), &by_state)

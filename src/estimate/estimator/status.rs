@@ -1,12 +1,11 @@
-//! What is known about a sensor, when it is a number and when it is a state.
-//!
-//! For: telling `ok`, `open`, `short` and `fault` apart. Must not know: the equations.
+//! What is known about a sensor: a number, or a state with its reason.
 
-use super::{COVERAGE, Estimator, GATE};
+use super::Estimator;
 use crate::estimate::force::Force;
+use crate::estimate::limits::{BEYOND_NOISE, COVERAGE};
 use crate::estimate::method::tracked;
 use crate::estimate::motion::Motion;
-use crate::reading::{Fault, Measured, Method, Status};
+use crate::reading::{Fault, Measured, Status};
 use crate::record::Record;
 use crate::units::Nanos;
 
@@ -14,10 +13,10 @@ impl Estimator {
     /// The lowest resistance that leaves the last node above its threshold for `waited_ns`, ohm.
     fn bound_ohm(&self, waited_ns: f64) -> Option<f64> {
         let (c1, c2) = self.calibration()?;
-        let node = if matches!(self.method, Method::Tpcm | Method::Qerm) { 0 } else { self.nodes - 1 };
-        // While R_2 sinks too (QERM), the sensor's own part of the way is what R_2 has left over.
-        let x_ns =
-            if self.method == Method::Qerm { 1.0 / (1.0 / waited_ns - 1.0 / c2[0]) } else { waited_ns };
+        let node = self.last().index();
+        // While R_2 sinks too, the sensor's own part of the way is what R_2 has left over.
+        let beside = self.method.rules().sinks_beside();
+        let x_ns = if beside { 1.0 / (1.0 / waited_ns - 1.0 / c2[node]) } else { waited_ns };
         let ratio = (x_ns - c1[node]) / (c2[node] - c1[node]);
         let r_ohm = self.r1_ohm + ratio * (self.r2_ohm - self.r1_ohm);
         (r_ohm.is_finite() && r_ohm > 0.0).then_some(r_ohm)
@@ -25,23 +24,15 @@ impl Estimator {
 
     /// The lower bound of a resistance that a discharge finished through R_1 or R_2 cannot tell from an open circuit.
     fn beyond(&self, record: &Record) -> Option<f64> {
-        let tracker = self.tracker().filter(|_| self.method == Method::Tracked)?;
-        let observed = self.observed(record).ok()?;
-        let (switch, _) = observed.switch?;
-        let last_ns = self.last_crossing(record)?;
-        if last_ns - tracker.d_ns().0 <= switch.on_ns {
-            return None;
-        }
-        tracked::beyond(tracker, &observed)
+        tracked::beyond(self.state()?, &self.observed(record).ok()?)
     }
 
-    /// QERM: the lowest resistance of a sensor beside which R_2 crosses as late as if there were none.
+    /// The lower bound of a resistance that leaves no trace in a discharge that ended.
     fn above(&self, record: &Record) -> Option<f64> {
         let (_, c2) = self.calibration()?;
-        let a_ns = record.a_ns.filter(|_| self.method == Method::Qerm)?;
-        let late = self.noise().covariance(c2)?.aa;
-        let doubt_ns = COVERAGE * (2.0 * late).sqrt();
-        ((a_ns - c2[0]).abs() <= 2.0 * doubt_ns).then(|| self.bound_ohm(a_ns.min(c2[0]) - doubt_ns))?
+        let (node, late) = (self.last(), self.noise().covariance(c2)?.aa);
+        let rules = self.method.rules();
+        self.bound_ohm(rules.certain_ns(record.crossing(node)?, c2[node.index()], late)?)
     }
 
     /// What is known about the sensor after an x discharge alone.
@@ -82,30 +73,31 @@ impl Estimator {
         if let Err(fault) = self.check_paths() {
             return Status::Fault(fault);
         }
-        let at_bound = |r_ohm: f64| force.and_then(|force| force.at_bound(r_ohm));
+        let known = [self.r1_ohm, self.r2_ohm];
+        let at_bound = |r_ohm: f64| force.and_then(|force| force.at_bound(r_ohm, known));
         let open = |r_ohm: f64| {
             let r_min_ohm = (r_ohm - zero_ohm).max(0.0);
             Status::Open { r_min_ohm, f_max_n: at_bound(r_min_ohm) }
         };
-        if self.last_crossing(record).is_none() && record.waited_ns > 0.0 {
+        if let (None, Some(waited_ns)) = (record.crossing(self.last()), record.waited_ns) {
             // A known resistor was to finish it, and has not: nothing of this is the sensor's.
             if record.switch.is_some() {
                 return Status::Fault(Fault::NoCalibration);
             }
-            let bound = self.bound_ohm(record.waited_ns).filter(|r_ohm| *r_ohm > zero_ohm);
+            let bound = self.bound_ohm(waited_ns).filter(|r_ohm| *r_ohm > zero_ohm);
             return bound.map_or(Status::Fault(Fault::Implausible), open);
         }
         if let Some(r_ohm) = self.beyond(record) {
             return open(r_ohm);
         }
-        let (estimate, seen) = match self.look(record) {
+        let (estimate, evidence) = match self.solve(record) {
             Ok(found) => found,
             Err(fault) => return Status::Fault(fault),
         };
-        *at_ns = seen.at_ns;
+        *at_ns = evidence.at_ns;
         let Measured { value, u } = estimate.r_ohm;
         let r_o_ohm = self.offset().r_o();
-        let moved = u.map(|u| motion.judge(record.start, [value, u], r_o_ohm, &seen)).transpose();
+        let moved = u.map(|u| motion.judge(record.start, [value, u], r_o_ohm, &evidence)).transpose();
         let moved = match moved {
             Ok(moved) => moved.unwrap_or(0.0),
             Err(fault) => return Status::Fault(fault),
@@ -118,7 +110,7 @@ impl Estimator {
         };
         let r_ohm = Measured { value: r_ohm.value - zero_ohm, u: r_ohm.u };
         match r_ohm.u {
-            Some(u) if r_ohm.value < -GATE * u => Status::Fault(Fault::Implausible),
+            Some(u) if r_ohm.value < -BEYOND_NOISE * u => Status::Fault(Fault::Implausible),
             Some(u) if r_ohm.value <= COVERAGE * u => {
                 let r_max_ohm = r_ohm.value.max(0.0) + COVERAGE * u;
                 // What may as well be above R_1 is no short circuit: nothing is known.
@@ -128,13 +120,17 @@ impl Estimator {
                 Status::Short { r_max_ohm, f_min_n: at_bound(r_max_ohm) }
             }
             None if r_ohm.value <= 0.0 => Status::Fault(Fault::Implausible),
-            _ => Status::Ok { branch: estimate.branch, r_ohm, f_n: force.and_then(|force| force.at(r_ohm)) },
+            _ => Status::Ok {
+                branch: estimate.branch,
+                r_ohm,
+                f_n: force.and_then(|force| force.at(r_ohm, known)),
+            },
         }
     }
 }
 
 /// The middle of the part of a discharge that ran through the sensor.
 fn middle_ns(record: &Record) -> f64 {
-    let end = record.b_ns.or(record.a_ns).unwrap_or(record.waited_ns);
+    let end = record.b_ns.or(record.a_ns).or(record.waited_ns).unwrap_or(0.0);
     record.switch.map_or(end, |switch| switch.at_ns.min(end)) / 2.0
 }

@@ -2,31 +2,65 @@
 //!
 //! The third discharge runs through the sensor and Rs = Rc1 + Rc2 at once; after the time s the sensor is released.
 //! With g the progress (time over resistance) at the threshold, and everything counted from when the sensor was sunk,
-//! Rs a little later, at `on`, by the same call:
+//! Rs a little later, at `beside`, by the same call:
 //!
 //! ```text
-//! s/(Rx+Ro) + (T3 - on)/(Rs+Ro) = g,   T_c2 = (Rs+Ro) g
-//! =>  T_x* = (Rx+Ro) g = s T_c2 / (T_c2 - (T3 - on))
+//! s/(Rx+Ro) + (T3 - beside)/(Rs+Ro) = g,   T_c2 = (Rs+Ro) g
+//! =>  T_x* = (Rx+Ro) g = s T_c2 / (T_c2 - (T3 - beside))
 //! ```
 //!
 //! the time that R_x alone would have taken; two-point calibration follows. If the threshold was reached before the
 //! release, s is T3 itself. Here `c2` is the discharge through Rs, and the ratio's R_2 is Rs.
 
-use super::{Number, Times};
+use super::{Dual, Evidence, Kind, Node, Number, Rules, Scale, Switching, Times};
+use crate::estimate::limits::COVERAGE;
+use crate::reading::Branch;
 
-/// The ratio when the sensor was released at `at`, before the crossing.
-pub fn ratio<T: Number>(times: &Times<T>) -> T {
-    from_time_through_x(times, times.at)
+/// The method.
+#[derive(Debug)]
+pub struct Qerm;
+
+impl Rules for Qerm {
+    fn circuits(&self) -> &'static [Kind] {
+        &[Kind::SeriesCalibration]
+    }
+
+    fn switching(&self) -> Switching {
+        Switching::AtFraction
+    }
+
+    fn sinks_beside(&self) -> bool {
+        true
+    }
+
+    fn ratio(&self, times: &Times<Dual>, branch: Branch) -> Option<Dual> {
+        ratio(times, branch)
+    }
+
+    fn evidence(&self, times: &Times<Dual>, branch: Branch, _: &Scale<'_>) -> Option<Evidence> {
+        through_x(times, branch).map(|end| Evidence::over(end.value))
+    }
+
+    fn certain_ns(&self, crossing_ns: f64, c2_ns: f64, late_ns2: f64) -> Option<f64> {
+        let doubt_ns = COVERAGE * (2.0 * late_ns2).sqrt();
+        let is_alike = (crossing_ns - c2_ns).abs() <= 2.0 * doubt_ns;
+        is_alike.then(|| crossing_ns.min(c2_ns) - doubt_ns)
+    }
 }
 
-/// The ratio when the crossing came first.
-pub fn ratio_direct<T: Number>(times: &Times<T>) -> T {
-    from_time_through_x(times, times.x[0] - times.d)
+/// The time s through the sensor: until the crossing, or until the sensor was released before it.
+fn through_x<T: Number>(times: &Times<T>, branch: Branch) -> Option<T> {
+    match branch {
+        Branch::Direct => times.x_end(Node::A),
+        Branch::Inferred => times.switch.map(|switch| switch.at),
+    }
 }
 
-fn from_time_through_x<T: Number>(times: &Times<T>, s: T) -> T {
-    let Times { c1, c2, x, on, d, .. } = *times;
-    let (t_c1, t_c2, t3) = (c1[0] - d, c2[0] - d, x[0] - d);
-    let t_x = s * t_c2 / (t_c2 - (t3 - on));
-    (t_x - t_c1) / (t_c2 - t_c1)
+/// The ratio.
+pub fn ratio<T: Number>(times: &Times<T>, branch: Branch) -> Option<T> {
+    let [c1, c2, x] = times.of(Node::A)?;
+    let (t_c1, t_c2, t3) = (c1 - times.d, c2 - times.d, x - times.d);
+    let beside = times.beside.map_or(t3, |beside| t3 - beside);
+    let t_x = through_x(times, branch)? * t_c2 / (t_c2 - beside);
+    Some((t_x - t_c1) / (t_c2 - t_c1))
 }

@@ -15,21 +15,36 @@
 //! What is nearly symmetric is the distribution of y, not that of R_x: where y is no longer known to a sixth of itself, the
 //! sensor is `open` above a bound.
 
-use crate::estimate::law::{Course, D, R_O, State};
-use crate::estimate::motion::Seen;
+use super::{Dual, Kind, Node, Rules, Scale, Switching, Times, tcdic, tpcm};
+use crate::estimate::law::{D, R_O, Route, State};
+use crate::estimate::limits::{BEYOND_NOISE, COVERAGE, DOUBT, RESOLVED};
+use crate::estimate::motion::Evidence;
 use crate::estimate::noise::Covariance;
 use crate::estimate::tracker::{Tracker, bilinear, quadratic};
 use crate::reading::{Branch, Fault};
 use crate::record::Switch;
 
-/// Residuals of the two nodes that disagree by more sigma cannot both be right.
-const GATE: f64 = 5.0;
-/// Residuals that disagree by more sigma enlarge the uncertainty as much (Birge's ratio): chance does so once in 70 readings.
-const DOUBT: f64 = 2.45;
-/// A conductance of fewer sigma is not told from none: chance makes one reading in 10^9 of an open sensor a number.
-const RESOLVED: f64 = 6.0;
-/// Bounds, and the interval that 2 u stand for, are so many sigma of the conductance wide.
-const COVERAGE: f64 = 2.0;
+/// The method. Until there is a state, both calibration discharges give readings in closed form.
+#[derive(Debug)]
+pub struct Tracked;
+
+impl Rules for Tracked {
+    fn circuits(&self) -> &'static [Kind] {
+        &[Kind::TwoCapacitor, Kind::OneCapacitor]
+    }
+
+    fn switching(&self) -> Switching {
+        Switching::WhereBest
+    }
+
+    fn ratio(&self, times: &Times<Dual>, _: Branch) -> Option<Dual> {
+        tcdic::ratio(times).or_else(|| tpcm::ratio(times, Node::A))
+    }
+
+    fn evidence(&self, times: &Times<Dual>, branch: Branch, scale: &Scale<'_>) -> Option<Evidence> {
+        tcdic::evidence(times, scale).or_else(|| tpcm::Tpcm.evidence(times, branch, scale))
+    }
+}
 
 /// An x discharge as it is used.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -56,7 +71,7 @@ pub struct Solution {
     /// Whether the switch came before the last crossing.
     pub branch: Branch,
     /// When it was so, and whether both crossings say so.
-    pub seen: Seen,
+    pub evidence: Evidence,
 }
 
 /// Solves for R_x.
@@ -75,10 +90,10 @@ pub fn predict(
     switch: Option<(Switch, f64)>,
     u_switch_ns: f64,
 ) -> Option<Solution> {
-    let course = Course { first_ohm: r_ohm, switch };
+    let route = Route { first_ohm: r_ohm, switch };
     let crossings = [0, 1].map(|node| {
         let is_there = node < tracker.nodes();
-        is_there.then(|| course.crossing(tracker.state(), node).ns)
+        is_there.then(|| route.crossing(tracker.state(), node).ns)
     });
     Fit::new(tracker, &Observed { crossings, switch, u_switch_ns })?.solution(tracker.state()[R_O])
 }
@@ -162,7 +177,7 @@ struct Fit {
     /// How y depends on the state at a given R_x.
     by_state: State,
     branch: Branch,
-    seen: Seen,
+    evidence: Evidence,
 }
 
 impl Fit {
@@ -170,87 +185,25 @@ impl Fit {
         let (state, branch) = (tracker.state(), observed.branch(tracker.state()));
         // A switch after the last crossing has changed nothing.
         let switch = observed.switch.filter(|_| branch == Branch::Inferred);
-        let [a_ns, b_ns] = observed.crossings;
-        let u_switch_ns = observed.u_switch_ns;
-        let Some(b_ns) = b_ns.filter(|_| tracker.nodes() == 2) else {
-            return Fit::of_one(tracker, u_switch_ns, Equation::new(state, a_ns?, 0, switch), branch);
-        };
-        let b = Equation::new(state, b_ns, 1, switch);
-        let Some(a_ns) = a_ns else { return Fit::of_one(tracker, u_switch_ns, b, branch) };
+        let b_ns = observed.crossings[1].filter(|_| tracker.nodes() == 2);
+        let b = b_ns.map(|ns| Equation::new(state, ns, 1, switch));
         // Whether A had crossed by the switch is told better by B than by A's own late stamp.
-        let switch = switch.filter(|(switch, _)| switch.at_ns * b.missing < state[0] * b.through_ns);
-        Fit::of_two(tracker, u_switch_ns, [Equation::new(state, a_ns, 0, switch), b], branch)
-    }
-
-    fn of_one(tracker: &Tracker, u_switch_ns: f64, one: Equation, branch: Branch) -> Option<Fit> {
-        let y = one.missing / one.through_ns;
-        let noise = tracker.noise().covariance([one.late_ns; 2])?;
-        let noise = if one.node == 0 { noise.aa } else { noise.bb };
-        let u_switch_ns = tracker.u_switch_ns(u_switch_ns);
-        let own = one.by_crossing(y).powi(2) * noise + (one.by_switch(y) * u_switch_ns).powi(2);
-        let by_state = one.by_state(tracker.state(), y).map(|by| by / one.through_ns);
-        let own = own / (one.through_ns * one.through_ns);
-        let fit = Fit {
-            siemens: y,
-            u_siemens: (own + quadratic(tracker.covariance(), &by_state)).sqrt(),
-            bound_siemens: own.sqrt(),
-            by_state,
-            branch,
-            seen: Seen::over(one.through_ns),
-        };
-        (one.through_ns > 0.0 && fit.u_siemens.is_finite()).then_some(fit)
-    }
-
-    fn of_two(tracker: &Tracker, u_switch_ns: f64, both: [Equation; 2], branch: Branch) -> Option<Fit> {
-        let state = tracker.state();
-        let noise = tracker.noise().covariance(both.map(|one| one.late_ns))?;
-        let u_switch_ns = tracker.u_switch_ns(u_switch_ns);
-        let through = both.map(|one| one.through_ns);
-        let alone = both.map(|one| one.missing / one.through_ns);
+        let is_before_a = |at_ns: f64| b.is_none_or(|b| at_ns * b.missing < state[0] * b.through_ns);
+        let switch = switch.filter(|(switch, _)| is_before_a(switch.at_ns));
+        let a = observed.crossings[0].map(|ns| Equation::new(state, ns, 0, switch));
+        let nodes = [a, b];
+        let noise = tracker.noise().covariance(nodes.map(|node| node.map_or(0.0, |one| one.late_ns)))?;
+        let u_switch_ns = tracker.u_switch_ns(observed.u_switch_ns);
+        let weigh = |y: f64| Weighed::new(tracker, &noise, u_switch_ns, &nodes, y.max(0.0));
         // The weights depend on y, but hardly: the last node's own value does for a start.
-        let mut y = alone[1];
-        for is_last in [false, true] {
-            let own = own_noise(&noise, u_switch_ns, &both, y.max(0.0));
-            let rows = both.map(|one| one.by_state(state, y.max(0.0)));
-            let p = tracker.covariance();
-            let all = Covariance {
-                aa: own.aa + quadratic(p, &rows[0]),
-                bb: own.bb + quadratic(p, &rows[1]),
-                ab: own.ab + bilinear(p, &rows[0], &rows[1]),
-            };
-            let information = inner(&all, through, through)?;
-            let weights = weights(&all, through)?.map(|weight| weight / information);
-            y = weights[0] * both[0].missing + weights[1] * both[1].missing;
-            if is_last {
-                let left = [0, 1].map(|node| both[node].missing - through[node] * y);
-                let misfit = inner(&all, left, left)?;
-                // A late stamp that the other node is too noisy to refute is doubted as far as it may be one.
-                let doubt = if misfit > DOUBT * DOUBT { misfit } else { 1.0 };
-                let fit = Fit {
-                    siemens: y,
-                    u_siemens: (doubt / information).sqrt(),
-                    bound_siemens: (1.0 / inner(&own, through, through)?).sqrt(),
-                    by_state: std::array::from_fn(|i| weights[0] * rows[0][i] + weights[1] * rows[1][i]),
-                    branch,
-                    seen: seen(
-                        through,
-                        weights,
-                        alone,
-                        all.of(1.0 / through[0], -1.0 / through[1]),
-                        y,
-                        state[R_O],
-                    )
-                    .contradicting(misfit > GATE * GATE),
-                };
-                return (y.is_finite() && fit.u_siemens.is_finite()).then_some(fit);
-            }
-        }
-        None
+        let last = b.or(a)?;
+        let weighed = weigh(weigh(last.missing / last.through_ns)?.y)?;
+        weighed.fit(state, branch, &nodes)
     }
 
     /// R_x = 1/y - Ro. 2 u stand for the interval of y +- 2 sigma, which 1/y makes longer: half of its length.
     fn solution(&self, r_o_ohm: f64) -> Option<Solution> {
-        let Fit { siemens: y, u_siemens: u, bound_siemens, by_state, branch, seen } = *self;
+        let Fit { siemens: y, u_siemens: u, bound_siemens, by_state, branch, evidence } = *self;
         let square = y * y - (COVERAGE * u).powi(2);
         if y <= 0.0 || square <= 0.0 {
             return None;
@@ -261,49 +214,90 @@ impl Fit {
             bound: (bound_siemens / (y * y)).powi(2),
             by_state: by_state.map(|by| -by / (y * y)),
             branch,
-            seen,
+            evidence,
         };
         (solution.r_ohm.is_finite() && solution.variance.is_finite()).then_some(solution)
     }
 }
 
-/// The covariance of the residuals by the crossings' noise and by the switch.
-fn own_noise(noise: &Covariance, u_switch_ns: f64, both: &[Equation; 2], y: f64) -> Covariance {
-    let [a, b] = both.map(|one| one.by_crossing(y));
-    let [switch_a, switch_b] = both.map(|one| one.by_switch(y) * u_switch_ns);
-    Covariance {
-        aa: a * a * noise.aa + switch_a * switch_a,
-        bb: b * b * noise.bb + switch_b * switch_b,
-        ab: a * b * noise.ab + switch_a * switch_b,
-    }
-}
-
-/// When it was so, and what each crossing says alone. `variance`: of the difference of both conductances.
-fn seen(
-    through_ns: [f64; 2],
-    weights: [f64; 2],
-    alone: [f64; 2],
-    variance: f64,
+/// The equations of the nodes that were seen, weighted by what their residuals are worth near a conductance.
+struct Weighed {
+    /// The conductance that fits best, siemens.
     y: f64,
-    r_o_ohm: f64,
-) -> Seen {
-    if alone.iter().any(|alone| *alone <= 0.0) {
-        return Seen::over(through_ns[1]);
+    weights: [f64; 2],
+    through_ns: [f64; 2],
+    missing: [f64; 2],
+    rows: [State; 2],
+    /// Covariance of the residuals by noise and switch, and with what is not known of the state.
+    own: Covariance,
+    all: Covariance,
+    inverse: Covariance,
+}
+
+impl Weighed {
+    fn new(
+        tracker: &Tracker,
+        noise: &Covariance,
+        u_switch_ns: f64,
+        nodes: &[Option<Equation>; 2],
+        near: f64,
+    ) -> Option<Weighed> {
+        let of_nodes = |of: &dyn Fn(&Equation) -> f64| nodes.map(|node| node.as_ref().map_or(0.0, of));
+        let (through_ns, missing) = (of_nodes(&|one| one.through_ns), of_nodes(&|one| one.missing));
+        let [a, b] = of_nodes(&|one| one.by_crossing(near));
+        let [switch_a, switch_b] = of_nodes(&|one| one.by_switch(near) * u_switch_ns);
+        let own = Covariance {
+            aa: a * a * noise.aa + switch_a * switch_a,
+            bb: b * b * noise.bb + switch_b * switch_b,
+            ab: a * b * noise.ab + switch_a * switch_b,
+        };
+        let rows = nodes.map(|node| node.map_or([0.0; 4], |one| one.by_state(tracker.state(), near)));
+        let p = tracker.covariance();
+        let all = Covariance {
+            aa: own.aa + quadratic(p, &rows[0]),
+            bb: own.bb + quadratic(p, &rows[1]),
+            ab: own.ab + bilinear(p, &rows[0], &rows[1]),
+        };
+        let inverse = all.inverse(nodes.map(|node| node.is_some()))?;
+        let information = inverse.of(through_ns[0], through_ns[1]);
+        let weights = inverse.times(through_ns).map(|weight| weight / information);
+        let y = weights[0] * missing[0] + weights[1] * missing[1];
+        Some(Weighed { y, weights, through_ns, missing, rows, own, all, inverse })
     }
-    let shares = [0, 1].map(|node| weights[node] * through_ns[node]);
-    let r_ohm = alone.map(|alone| 1.0 / alone - r_o_ohm);
-    Seen::over_two(through_ns, shares, r_ohm, variance.sqrt() / (y * y))
-}
 
-/// S^-1 v.
-fn weights(s: &Covariance, v: [f64; 2]) -> Option<[f64; 2]> {
-    let determinant = s.aa * s.bb - s.ab * s.ab;
-    (determinant > 0.0 && determinant.is_finite())
-        .then(|| [(s.bb * v[0] - s.ab * v[1]) / determinant, (s.aa * v[1] - s.ab * v[0]) / determinant])
-}
+    fn fit(&self, state: &State, branch: Branch, nodes: &[Option<Equation>; 2]) -> Option<Fit> {
+        let Weighed { y, weights, through_ns: through, missing, rows, .. } = *self;
+        let left = [0, 1].map(|node| missing[node] - through[node] * y);
+        let misfit = self.inverse.of(left[0], left[1]);
+        // A late stamp that the other node is too noisy to refute is doubted as far as it may be one.
+        let doubt = if misfit > DOUBT * DOUBT { misfit } else { 1.0 };
+        let u_siemens = (doubt / self.inverse.of(through[0], through[1])).sqrt();
+        let own = self.own.inverse(nodes.map(|node| node.is_some()))?;
+        let evidence = match nodes {
+            [Some(_), Some(_)] => self.evidence_of_two(state[R_O]),
+            [one, other] => Evidence::over(one.or(*other)?.through_ns),
+        };
+        let fit = Fit {
+            siemens: y,
+            u_siemens,
+            bound_siemens: (1.0 / own.of(through[0], through[1])).sqrt(),
+            by_state: std::array::from_fn(|i| weights[0] * rows[0][i] + weights[1] * rows[1][i]),
+            branch,
+            evidence: evidence.contradicting(misfit > BEYOND_NOISE * BEYOND_NOISE),
+        };
+        (y.is_finite() && u_siemens.is_finite()).then_some(fit)
+    }
 
-/// u^T S^-1 v.
-fn inner(s: &Covariance, u: [f64; 2], v: [f64; 2]) -> Option<f64> {
-    let weights = weights(s, v)?;
-    Some(u[0] * weights[0] + u[1] * weights[1])
+    /// When it was so, and what each crossing says alone.
+    fn evidence_of_two(&self, r_o_ohm: f64) -> Evidence {
+        let through = self.through_ns;
+        let alone = [0, 1].map(|node| self.missing[node] / through[node]);
+        if alone.iter().any(|alone| *alone <= 0.0) {
+            return Evidence::over(through[1]);
+        }
+        let shares = [0, 1].map(|node| self.weights[node] * through[node]);
+        let u_siemens = self.all.of(1.0 / through[0], -1.0 / through[1]).sqrt();
+        let r_ohm = alone.map(|alone| 1.0 / alone - r_o_ohm);
+        Evidence::over_two(through, shares, r_ohm, Some(u_siemens / (self.y * self.y)))
+    }
 }

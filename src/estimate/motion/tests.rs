@@ -6,13 +6,13 @@ const SIGMA_NS: f64 = 1500.0;
 const R_O: f64 = 40.0;
 
 /// What a full discharge tells whose crossings come at `t_ns`, weighted as eq. (11) does.
-fn seen(t_ns: [f64; 2]) -> ([f64; 2], Seen) {
+fn seen(t_ns: [f64; 2]) -> ([f64; 2], Evidence) {
     let alone = [0, 1].map(|node| t_ns[node] / G[node] - R_O);
     let weights = G.map(|g| g / (G[0] + G[1]));
     let r_ohm = weights[0] * alone[0] + weights[1] * alone[1];
     let u_ohm = SIGMA_NS * std::f64::consts::SQRT_2 / (G[0] + G[1]);
     let u_difference = SIGMA_NS * (1.0 / G[0]).hypot(1.0 / G[1]);
-    ([r_ohm, u_ohm], Seen::over_two(t_ns, weights, alone, u_difference))
+    ([r_ohm, u_ohm], Evidence::over_two(t_ns, weights, alone, Some(u_difference)))
 }
 
 /// The crossings of a discharge from `start_s` on through a sensor that changes, in steps of 1 us.
@@ -36,9 +36,9 @@ fn judge(motion: &mut Motion, from: usize, count: usize, r_ohm: &dyn Fn(f64) -> 
     (from..from + count)
         .map(|index| {
             let start = Nanos(index as i64 * 20_000_000);
-            let (estimate, seen) = seen(crossings(start.as_seconds(), r_ohm));
-            let error = estimate[0] - r_ohm(start.as_seconds() + 1e-9 * seen.at_ns);
-            (error, motion.judge(start, estimate, R_O, &seen))
+            let (estimate, evidence) = seen(crossings(start.as_seconds(), r_ohm));
+            let error = estimate[0] - r_ohm(start.as_seconds() + 1e-9 * evidence.at_ns);
+            (error, motion.judge(start, estimate, R_O, &evidence))
         })
         .collect()
 }
@@ -72,9 +72,9 @@ fn one_late_stamp_is_an_outlier_and_forgotten() {
         judge(&mut motion, 0, 10, &|_| 5000.0);
         let mut t_ns = crossings(0.0, &|_| 5000.0);
         (0..2).for_each(|node| t_ns[node] += late_ns[node]);
-        let (estimate, seen) = seen(t_ns);
+        let (estimate, evidence) = seen(t_ns);
         let start = Nanos(200_000_000);
-        assert_eq!(motion.judge(start, estimate, R_O, &seen), Err(Fault::LatencyOutlier), "{late_ns:?}");
+        assert_eq!(motion.judge(start, estimate, R_O, &evidence), Err(Fault::LatencyOutlier), "{late_ns:?}");
         let after = judge(&mut motion, 11, 3, &|_| 5000.0);
         assert!(after.iter().all(|(_, result)| *result == Ok(0.0)), "{after:?}");
     }
@@ -96,7 +96,7 @@ fn a_step_inside_of_a_discharge_is_unsettled_and_over_at_once() {
 /// Judges full discharges every 20 ms that tell of one stretch alone.
 fn judge_alone(motion: &mut Motion, from: usize, r_ohm: &[f64]) -> Vec<Result<f64, Fault>> {
     let judge = |(index, r_ohm): (usize, &f64)| {
-        motion.judge(Nanos((from + index) as i64 * 20_000_000), [*r_ohm, 2.0], R_O, &Seen::over(5e6))
+        motion.judge(Nanos((from + index) as i64 * 20_000_000), [*r_ohm, 2.0], R_O, &Evidence::over(5e6))
     };
     r_ohm.iter().enumerate().map(judge).collect()
 }
@@ -137,8 +137,8 @@ fn what_contradicts_itself_in_the_same_way_again_and_again_is_no_change() {
     for index in 0..20 {
         let mut t_ns = crossings(0.0, &|_| 5000.0);
         t_ns[1] += 20_000.0;
-        let (estimate, seen) = seen(t_ns);
-        let judged = motion.judge(Nanos(index * 20_000_000), estimate, R_O, &seen);
+        let (estimate, evidence) = seen(t_ns);
+        let judged = motion.judge(Nanos(index * 20_000_000), estimate, R_O, &evidence);
         assert_eq!(judged, Err(Fault::LatencyOutlier));
     }
 }
@@ -153,7 +153,7 @@ fn the_first_number_after_an_open_sensor_has_only_what_its_stretches_tell() {
     let mut motion = Motion::default();
     motion.is_open(Nanos(0), 1e6);
     let start = Nanos(20_000_000);
-    let alone = motion.judge(start, [5000.0, 2.0], R_O, &Seen::over(5e6));
+    let alone = motion.judge(start, [5000.0, 2.0], R_O, &Evidence::over(5e6));
     assert_eq!(alone, Err(Fault::Unsettled), "one stretch alone tells nothing of a change from open");
 }
 
@@ -165,8 +165,9 @@ fn nothing_makes_it_panic_or_answer_nan() {
             let mut motion = Motion::default();
             for index in 0..8 {
                 let at = Nanos(index / 2 * 1000);
-                let seen = Seen::over_two([end, 2.0 * end], [0.5, 0.5], [r_ohm, 2.0 * r_ohm], 1.0);
-                if let Ok(added) = motion.judge(at, [r_ohm, 1.0], R_O, &seen) {
+                let evidence =
+                    Evidence::over_two([end, 2.0 * end], [0.5, 0.5], [r_ohm, 2.0 * r_ohm], Some(1.0));
+                if let Ok(added) = motion.judge(at, [r_ohm, 1.0], R_O, &evidence) {
                     assert!(added.is_finite() && added >= 0.0, "{r_ohm} {end} {added}");
                 }
             }

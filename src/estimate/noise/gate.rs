@@ -1,14 +1,6 @@
-//! How far from what is expected a value may be before it is called a spike.
-//!
-//! For: telling spikes from noise that was taken for too small. Must not know: what is measured.
+//! A gate for spikes that cannot be kept narrow by noise that was taken for too small.
 
-/// A value that is refused widens the gate by this factor.
-const WIDER: f64 = 1.5;
-/// A value that is let in narrows it by this part.
-const NARROWER: f64 = 1.0 / 80.0;
-/// It becomes no wider than so many times its least width; what is beyond that is a spike, however frequent, and does not
-/// widen it.
-const WIDEST: f64 = 4.0;
+use crate::estimate::limits::{GATE_NARROWER, GATE_WIDER, GATE_WIDEST};
 
 /// A gate of so many sigma.
 ///
@@ -35,9 +27,9 @@ impl Gate {
 
     /// Whether a value so many sigma away is let in.
     pub fn admits(&mut self, away: f64) -> bool {
-        let widest = WIDEST * self.least;
+        let widest = GATE_WIDEST * self.least;
         let admits = away <= self.sigma;
-        let factor = if admits { 1.0 - NARROWER } else { WIDER };
+        let factor = if admits { 1.0 - GATE_NARROWER } else { GATE_WIDER };
         if away <= widest {
             self.sigma = (self.sigma * factor).clamp(self.least, widest);
         }

@@ -1,8 +1,6 @@
 //! Made-up crossings whose noise is known.
 
 use super::*;
-use rand::SeedableRng;
-use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 
 const LATENCY: f64 = 1500.0;
@@ -10,7 +8,7 @@ const TRIGGER: f64 = 4e-4;
 
 /// Times with shared start jitter, latency jitter and trigger noise, a slow drift and some spikes.
 fn learned(seed: u64, count: usize, spikes: bool) -> Noise {
-    let mut rng = ChaCha8Rng::seed_from_u64(seed);
+    let mut rng = crate::seed::rng(seed);
     let mut normal = move || -> f64 { StandardNormal.sample(&mut rng) };
     let mut noise = Noise::new(1.0);
     for round in 0..count {
@@ -47,8 +45,8 @@ fn both_parts_of_the_noise_are_found() {
 
 #[test]
 fn nothing_is_said_before_the_warm_up() {
-    assert_eq!(learned(2, WARM_UP - 1, false).covariance([1e6, 1e6]), None);
-    assert!(learned(2, WARM_UP, false).covariance([1e6, 1e6]).is_some());
+    assert_eq!(learned(2, NOISE_WARM_UP - 1, false).covariance([1e6, 1e6]), None);
+    assert!(learned(2, NOISE_WARM_UP, false).covariance([1e6, 1e6]).is_some());
 }
 
 #[test]
@@ -80,7 +78,7 @@ const C2: [f64; 2] = [6.2e6, 7.4e6];
 /// Each crossing late by itself by `own_ns` and `own` of its time, both together by `start_ns` and, as after a charge to another
 /// voltage, by `charge` of their times.
 fn with_shared(seed: u64, count: usize, own_ns: f64, own: f64, start_ns: f64, charge: f64) -> Noise {
-    let mut rng = ChaCha8Rng::seed_from_u64(seed);
+    let mut rng = crate::seed::rng(seed);
     let mut normal = move || -> f64 { StandardNormal.sample(&mut rng) };
     let mut noise = Noise::new(1.0);
     let mut crossings = |times: [f64; 2]| {
@@ -97,9 +95,14 @@ fn with_shared(seed: u64, count: usize, own_ns: f64, own: f64, start_ns: f64, ch
 #[test]
 fn what_a_charge_does_to_both_crossings_goes_by_their_times() {
     let (own_ns, own, start_ns, charge) = (300.0, 1e-4, 500.0, 5e-4);
-    let noise = with_shared(4, 4000, own_ns, own, start_ns, charge);
+    // One of them is off by a tenth now and then, where it extrapolates.
+    let noises: Vec<Noise> =
+        (0..20).map(|seed| with_shared(seed, 4000, own_ns, own, start_ns, charge)).collect();
     for [a_ns, b_ns] in [[1e5, 1.2e5], C1, [3e6, 3.6e6], C2, [20e6, 24e6]] {
-        let found = noise.covariance([a_ns, b_ns]).unwrap();
+        let found: Vec<Covariance> =
+            noises.iter().map(|noise| noise.covariance([a_ns, b_ns]).unwrap()).collect();
+        let mean = |of: fn(&Covariance) -> f64| found.iter().map(of).sum::<f64>() / found.len() as f64;
+        let found = Covariance { aa: mean(|one| one.aa), bb: mean(|one| one.bb), ab: mean(|one| one.ab) };
         let shared = |one: f64, other: f64| start_ns.powi(2) + charge.powi(2) * one * other;
         let alone = |t: f64| own_ns.powi(2) + (own * t).powi(2);
         let truth = Covariance {

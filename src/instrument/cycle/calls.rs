@@ -1,21 +1,14 @@
-//! How long the calls take that switch lines.
-//!
-//! For: telling an interrupted call from a usual one. Must not know: what is switched.
+//! How long the calls take that switch lines: an interrupted one is told from a usual one.
 
 use crate::estimate::noise::Gate;
+use crate::instrument::limits::{FIRST_CALLS, LONGER_CALL};
 use crate::units::Nanos;
-
-/// Calls whose median is the first value.
-const FIRST: usize = 5;
-/// A usual call is longer than the median by no more than this part of it, and as many ns more; where many calls are
-/// longer, by as much as the gate becomes wider.
-const LONGER: (f64, f64) = (0.5, 1000.0);
 
 /// Follows how long a call takes that switches one line, to tell an interrupted one from a usual one, and to place the
 /// moment at which the line moves.
 #[derive(Debug, Clone, Copy)]
 pub struct CallGate {
-    first_ns: [f64; FIRST],
+    first_ns: [f64; FIRST_CALLS],
     seen: usize,
     /// The median, ns.
     single_ns: f64,
@@ -25,24 +18,24 @@ pub struct CallGate {
 
 impl Default for CallGate {
     fn default() -> CallGate {
-        CallGate { first_ns: [0.0; FIRST], seen: 0, single_ns: 0.0, gate: Gate::new(1.0) }
+        CallGate { first_ns: [0.0; FIRST_CALLS], seen: 0, single_ns: 0.0, gate: Gate::new(1.0) }
     }
 }
 
 impl CallGate {
     /// How long a call for one line usually takes; `None` until a few have been seen.
     pub fn single(&self) -> Option<Nanos> {
-        (self.seen >= FIRST).then_some(Nanos(self.single_ns as i64))
+        (self.seen >= FIRST_CALLS).then_some(Nanos(self.single_ns as i64))
     }
 
     fn usual_ns(&self) -> f64 {
-        LONGER.0 * self.single_ns + LONGER.1
+        LONGER_CALL.0 * self.single_ns + LONGER_CALL.1
     }
 
     /// A call for so many lines that takes longer than this was interrupted: a line may have moved anywhere in it. No later
     /// time tells, for a switch that comes late looks like another resistance. A call for two lines takes less than two.
     pub fn widest(&self, lines: u32) -> Nanos {
-        if self.seen < FIRST {
+        if self.seen < FIRST_CALLS {
             return Nanos::MAX;
         }
         Nanos((f64::from(lines) * self.single_ns + self.gate.sigma() * self.usual_ns()) as i64)
@@ -52,12 +45,12 @@ impl CallGate {
     /// more than a short one. The steps are small beside the jitter of crossings.
     pub fn add(&mut self, call: Nanos) {
         let call_ns = call.as_ns();
-        if self.seen < FIRST {
+        if self.seen < FIRST_CALLS {
             self.first_ns[self.seen] = call_ns;
             self.seen += 1;
-            if self.seen == FIRST {
+            if self.seen == FIRST_CALLS {
                 self.first_ns.sort_unstable_by(f64::total_cmp);
-                self.single_ns = self.first_ns[FIRST / 2];
+                self.single_ns = self.first_ns[FIRST_CALLS / 2];
             }
             return;
         }

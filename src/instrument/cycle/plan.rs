@@ -1,30 +1,18 @@
-//! What the next discharge is planned to do.
-//!
-//! For: full or switched, and when; which calibration discharge pays. Must not know: what came of it.
+//! What the next discharge is planned to do: full or switched, and when; which calibration discharge pays.
 
 use super::{
-    Branch, CalibrationKind, Cycle, Estimator, Fault, Method, Plan, Record, SplitCalibration, Status, Through,
+    Branch, CalibrationKind, Cycle, Estimator, Fault, Plan, Record, SplitCalibration, Status, Through,
 };
 use crate::estimate::Predicted;
 use crate::estimate::law::State;
+use crate::estimate::method::Switching;
 use crate::estimate::motion::Motion;
 use crate::estimate::tracker::quadratic;
+use crate::instrument::limits::{
+    CALIBRATION_SHARE, HYSTERESIS, LONGEST_IDLE, OFFSET_SHARE, OUTLIERS_OF_DOUBT, SWITCH_FRACTIONS,
+};
 use crate::record::Switch;
 use crate::units::Nanos;
-
-/// The branch that is not in use must promise so much less variance, or the one in use stays: no chatter.
-const HYSTERESIS: f64 = 0.8;
-/// A calibration discharge pays when the calibration makes more than this share of a reading's variance.
-const SHARE: f64 = 0.15;
-/// A split discharge pays in each cycle while the offset makes more than this share of a switched reading's variance. Its
-/// error is the same in all readings: it is a tenth of the noise of one, and as much as the noise of a mean of a hundred.
-const OFFSET_SHARE: f64 = 0.01;
-/// So many cycles without a calibration discharge are too many: a drift would not be seen.
-const LONGEST_IDLE: u32 = 16;
-/// So many outliers in a row are no spikes: the calibration may be wrong, and is looked at in each cycle.
-const DOUBT: u32 = 2;
-/// Where a switch is considered, as fractions of the time in which the last node crosses.
-const FRACTIONS: [f64; 6] = [0.2, 0.35, 0.5, 0.65, 0.8, 0.9];
 
 /// What is remembered of a channel for the plan of its next discharge.
 #[derive(Debug, Clone, Copy, Default)]
@@ -45,7 +33,7 @@ impl Memory {
     /// Learns from a reading.
     pub fn take(&mut self, status: &Status, record: Option<Record>, zero_ohm: f64, estimator: &Estimator) {
         if let Some(record) = record {
-            self.u_switch_ns = record.u_switch_ns;
+            self.u_switch_ns = record.u_switch_ns.unwrap_or(0.0);
         }
         let is_outlier = matches!(status, Status::Fault(Fault::LatencyOutlier | Fault::Unsettled));
         self.outliers = if is_outlier { self.outliers.saturating_add(1) } else { 0 };
@@ -54,10 +42,10 @@ impl Memory {
                 self.inferred = *branch == Branch::Inferred;
                 self.r_ohm = Some(r_ohm.value + zero_ohm);
                 let switch = record.and_then(|record| record.switch).filter(|_| self.inferred);
-                let foreseen = estimator.foresee(r_ohm.value + zero_ohm, switch, self.u_switch_ns);
-                self.dependence = foreseen.zip(estimator.tracker()).map(|(foreseen, tracker)| {
-                    let part = quadratic(tracker.covariance(), &foreseen.by_state);
-                    (foreseen.by_state, (foreseen.variance - part).max(0.0))
+                let predicted = estimator.predict_tracked(r_ohm.value + zero_ohm, switch, self.u_switch_ns);
+                self.dependence = predicted.zip(estimator.tracker()).map(|(predicted, tracker)| {
+                    let part = quadratic(tracker.covariance(), &predicted.by_state);
+                    (predicted.by_state, (predicted.variance - part).max(0.0))
                 });
             }
             // Where it is by now is known well enough for a plan.
@@ -98,21 +86,22 @@ impl Cycle {
     /// R_1 after a pause in which a leak would show.
     pub(super) fn held_plan(&self) -> Plan {
         let plan = self.calibration_plan(CalibrationKind::First);
-        Plan { settle: plan.settle + crate::estimate::leak::HOLD, ..plan }
+        Plan { settle: plan.settle + crate::estimate::limits::LEAK_HOLD, ..plan }
     }
 
     pub(super) fn sensor_plan(&self, channel: usize) -> Plan {
         let settings = &self.settings;
-        let switch = match settings.method {
-            Method::Tpcm | Method::Tcdic => None,
-            Method::Cerm | Method::Qerm => self.switch_time(channel),
-            Method::Tracked => self.best_switch(channel),
+        let rules = settings.method.rules();
+        let switch = match rules.switching() {
+            Switching::Never => None,
+            Switching::AtFraction => self.switch_time(channel),
+            Switching::WhereBest => self.best_switch(channel),
         };
         // A switch must not make a discharge longer than the deadline does.
         let switch = switch.filter(|after| *after < settings.deadline);
-        let limit =
-            (settings.method == Method::Tracked && self.estimator.tracker().is_some()).then_some(Through::C1);
-        self.plan(settings.sensor(channel), switch.map(|after| (after, settings.second())), limit)
+        let is_limited = rules.switching() == Switching::WhereBest && self.estimator.tracker().is_some();
+        let limit = is_limited.then_some(Through::C1);
+        self.plan(rules.sensor(channel), switch.map(|after| (after, settings.second())), limit)
     }
 
     fn plan(&self, through: Through, switch: Option<(Nanos, Through)>, limit: Option<Through>) -> Plan {
@@ -121,8 +110,8 @@ impl Cycle {
             through,
             switch,
             limit,
-            chargers: settings.chargers,
-            last: settings.last,
+            chargers: settings.chargers(),
+            last: settings.last(),
             drain: if self.ended_early { settings.drain } else { Nanos::ZERO },
             charge: settings.charge,
             settle: settings.settle,
@@ -137,7 +126,7 @@ impl Cycle {
     /// make it later.
     fn split_time(&self) -> Option<Nanos> {
         let (c1, c2) = self.estimator.calibration()?;
-        let [r1, r2] = self.settings.r_ohm;
+        let [r1, r2] = self.settings.r_ohm();
         Some(Nanos((SplitCalibration::FRACTION * (c2[0] - c1[0]) / (r2 - r1) * r1) as i64))
     }
 
@@ -155,15 +144,14 @@ impl Cycle {
                 prefers_inferred(memory.inferred, direct, inferred)
             }),
         };
-        let a_ns = if settings.method == Method::Qerm { self.estimator.parallel_ns(x_ns)? } else { x_ns };
-        let after = settings.switch_fraction * (a_ns - d_ns);
+        let after = settings.switch_fraction * (self.estimator.x_discharge_ns(x_ns, 0)? - d_ns);
         (wanted && after >= 1.0).then_some(Nanos(after as i64))
     }
 
     /// When A is expected to cross in the next x discharge of a channel, and how well either branch would tell R_x.
     fn predicted(&self, channel: usize) -> Option<(f64, Option<Predicted>)> {
         let memory = &self.memory[channel];
-        let [r1, r2] = self.settings.r_ohm;
+        let [r1, r2] = self.settings.r_ohm();
         let ratio = (memory.r_ohm? - r1) / (r2 - r1);
         let (c1, c2) = self.estimator.calibration()?;
         let x_ns = c1[0] + ratio * (c2[0] - c1[0]);
@@ -193,13 +181,14 @@ impl Cycle {
         let deadline_ns = self.settings.deadline.as_ns();
         let limit = Switch { at_ns: deadline_ns, on_ns: deadline_ns, to: Through::C1 };
         let limit = (full_ns > deadline_ns).then_some(limit);
-        let full = self.estimator.foresee(r_ohm, limit, memory.u_switch_ns)?.variance;
+        let full = self.estimator.predict_tracked(r_ohm, limit, memory.u_switch_ns)?.variance;
         let at = |fraction: f64| {
             let at_ns = fraction * full_ns.min(deadline_ns);
             let switch = Switch { at_ns, on_ns: at_ns, to: self.settings.second() };
-            Some((at_ns, self.estimator.foresee(r_ohm, Some(switch), memory.u_switch_ns)?.variance))
+            Some((at_ns, self.estimator.predict_tracked(r_ohm, Some(switch), memory.u_switch_ns)?.variance))
         };
-        let (at_ns, inferred) = FRACTIONS.into_iter().filter_map(at).min_by(|a, b| a.1.total_cmp(&b.1))?;
+        let (at_ns, inferred) =
+            SWITCH_FRACTIONS.into_iter().filter_map(at).min_by(|a, b| a.1.total_cmp(&b.1))?;
         (prefers_inferred(memory.inferred, full, inferred) && at_ns >= 1.0).then_some(Nanos(at_ns as i64))
     }
 
@@ -216,16 +205,17 @@ impl Cycle {
             .filter_map(|memory| memory.dependence)
             .max_by(|a, b| share(a).total_cmp(&share(b)));
         let (by_state, is_due) = match worst {
-            Some(worst) => (worst.0, share(&worst) > SHARE),
-            None => (self.estimator.foresee(self.settings.r_ohm[0], None, 0.0)?.by_state, false),
+            Some(worst) => (worst.0, share(&worst) > CALIBRATION_SHARE),
+            None => (self.estimator.predict_tracked(self.settings.r_ohm()[0], None, 0.0)?.by_state, false),
         };
-        let is_doubted = tracker.is_doubted() || self.memory.iter().any(|memory| memory.outliers >= DOUBT);
+        let is_doubted =
+            tracker.is_doubted() || self.memory.iter().any(|memory| memory.outliers >= OUTLIERS_OF_DOUBT);
         if !is_due && !is_doubted && self.idle_cycles < LONGEST_IDLE {
             return None;
         }
         let value = |kind: CalibrationKind| {
-            let course = tracker.planned(kind);
-            let discharge_ns = course.crossing(tracker.state(), self.settings.nodes() - 1).ns;
+            let route = tracker.planned(kind);
+            let discharge_ns = route.crossing(tracker.state(), self.settings.nodes() - 1).ns;
             let cost_ns = (self.settings.charge + self.settings.settle).as_ns() + discharge_ns;
             tracker.benefit(kind, &by_state).unwrap_or(0.0) / cost_ns
         };

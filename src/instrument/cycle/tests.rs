@@ -33,12 +33,12 @@ fn discharged(through: Through) -> Outcome {
     let record = Record {
         through,
         start: Nanos::ZERO,
-        second_ns: 0.0,
+        second_ns: None,
         switch: None,
         a_ns: Some(600.0 * r_ohm),
         b_ns: Some(700.0 * r_ohm),
-        u_switch_ns: 0.0,
-        waited_ns: 0.0,
+        u_switch_ns: None,
+        waited_ns: None,
     };
     Outcome { result: Ok(record), start_call: Some(Nanos(1000)), charged: None }
 }

@@ -1,5 +1,4 @@
-//! For: carrying the actions of a discharge out on real or simulated pins, and leaving no line driving when anything goes
-//! wrong. Must not know: which action follows which.
+//! Carries the actions of a discharge out on real or simulated pins; no line is left driving when anything goes wrong.
 
 use super::{Action, Discharge, Event, Plan};
 use crate::pins::{Drives, Levels, Pins, PinsError};

@@ -122,14 +122,12 @@ pub(in crate::pins) fn rest_before(edge: Nanos, margin: &mut SpinMargin) -> Resu
 #[cfg(test)]
 mod tests {
     use super::*;
-    use rand::SeedableRng;
-    use rand_chacha::ChaCha8Rng;
     use rand_distr::{Distribution, Exp};
     use std::os::fd::AsFd;
 
     #[test]
     fn one_wake_up_in_a_hundred_is_later_than_the_margin() {
-        let mut random = ChaCha8Rng::seed_from_u64(7);
+        let mut random = crate::seed::rng(7);
         let lateness = Exp::new(1.0 / 20_000.0).unwrap();
         let (mut margin, mut late) = (SpinMargin::default(), 0);
         let mut draw = |margin: &mut SpinMargin| {

@@ -2,6 +2,7 @@
 
 use super::network::{Capacitors, LINES, Sense, SimCircuit, line_index};
 use super::sensor::Sensor;
+use crate::circuit::Kind;
 use crate::pins::limits::SAMPLE_SECONDS;
 use crate::pins::{Drives, MAX_CHANNELS};
 use crate::units::{Ampere, Farad, Hertz, Ohm, Seconds, Volt};
@@ -55,18 +56,6 @@ pub enum SceneError {
         /// What was asked for.
         name: String,
     },
-}
-
-/// Which figure of the paper a circuit is.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum Kind {
-    /// Fig. 1(a).
-    OneCapacitor,
-    /// Fig. 1(b).
-    SeriesCalibration,
-    /// Fig. 1(c).
-    TwoCapacitor,
 }
 
 /// A simulated board with its circuit and sensors.

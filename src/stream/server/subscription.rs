@@ -156,6 +156,8 @@ mod tests {
     }
 
     proptest! {
+        #![proptest_config(crate::seed::cases(256))]
+
         #[test]
         fn never_above_the_rate(gaps in prop::collection::vec(0i64..300, 1..300), period in 1i64..200) {
             let mut at = 0;

@@ -81,8 +81,8 @@ pub(super) fn times(record: &Record) -> Result<(), String> {
             return Err(format!("{name} is {time:e}; times are in nanoseconds"));
         }
     }
-    if !(0.0..=LONGEST_NS).contains(&record.second_ns) {
-        return Err(format!("second_ns is {}; it is 0 or a short time", record.second_ns));
+    if let Some(second_ns) = record.second_ns.filter(|second_ns| !(0.0..=LONGEST_NS).contains(second_ns)) {
+        return Err(format!("second_ns is {second_ns}; it is 0 or a short time"));
     }
     if record.switch.is_some_and(|switch| switch.on_ns < switch.at_ns) {
         return Err(

@@ -16,6 +16,7 @@
 mod check;
 
 use super::limits::{MAX_LINE_BYTES, PROTO_MAJOR};
+use crate::circuit::Kind;
 use crate::record::{Record, Switch, Through};
 use crate::units::Nanos;
 use serde::de::{DeserializeOwned, Error as _};
@@ -47,18 +48,6 @@ pub struct TapeCircuit {
     pub r_c2_ohm: f64,
 }
 
-/// How the calibration resistors are wired.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum Kind {
-    /// Two capacitors, Fig. 1(c).
-    TwoCapacitor,
-    /// One capacitor, Fig. 1(a).
-    OneCapacitor,
-    /// One capacitor, Rc1 and Rc2 in series, Fig. 1(b).
-    SeriesCalibration,
-}
-
 /// A sensor of a tape.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct TapeChannel {
@@ -76,7 +65,7 @@ fn is_zero(value: &f64) -> bool {
     *value == 0.0
 }
 
-/// The characteristic of a sensor on a tape.
+/// The shape of a [`Force`] on a tape.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(
     untagged,
@@ -110,8 +99,8 @@ pub struct DischargeLine {
     /// What it started through.
     pub through: Resistor,
     /// The second of two resistors was sunk by then; absent: at the start.
-    #[serde(default, skip_serializing_if = "is_zero")]
-    pub second_ns: f64,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub second_ns: Option<f64>,
     /// Where it was switched to another resistor.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub switch: Option<SwitchLine>,
@@ -187,7 +176,7 @@ impl Header {
     /// R_1 and R_2 of the ratio that the methods know R_x by, ohm.
     pub fn r_ohm(&self) -> [f64; 2] {
         let TapeCircuit { kind, r_c1_ohm, r_c2_ohm } = self.circuit;
-        [r_c1_ohm, if kind == Kind::SeriesCalibration { r_c1_ohm + r_c2_ohm } else { r_c2_ohm }]
+        kind.known([r_c1_ohm, r_c2_ohm])
     }
 
     /// Reads the first line of a tape.
@@ -209,7 +198,7 @@ impl Header {
             seq,
             channel: channel.map(|channel| channel.id.clone()),
             through: record.through.into(),
-            second_ns: record.second_ns,
+            second_ns: record.second_ns.filter(|second_ns| *second_ns > 0.0),
             switch: record.switch.map(|s| SwitchLine { at_ns: s.at_ns, on_ns: s.on_ns, to: s.to.into() }),
             a_ns: record.a_ns,
             b_ns: record.b_ns,
@@ -253,8 +242,8 @@ impl Header {
             switch,
             a_ns: line.a_ns,
             b_ns: line.b_ns,
-            u_switch_ns: 0.0,
-            waited_ns: 0.0,
+            u_switch_ns: None,
+            waited_ns: None,
         };
         check::times(&record)?;
         Ok(Entry { seq: line.seq, record })

@@ -215,7 +215,7 @@ impl ReadingLine {
             Status::Fault(fault) => {
                 line.status = StatusName::Fault;
                 line.fault = Some(fault.as_str().to_owned());
-                line.hint = reading.suspect.map(|suspect| suspect.as_str().to_owned());
+                line.hint = reading.suspect.map(|suspect| suspect.to_string());
                 line.duration_us = None;
             }
         }

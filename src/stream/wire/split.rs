@@ -130,6 +130,8 @@ mod tests {
     }
 
     proptest! {
+        #![proptest_config(crate::seed::cases(256))]
+
         #[test]
         fn chunks_do_not_matter(
             pieces in prop::collection::vec((0usize..40, prop::bool::weighted(0.1)), 0..20),

@@ -1,6 +1,7 @@
 //! Two sensors on one board, charges of any length, and wake-ups that come late.
 
-use crate::common::{Bench, Errors};
+use crate::common::chance::{Figure, mean_of};
+use crate::common::{Bench, Errors, seed};
 use cermd::circuit::Node;
 use cermd::config::Config;
 use cermd::instrument::{Instrument, Message};
@@ -8,7 +9,6 @@ use cermd::pins::sim::{Scene, Sensor, SimPins};
 use cermd::pins::{Armed, Bracket, Drives, Edge, Levels, Particulars, Pins, PinsError};
 use cermd::reading::{Method, Reading};
 use cermd::units::{Nanos, Ohm, Seconds};
-use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, Normal};
 
@@ -76,27 +76,18 @@ pub struct Found {
     /// Mean error of each instrument, ohm.
     means: Vec<f64>,
     pub mean_u: f64,
-    pub coverage: f64,
+    pub within_2u: Figure,
 }
 
 impl Found {
-    fn mean(&self) -> (f64, f64) {
-        let count = self.means.len() as f64;
-        let mean = self.means.iter().sum::<f64>() / count;
-        let variance = self.means.iter().map(|x| (x - mean).powi(2)).sum::<f64>() / (count - 1.0);
-        (mean, (variance / count).sqrt())
-    }
-
-    /// Mean error and its standard error, ohm, less that of another charge.
-    pub fn ohm_beyond(&self, other: &Found) -> (f64, f64) {
-        let ((here, u_here), (there, u_there)) = (self.mean(), other.mean());
-        (here - there, u_here.hypot(u_there))
+    /// Mean error, ohm, less that of another charge.
+    pub fn ohm_beyond(&self, other: &Found) -> Figure {
+        mean_of(&self.means).less(mean_of(&other.means))
     }
 
     /// The same in the stated uncertainty of a reading.
-    pub fn error_beyond(&self, other: &Found) -> (f64, f64) {
-        let (ohm, doubt) = self.ohm_beyond(other);
-        (ohm / self.mean_u, doubt / self.mean_u)
+    pub fn error_beyond(&self, other: &Found) -> Figure {
+        self.ohm_beyond(other).times(1.0 / self.mean_u)
     }
 }
 
@@ -113,8 +104,7 @@ fn quiet(mut scene: Scene) -> Scene {
 
 impl Board {
     fn config(self, measure: &str) -> Config {
-        let bench = Bench::new("pi4", self.method, self.r_ohm, 0, measure);
-        Config::parse(&bench.config.replace("[mock]", "[[channel]]\nid = \"y\"\n[mock]"), "bench").unwrap()
+        Bench::new("pi4", self.method, self.r_ohm, 0, measure).config.channel("y").parse()
     }
 
     pub fn tau(self) -> Seconds {
@@ -132,8 +122,8 @@ impl Board {
     fn pins(self, sensors: &[f64], seed: u64) -> Late {
         let scene = quiet(Bench::new("pi4", self.method, self.r_ohm, seed, "").scene);
         let sensors = sensors.iter().map(|r_ohm| Sensor::Constant(Ohm(*r_ohm))).collect();
-        let pins = SimPins::new(&scene.with_sensors(sensors).unwrap(), Some(seed));
-        Late { pins, rng: ChaCha8Rng::seed_from_u64(seed) }
+        let pins = SimPins::new(&scene.with_sensors(sensors).unwrap(), Some(seed::seed(seed)));
+        Late { pins, rng: seed::rng(seed) }
     }
 
     /// Readings of the second channel, after those of another resistance on the first.
@@ -148,16 +138,15 @@ impl Board {
             readings(&mut instrument, 1, BEFORE, |_| {});
             readings(&mut instrument, 1, READINGS, |reading| errors.add(reading, self.r_ohm));
             means.push(errors.mean());
-            all.errors.extend(errors.errors);
-            all.us.extend(errors.us);
+            all.add_board(errors);
         }
-        Found { means, mean_u: all.mean_u(), coverage: all.coverage() }
+        Found { means, mean_u: all.mean_u(), within_2u: all.within_2u() }
     }
 
     /// Readings per second of a sensor that is alone.
     pub fn rate_alone(self, taus: f64) -> f64 {
         let bench = Bench::new("pi4", self.method, self.r_ohm, 0, &self.charge(taus));
-        let settings = Config::parse(&bench.config, "bench").unwrap().settings().unwrap();
+        let settings = bench.config.parse().settings().unwrap();
         let mut instrument = Instrument::new(self.pins(&[self.r_ohm], 1), settings);
         until_known(&mut instrument);
         readings(&mut instrument, 0, BEFORE, |_| {});

@@ -65,7 +65,7 @@ fn what_a_charge_remembers_is_what_the_network_does() {
 fn a_discharge_that_timed_out_is_drained_before_the_charge() {
     let scene = Scene::builtin("ideal").unwrap().with_kind(Kind::TwoCapacitor).unwrap();
     let scene = scene.with_sensors(vec![Sensor::Constant(Ohm(10e6))]).unwrap();
-    let mut pins = SimPins::new(&scene, Some(1));
+    let mut pins = SimPins::new(&scene, Some(crate::common::seed::seed(1)));
     let nominal = nominal(network::Capacitors::Two { c_a: 2.2e-6, c_b: 680e-9 }, 1.3);
     let taus = 6.0;
     let charge = Nanos::from_seconds(taus * nominal.charge_tau().0);

@@ -125,12 +125,12 @@ pub fn record(through: Through, crossings: [Option<f64>; 2], d_ns: f64) -> Recor
     Record {
         through,
         start: Nanos::ZERO,
-        second_ns: 0.0,
+        second_ns: None,
         switch: None,
         a_ns,
         b_ns,
-        u_switch_ns: 0.0,
-        waited_ns: 0.0,
+        u_switch_ns: None,
+        waited_ns: None,
     }
 }
 
@@ -156,13 +156,19 @@ impl Case {
         }
     }
 
-    fn record(&self, through: Through, steps: &Steps, second_ns: f64, switch: Option<Switch>) -> Record {
+    fn record(
+        &self,
+        through: Through,
+        steps: &Steps,
+        second_ns: Option<f64>,
+        switch: Option<Switch>,
+    ) -> Record {
         let (crossings, _) = walk(&self.circuit, self.start(), steps, 0.0);
         Record { second_ns, switch, ..record(through, crossings, self.d_ns) }
     }
 
     pub fn full(&self, through: Through) -> Record {
-        self.record(through, &[(0.0, through.drives())], 0.0, None)
+        self.record(through, &[(0.0, through.drives())], None, None)
     }
 
     /// Runs through R_1 until this share of its way to A's threshold, and then through R_2.
@@ -174,7 +180,7 @@ impl Case {
     fn switched(&self, through: Through, at_ns: f64) -> Record {
         let (on_ns, to) = (at_ns + self.gap_ns, self.second());
         let steps = [(0.0, through.drives()), (at_ns * 1e-9, Drives::NONE), (on_ns * 1e-9, to.drives())];
-        self.record(through, &steps, 0.0, Some(Switch { at_ns, on_ns, to }))
+        self.record(through, &steps, None, Some(Switch { at_ns, on_ns, to }))
     }
 
     /// The x discharge of the way.
@@ -196,7 +202,7 @@ impl Case {
         let alone_ns = self.full(Through::X(0)).a_ns.unwrap() - self.d_ns;
         let second_ns = self.gap_ns.min(0.5 * alone_ns);
         let both = [(0.0, Drives::x(0)), (second_ns * 1e-9, through.drives())];
-        let together = self.record(through, &both, second_ns, None);
+        let together = self.record(through, &both, Some(second_ns), None);
         match self.way.branch {
             Branch::Direct => together,
             Branch::Inferred => {
@@ -206,7 +212,7 @@ impl Case {
                 self.record(
                     through,
                     &steps,
-                    second_ns,
+                    Some(second_ns),
                     Some(Switch { at_ns, on_ns: at_ns, to: Through::C12 }),
                 )
             }

@@ -85,7 +85,7 @@ fn what_an_earlier_charge_has_left_does_not_pass_for_chargers() {
     pins.sleep_until(charging.after + config.charge_time()).unwrap();
     pins.drive(Drives::NONE).unwrap();
     let findings = test(&mut Cut(pins, Drives::CHARGE), &config).unwrap();
-    says(&findings[0].to_string(), &["error: gpio.charge-a", "low after a charge"]);
+    says(&findings[0].to_string(), &["error: gpio.charge-a", "low after the charge"]);
 }
 
 #[test]
@@ -94,7 +94,7 @@ fn cut_wires_are_named() {
     says(&complaint(|_| {}, Drives::C2), &["error: gpio.sink-c2", "through Rc2", "wire"]);
     says(&complaint(|_| {}, Drives::x(0)), &["warning: channel.thumb.sink", "no discharge", "press it"]);
     let neither = found(|_| {}, Drives::CHARGE);
-    says(&neither[0].to_string(), &["error: gpio.charge-a", "low after a charge"]);
+    says(&neither[0].to_string(), &["error: gpio.charge-a", "low after the charge"]);
     says(&neither[1].to_string(), &["error: gpio.charge-b"]);
 }
 
@@ -131,16 +131,16 @@ fn capacitors_of_another_size_are_told_by_the_times() {
 fn a_missing_capacitor_is_told_from_a_small_one() {
     // What is left are the picofarads of the wires.
     let findings = found(|scene| scene.circuit.c_b = Some(Farad(20e-12)), Drives::NONE);
-    says(&findings[0].to_string(), &["error: circuit.c-b", "C_B is missing"]);
+    says(&findings[0].to_string(), &["error: circuit.c-b", "C_B: missing"]);
     let findings = found(|scene| scene.circuit.c_a = Some(Farad(20e-12)), Drives::NONE);
-    says(&findings[0].to_string(), &["error: circuit.c-a", "C_A is missing"]);
+    says(&findings[0].to_string(), &["error: circuit.c-a", "C_A: missing"]);
 }
 
 #[test]
 fn a_pull_beside_a_node_is_found() {
     // What pulls at one node moves the other through the capacitors.
     let down = found(|scene| scene.circuit.node_a.pull_down = Some(Ohm(50e3)), Drives::NONE);
-    says(&down[0].to_string(), &["error: gpio.sense-a", "falls by itself", "no pull-down"]);
+    says(&down[0].to_string(), &["error: gpio.sense-a", "falls by itself", "pull-downs"]);
     let weak = |name| {
         complaint(
             |scene| {
@@ -154,5 +154,5 @@ fn a_pull_beside_a_node_is_found() {
         says(&weak(name), &["warning: wiring", "charge leaks away as through", "moisture"]);
     }
     let up = found(|scene| scene.circuit.node_a.pull_up = Some(Ohm(50e3)), Drives::NONE);
-    says(&up[0].to_string(), &["error: gpio.sense-a", "rises by itself", "no pull-up"]);
+    says(&up[0].to_string(), &["error: gpio.sense-a", "rises by itself", "pull-ups"]);
 }

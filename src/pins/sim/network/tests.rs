@@ -157,6 +157,8 @@ fn charge_gained(circuit: &SimCircuit, from: [f64; 2], to: [f64; 2]) -> [f64; 2]
 }
 
 proptest! {
+    #![proptest_config(crate::seed::cases(256))]
+
     /// Kirchhoff in integral form: the charge that resistors bring is the charge that the capacitors gain. The
     /// integral is by Gauss-Legendre with five points, exact to far below the tolerance over half a time constant.
     #[test]

@@ -155,6 +155,8 @@ fn a_new_stream_keeps_the_version_that_was_not_sent_yet() {
 }
 
 proptest! {
+    #![proptest_config(crate::seed::cases(256))]
+
     /// However little the kernel takes at a time: whole lines in order, and received + lost = published.
     #[test]
     fn every_reading_is_received_or_counted(

@@ -29,7 +29,7 @@ between "$reads" 985 1015
 echo "== the wire of sense line A is cut"
 circuit cut 0x20
 check 1
-says "error: gpio.sense-a: node A stays high in a discharge through Rc1"
+says "error: gpio.sense-a: node A stays high while node B falls"
 echo "== the wire of Rc1 is cut"
 circuit cut 0x100000
 check 1
@@ -37,7 +37,7 @@ says "error: gpio.sink-c1: nothing falls"
 echo "== the wire of a charger is cut"
 circuit cut 0x2000
 check 1
-says "error: gpio.charge-a: node A is low after a charge"
+says "error: gpio.charge-a: node A is low after the charge"
 echo "== the wire of the sensor is cut"
 circuit cut 0x10000
 check 0

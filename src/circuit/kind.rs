@@ -1,0 +1,64 @@
+//! The three wirings.
+
+use super::{Network, Node};
+use serde::{Deserialize, Serialize};
+
+/// How capacitors and calibration resistors are wired.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Kind {
+    /// Two capacitors in series, Fig. 1(c).
+    TwoCapacitor,
+    /// One capacitor, Fig. 1(a).
+    OneCapacitor,
+    /// One capacitor, Rc2 in series with Rc1, Fig. 1(b).
+    SeriesCalibration,
+}
+
+impl Kind {
+    /// Every kind.
+    pub const ALL: [Kind; 3] = [Kind::TwoCapacitor, Kind::OneCapacitor, Kind::SeriesCalibration];
+
+    /// The name in configuration and tape.
+    pub fn as_str(self) -> &'static str {
+        match self {
+            Kind::TwoCapacitor => "two-capacitor",
+            Kind::OneCapacitor => "one-capacitor",
+            Kind::SeriesCalibration => "series-calibration",
+        }
+    }
+
+    /// Its nodes, in the order in which a discharge crosses them.
+    pub fn nodes(self) -> &'static [Node] {
+        match self {
+            Kind::TwoCapacitor => &Node::BOTH,
+            Kind::OneCapacitor | Kind::SeriesCalibration => &[Node::A],
+        }
+    }
+
+    /// The node that a discharge crosses last.
+    pub fn last(self) -> Node {
+        if self == Kind::TwoCapacitor { Node::B } else { Node::A }
+    }
+
+    /// R_1 and R_2, what the two calibration discharges run through, of Rc1 and Rc2, ohm.
+    pub fn known(self, [r_c1, r_c2]: [f64; 2]) -> [f64; 2] {
+        [r_c1, if self == Kind::SeriesCalibration { r_c1 + r_c2 } else { r_c2 }]
+    }
+
+    /// What the second calibration discharge runs through.
+    pub fn second(self) -> &'static str {
+        if self == Kind::SeriesCalibration { "Rc1 + Rc2" } else { "Rc2" }
+    }
+}
+
+impl Network {
+    /// How it is wired.
+    pub fn kind(self) -> Kind {
+        match self {
+            Network::TwoCapacitor { .. } => Kind::TwoCapacitor,
+            Network::OneCapacitor { .. } => Kind::OneCapacitor,
+            Network::SeriesCalibration { .. } => Kind::SeriesCalibration,
+        }
+    }
+}

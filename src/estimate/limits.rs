@@ -1,0 +1,76 @@
+//! Constants of judgement: where an estimate stops believing.
+
+use crate::units::Nanos;
+
+/// What is so many sigma from what was expected is not noise, of which it is one value in two million. Crossings of one
+/// discharge that disagree by more cannot both be right; a resistance so far below 0 is none; a crossing so far from the
+/// running mean is a spike.
+pub const BEYOND_NOISE: f64 = 5.0;
+/// A resistance below so many sigma cannot be told from a short circuit; bounds are stated with the same factor (95 %, GUM).
+pub const COVERAGE: f64 = 2.0;
+/// Residuals that disagree by more sigma enlarge the uncertainty as much (Birge's ratio): chance does so once in 70 readings.
+pub const DOUBT: f64 = 2.45;
+/// A conductance of fewer sigma is not told from none: chance makes one reading in 10^9 of an open sensor a number.
+pub const RESOLVED: f64 = 6.0;
+
+// Paths beside the resistors.
+/// No pin that sinks has a higher output resistance, ohm: 3.3 V would drive 16 mA.
+pub const HIGHEST_R_O_OHM: f64 = 200.0;
+/// No kernel stamps crossings later on average, ns.
+pub const LATEST_STAMP_NS: f64 = 100_000.0;
+/// The noise of crossings as long as it is not known, ns, 1 sigma.
+pub const UNKNOWN_JITTER_NS: f64 = 10_000.0;
+/// The calibration resistors may differ so much from what the configuration says, relative.
+pub const RESISTOR_TOLERANCE: f64 = 0.08;
+
+// Leaks, by discharges that were held back.
+/// How long a discharge is held back.
+pub const LEAK_HOLD: Nanos = Nanos(20_000_000);
+/// From one held discharge to the next.
+pub const LEAK_EVERY: Nanos = Nanos(5_000_000_000);
+/// Held discharges that are remembered: of three minutes.
+pub const LEAK_REMEMBERED: usize = 32;
+/// The first held discharges follow each other; fewer tell little.
+pub const LEAK_FIRST: usize = 16;
+/// A leak is one beyond so many sigma.
+pub const LEAK_SHOWS: f64 = 4.0;
+/// Beyond so many sigma from the others a single held discharge may be news: another look does no harm.
+pub const LEAK_SURPRISE: f64 = 2.5;
+/// A leak through less than this is a defect, not an imperfection: capacitors insulate more than 1 Gohm, pulls of
+/// processors are 30 to 100 kohm.
+pub const GROSS_LEAK_SIEMENS: f64 = 1.0 / 200e3;
+
+// Noise of crossings.
+/// The largest share of a crossing's variance that both crossings have in common, whatever the resistor.
+pub const SHARED_VARIANCE: f64 = 0.5;
+/// A covariance is in proportion to the times when it is so many sigma greater through R_2 than through R_1.
+pub const PROPORTIONAL_SHOWS: f64 = 3.0;
+/// Discharges taken before anything is said about noise.
+pub const NOISE_WARM_UP: usize = 16;
+/// So many outliers in a row are a step: the mean starts anew.
+pub const OUTLIERS_OF_A_STEP: u32 = 3;
+/// Differences of successive discharges that are remembered, about.
+pub const NOISE_MEMORY: f64 = 2048.0;
+
+// How wide a gate is.
+/// A value that is refused widens the gate by this factor.
+pub const GATE_WIDER: f64 = 1.5;
+/// A value that is let in narrows it by this part.
+pub const GATE_NARROWER: f64 = 1.0 / 80.0;
+/// A gate becomes no wider than so many times its least width; what is beyond that is a spike, however frequent, and does
+/// not widen it.
+pub const GATE_WIDEST: f64 = 4.0;
+
+// Motion of the sensor; found with tests/accuracy, dynamic.
+/// Readings that are remembered.
+pub const MOTION_POINTS: usize = 6;
+/// A reading whose predicted error is a larger share of it is no number.
+pub const UNSETTLED: f64 = 0.01;
+/// A predicted error below so many sigma is stated all the same: the number is hardly worse for it.
+pub const STATED: f64 = 3.0;
+/// What is so many times faster than everything before it was not to be expected.
+pub const SUDDEN: f64 = 3.0;
+/// How far above its lower bound an open sensor is taken to be, in ln, give or take as much.
+pub const OPEN_LN: f64 = 0.7;
+/// Stretches that differ by a smaller share of the longer one tell no slope.
+pub const APART: f64 = 0.2;

@@ -1,0 +1,69 @@
+//! What one discharge is to do.
+
+use crate::circuit::Node;
+use crate::pins::Drives;
+use crate::record::Through;
+use crate::units::Nanos;
+
+/// What one discharge is to do.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Plan {
+    /// What to discharge through first.
+    pub through: Through,
+    /// After how long to switch, and to what. Comes to nothing if the last node crosses earlier.
+    pub switch: Option<(Nanos, Through)>,
+    /// Chargers of the circuit.
+    pub chargers: Drives,
+    /// The node whose crossing ends the discharge: B, or A in circuits that have no other.
+    pub last: Node,
+    /// How long to sink through R_1 before the charge; 0: not at all. A discharge that ended before its time leaves the
+    /// capacitors as no other does, and an incomplete charge would remember it.
+    pub drain: Nanos,
+    /// How long to charge.
+    pub charge: Nanos,
+    /// How long to leave everything floating between charge and start; at least as long as arming takes.
+    pub settle: Nanos,
+    /// When each node crosses, since the start, where that is known before: the system may rest until then. `None`: it is
+    /// waited for all the time.
+    pub expected: [Option<Nanos>; 2],
+    /// The longest wait for the last crossing, from the start (or from the switch to `limit`).
+    pub timeout: Nanos,
+    /// What finishes a discharge that was not switched and has not ended by then; `None`: nothing.
+    pub limit: Option<Through>,
+    /// The longest call that still tells when a line was switched.
+    pub widest_bracket: Nanos,
+    /// How long a call for one line usually takes; `None`: not known yet.
+    pub single_call: Option<Nanos>,
+}
+
+impl Plan {
+    /// A full discharge after a charge, started at once: nothing is known of the calls or of when it ends.
+    pub const fn full(through: Through, last: Node, charge: Nanos, timeout: Nanos) -> Plan {
+        Plan {
+            through,
+            switch: None,
+            chargers: Drives::CHARGE,
+            last,
+            drain: Nanos::ZERO,
+            charge,
+            settle: Nanos::ZERO,
+            expected: [None; 2],
+            timeout,
+            limit: None,
+            widest_bracket: Nanos::MAX,
+            single_call: None,
+        }
+    }
+}
+
+impl Through {
+    /// The lines that sink for this discharge.
+    pub fn drives(self) -> Drives {
+        match self {
+            Through::C1 => Drives::C1,
+            Through::C2 | Through::C12 => Drives::C2,
+            Through::X(channel) => Drives::x(channel),
+            Through::XWithC12(channel) => Drives::x(channel).and(Drives::C2),
+        }
+    }
+}

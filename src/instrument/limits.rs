@@ -1,0 +1,51 @@
+//! Constants of judgement: what is still a usual call, a usual board, a reading worth its discharge.
+
+use crate::units::Nanos;
+
+/// A node that falls in less than this part of its predicted time has nothing but wires at it. Printed
+/// capacitors are within 20 %, thresholds between a quarter and a half of the supply.
+pub const MISSING: f64 = 0.05;
+
+// The order of discharges.
+/// The longest sleep of one step while waiting for the next cycle, so that the caller can tell its counters in between.
+pub const NAP: Nanos = Nanos(100_000_000);
+/// A charge that has been left alone for so much longer than was planned leaks away unlike the others. No call takes so
+/// long, only a preemption does.
+pub const LONGEST_PAUSE: Nanos = Nanos(2_000_000);
+/// A calibration discharge that came to nothing is taken again so many times, and a sensor's whose calls were interrupted.
+pub const RETRIES: u32 = 2;
+/// Discharges of one sensor in one cycle at the most.
+pub const MOST_OF_SENSOR: u32 = RETRIES + 1;
+/// Calibration discharges of one cycle at the most: of each kind, each of them taken again.
+pub const MOST_CALIBRATIONS: u32 = 3 * (RETRIES + 1);
+/// Rounds of split calibration after which the offset is put in force; from then on each round betters it at once.
+pub const ROUNDS: usize = 64;
+/// Rounds that the offset is the mean of, when there have been that many.
+pub const WINDOW: usize = 8 * ROUNDS;
+/// Once the offset is known well enough, one cycle in so many has a split discharge.
+pub const FOLLOW_EVERY: u64 = 8;
+/// Calibration discharges in one cycle of a tracked calibration at the most: more would take longer than the readings
+/// that they improve.
+pub const CALIBRATIONS_PER_CYCLE: u32 = 1;
+
+// The plan of the next discharge.
+/// The branch that is not in use must promise so much less variance, or the one in use stays: no chatter.
+pub const HYSTERESIS: f64 = 0.8;
+/// A calibration discharge pays when the calibration makes more than this share of a reading's variance.
+pub const CALIBRATION_SHARE: f64 = 0.15;
+/// A split discharge pays in each cycle while the offset makes more than this share of a switched reading's variance. Its
+/// error is the same in all readings: it is a tenth of the noise of one, and as much as the noise of a mean of a hundred.
+pub const OFFSET_SHARE: f64 = 0.01;
+/// So many cycles without a calibration discharge are too many: a drift would not be seen.
+pub const LONGEST_IDLE: u32 = 16;
+/// So many outliers in a row are no spikes: the calibration may be wrong, and is looked at in each cycle.
+pub const OUTLIERS_OF_DOUBT: u32 = 2;
+/// Where a switch is considered, as fractions of the time in which the last node crosses.
+pub const SWITCH_FRACTIONS: [f64; 6] = [0.2, 0.35, 0.5, 0.65, 0.8, 0.9];
+
+// Calls that switch lines.
+/// Calls whose median is the first value.
+pub const FIRST_CALLS: usize = 5;
+/// A usual call is longer than the median by no more than this part of it, and as many ns more; where many calls are
+/// longer, by as much as the gate becomes wider.
+pub const LONGER_CALL: (f64, f64) = (0.5, 1000.0);
