@@ -10,70 +10,23 @@ mod zero;
 use super::limits::NEXT_READING;
 use super::stream::Stream;
 use super::{CtlError, print};
-use crate::config::{Config, PairsError};
-use crate::ctl::cli::{CalibrateBy, Update};
-use crate::estimate::fit::FitError;
+use crate::config::Config;
+use crate::ctl::cli::{CalibrateBy, Connection, Update};
 use crate::stream::client::ClientError;
-use crate::stream::wire::{ReadingLine, ServerMessage};
+use crate::stream::wire::ServerMessage;
 use edit::Value;
 use serde::Serialize;
 use std::io::{self, BufRead, IsTerminal};
 use std::path::PathBuf;
 
-/// Why a calibration came to nothing. The configuration is as it was.
-#[derive(Debug, thiserror::Error)]
-pub enum CalibrateError {
-    /// Which channel?
-    #[error("there are several channels: name one with --channel; there is {}", .0.join(", "))]
-    WhichChannel(Vec<String>),
-    /// Too few discharges gave a number.
-    #[error("only {numbers} of {discharges} discharges gave a number{}; is the {part} in the sensor's place?", .fault.map(|fault| format!(" (the last fault: {fault})")).unwrap_or_default())]
-    FewNumbers {
-        /// How many did.
-        numbers: usize,
-        /// Of how many.
-        discharges: usize,
-        /// Of the last one that did not.
-        fault: Option<&'static str>,
-        /// What should be in the sensor's place.
-        part: &'static str,
-    },
-    /// That is no short circuit.
-    #[error(
-        "a zero of {zero_ohm:.1} ohm is more than pins and a series resistor make up; is the {part} in the sensor's place?"
-    )]
-    NoZero {
-        /// What was found.
-        zero_ohm: f64,
-        /// What should be in the sensor's place.
-        part: &'static str,
-    },
-    /// The discharges that tell a zero are not taken.
-    #[error(
-        "a tracked calibration takes too few discharges of Rc1 and Rc2 to tell a zero from; for the zero, set method = \"cerm\" \
-         and calibration = \"each-reading\" in [measure] and reload cermd; it holds for every method"
-    )]
-    Tracked,
-    /// Nothing comes.
-    #[error("cermd sends no {0}; `cermctl stats` tells whether the instrument measures")]
-    Silent(&'static str),
-    /// A line of pairs is wrong.
-    #[error(transparent)]
-    Pairs(#[from] PairsError),
-    /// The pairs cannot be fitted.
-    #[error(transparent)]
-    Fit(#[from] FitError),
-    /// The file is no TOML, or not as we know it.
-    #[error("{}: {reason}; nothing was changed", path.display())]
-    Edit {
-        /// The configuration file.
-        path: PathBuf,
-        /// What is in the way.
-        reason: String,
-    },
-    /// With the new value the configuration cannot be used.
-    #[error("nothing was changed, for the configuration would not be usable:\n{0}")]
-    Unusable(String),
+/// That a calibration has come to nothing; the configuration is as it was.
+fn nothing(why: impl ToString) -> CtlError {
+    CtlError::Calibrate(why.to_string())
+}
+
+/// Nothing comes.
+fn silent(what: &str) -> CtlError {
+    nothing(format!("cermd sends no {what}; `cermctl stats` tells whether the instrument measures"))
 }
 
 /// Calibrates.
@@ -100,9 +53,19 @@ impl<'a> Target<'a> {
             (Some(id), known) if known.contains(id) => id.clone(),
             (Some(id), _) => return Err(CtlError::NoChannel { wanted: id.clone(), known }),
             (None, [only]) => only.clone(),
-            (None, _) => return Err(CalibrateError::WhichChannel(known).into()),
+            (None, _) => {
+                let known = known.join(", ");
+                return Err(nothing(format!(
+                    "there are several channels: name one with --channel; there is {known}"
+                )));
+            }
         };
         Ok(Target { update, config, id })
+    }
+
+    /// The daemon, as far as it talks of this channel.
+    fn connect(&self, connection: &Connection) -> Result<Stream, CtlError> {
+        Stream::connect(&connection.socket, std::slice::from_ref(&self.id))
     }
 
     /// For people on standard output, unless that is for a machine.
@@ -142,21 +105,16 @@ struct Outcome<T> {
     kept: Option<PathBuf>,
 }
 
-/// The next reading of a channel.
-fn next_reading(stream: &mut Stream, id: &str) -> Result<Box<ReadingLine>, CtlError> {
-    let reading = stream.wait_for(NEXT_READING, |_, message| match message {
-        ServerMessage::Reading(reading) if reading.channel == id => Some(reading),
-        _ => None,
-    });
-    reading.map_err(silent("reading"))
-}
-
-/// What waiting in vain for something means here.
-fn silent(what: &'static str) -> impl Fn(CtlError) -> CtlError {
-    move |error| match error {
-        CtlError::Client(ClientError::TimedOut(_)) => CalibrateError::Silent(what).into(),
+/// Waits for what `found` is looking for; `what` it is.
+fn wait_for<T>(
+    stream: &mut Stream,
+    what: &str,
+    mut found: impl FnMut(ServerMessage) -> Option<T>,
+) -> Result<T, CtlError> {
+    stream.wait_for(NEXT_READING, |_, message| found(message)).map_err(|error| match error {
+        CtlError::Client(ClientError::TimedOut(_)) => silent(what),
         other => other,
-    }
+    })
 }
 
 /// Whether the next line of standard input is a yes; its end is a no. The question goes to standard error, because

@@ -30,7 +30,7 @@ pub fn run(arguments: &cli::Demo) -> Result<(), CtlError> {
     let board = Board::new(arguments, &socket)?;
     let daemon = Running::start(&board)?;
     let mut stream = Stream::connect(&socket, &[])?;
-    let screen = Screen::new(stream.version().channels.iter());
+    let screen = Screen::new(stream.channels());
     let mut screen = screen.with_history(arguments.seconds.min(HISTORY_S), SAY_AFTER, "simulated  ");
     for line in board.introduction(arguments.seconds) {
         screen.terminal.say(&line)?;

@@ -50,9 +50,9 @@ pub enum CtlError {
         /// Where and why.
         source: ReplayError,
     },
-    /// A calibration came to nothing.
+    /// A calibration came to nothing; the configuration is as it was.
     #[error("{0}")]
-    Calibrate(#[from] super::CalibrateError),
+    Calibrate(String),
     /// The configuration cannot be read.
     #[error(transparent)]
     Config(#[from] ConfigError),

@@ -2,7 +2,7 @@
 
 use super::limits::FIRST_READING;
 use super::panel::Panel;
-use super::stream::{Stream, is_wanted};
+use super::stream::Stream;
 use super::terminal::Terminal;
 use super::{CtlError, print};
 use crate::ctl::cli;
@@ -12,9 +12,8 @@ use crate::stream::wire::{ReadingLine, Request, ServerMessage};
 /// Prints, in the order of the configuration.
 pub fn run(arguments: &cli::Get) -> Result<(), CtlError> {
     let mut stream = Stream::connect(&arguments.connection.socket, &arguments.channels)?;
-    let mut panel = Panel::new(stream.version().channels.iter(), Terminal::new().unicode());
-    let ids = stream.version().channels.iter().map(|channel| channel.id.clone());
-    let wanted: Vec<String> = ids.filter(|id| is_wanted(&arguments.channels, id)).collect();
+    let mut panel = Panel::new(stream.channels(), Terminal::new().unicode());
+    let wanted: Vec<String> = stream.channels().map(|channel| channel.id.clone()).collect();
     stream.request(&Request::Poll)?;
     let mut last: Vec<Option<(String, ReadingLine)>> = vec![None; wanted.len()];
     // Where POLL finds no reading yet, the stream brings one.

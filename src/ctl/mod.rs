@@ -23,7 +23,6 @@ mod terminal;
 mod text;
 mod watch;
 
-pub use calibrate::CalibrateError;
 pub use error::CtlError;
 
 use crate::ctl::cli::Verb;

@@ -4,7 +4,7 @@
 
 use super::CtlError;
 use super::interrupt::Interrupt;
-use super::stream::{Next, Stream, is_wanted};
+use super::stream::{Next, Stream};
 use crate::ctl::cli::{self, Format};
 use crate::stream::tape::Header;
 use crate::stream::wire::{ReadingLine, ServerMessage};
@@ -21,9 +21,7 @@ const COLUMNS: &str = "channel,seq,time,t_mono_ns,status,r_ohm,r_u_ohm,f_n,f_u_n
 pub fn run(arguments: &cli::Record) -> Result<(), CtlError> {
     let interrupt = Interrupt::new()?;
     let mut stream = Stream::connect(&arguments.connection.socket, &arguments.channels)?;
-    if arguments.raw || !arguments.channels.is_empty() {
-        stream.watch(&arguments.channels, None, arguments.raw)?;
-    }
+    stream.watch(None, arguments.raw)?;
     let mut recording = Recording::begin(arguments)?;
     let outcome = recording.go_on(&mut stream, &interrupt);
     if recording.lost > 0 {
@@ -86,10 +84,6 @@ impl<'a> Recording<'a> {
     }
 
     fn reading(&mut self, line: &str, reading: &ReadingLine) -> Result<(), CtlError> {
-        // Measured before the daemon knew what is wanted.
-        if !is_wanted(&self.arguments.channels, &reading.channel) {
-            return Ok(());
-        }
         self.count += 1;
         self.lost += reading.lost;
         match self.arguments.format {

@@ -3,7 +3,7 @@
 use super::CtlError;
 use super::limits::{ANSWER, LOOK_AROUND};
 use crate::stream::client::{Client, ClientError};
-use crate::stream::wire::{ErrorCode, Request, ServerMessage, StatsLine, VersionLine, Watch};
+use crate::stream::wire::{ChannelInfo, ErrorCode, Request, ServerMessage, StatsLine, Watch};
 use std::path::Path;
 use std::time::{Duration, Instant};
 
@@ -12,33 +12,40 @@ use std::time::{Duration, Instant};
 pub enum Next {
     /// A line without its newline, and what it says.
     Line(String, ServerMessage),
-    /// Nothing for a while.
+    /// Nothing for us for a while.
     Quiet,
     /// The daemon has closed the connection.
     Ended,
 }
 
-/// A connection on which the daemon talks.
+/// A connection on which the daemon talks of some channels.
 #[derive(Debug)]
 pub struct Stream {
     client: Client,
+    /// Empty: all of them.
+    wanted: Vec<String>,
 }
 
 impl Stream {
-    /// Connects; the daemon sends readings at once. `channels`: those that will be asked for.
+    /// Connects; the daemon sends readings at once. Readings of other channels than these are passed over; an empty list
+    /// stands for all.
     pub fn connect(socket: &Path, channels: &[String]) -> Result<Stream, CtlError> {
         let mut client = Client::connect(socket, ANSWER)?;
         client.set_timeout(LOOK_AROUND)?;
         let known = || client.version().channels.iter().map(|channel| channel.id.clone());
         match channels.iter().find(|wanted| !known().any(|id| id == **wanted)) {
             Some(wanted) => Err(CtlError::NoChannel { wanted: wanted.clone(), known: known().collect() }),
-            None => Ok(Stream { client }),
+            None => Ok(Stream { client, wanted: channels.to_vec() }),
         }
     }
 
-    /// What the daemon has said of itself.
-    pub fn version(&self) -> &VersionLine {
-        self.client.version()
+    /// What is wanted of what there is, in the order of the configuration.
+    pub fn channels(&self) -> impl Iterator<Item = &ChannelInfo> {
+        self.client.version().channels.iter().filter(|channel| self.is_wanted(&channel.id))
+    }
+
+    fn is_wanted(&self, id: &str) -> bool {
+        self.wanted.is_empty() || self.wanted.iter().any(|wanted| wanted == id)
     }
 
     /// Asks for something; the answer comes among the lines.
@@ -46,10 +53,11 @@ impl Stream {
         Ok(self.client.request(request)?)
     }
 
-    /// Narrows the stream; an empty list stands for all channels.
-    pub fn watch(&mut self, channels: &[String], max_hz: Option<f64>, raw: bool) -> Result<(), CtlError> {
-        let channels = (!channels.is_empty()).then(|| channels.to_vec());
-        self.request(&Request::Watch(Watch { channels, max_hz, raw, ..Watch::default() }))
+    /// Has the daemon send only what is wanted, if that is not what it sends anyway.
+    pub fn watch(&mut self, max_hz: Option<f64>, raw: bool) -> Result<(), CtlError> {
+        let channels = (!self.wanted.is_empty()).then(|| self.wanted.clone());
+        let watch = Watch { channels, max_hz, raw, ..Watch::default() };
+        if watch == Watch::default() { Ok(()) } else { self.request(&Request::Watch(watch)) }
     }
 
     /// The next line, whatever it says, or that there is none.
@@ -57,7 +65,11 @@ impl Stream {
         match self.client.line() {
             Ok(Some(line)) => {
                 let message = self.client.read(&line)?;
-                Ok(Next::Line(String::from_utf8_lossy(&line).into_owned(), message))
+                match &message {
+                    // Measured before the daemon knew what is wanted.
+                    ServerMessage::Reading(reading) if !self.is_wanted(&reading.channel) => Ok(Next::Quiet),
+                    _ => Ok(Next::Line(String::from_utf8_lossy(&line).into_owned(), message)),
+                }
             }
             Ok(None) | Err(ClientError::Closed) => Ok(Next::Ended),
             Err(ClientError::TimedOut(_)) => Ok(Next::Quiet),
@@ -108,9 +120,4 @@ impl Stream {
             _ => None,
         })
     }
-}
-
-/// Whether a channel is among those asked for; an empty list stands for all.
-pub fn is_wanted(channels: &[String], id: &str) -> bool {
-    channels.is_empty() || channels.iter().any(|wanted| wanted == id)
 }

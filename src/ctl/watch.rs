@@ -5,22 +5,22 @@
 use super::interrupt::Interrupt;
 use super::limits::RETRY_AFTER;
 use super::screen::Screen;
-use super::stream::{Next, Stream, is_wanted};
+use super::stream::{Next, Stream};
 use super::{CtlError, print};
 use crate::ctl::cli;
 use crate::stream::client::ClientError;
-use crate::stream::wire::{ChannelInfo, ServerMessage, VersionLine};
+use crate::stream::wire::ServerMessage;
 use console::style;
 
 /// Watches until Ctrl-C.
 pub fn run(arguments: &cli::Watch) -> Result<(), CtlError> {
     let interrupt = Interrupt::new()?;
     let mut stream = connect(arguments)?;
-    let mut screen = Screen::new(wanted(arguments, stream.version()));
+    let mut screen = Screen::new(stream.channels());
     loop {
         match arguments.json {
-            true => follow_json(arguments, &mut stream, &interrupt)?,
-            false => follow(arguments, &mut screen, &mut stream, &interrupt)?,
+            true => follow_json(&mut stream, &interrupt)?,
+            false => follow(&mut screen, &mut stream, &interrupt)?,
         }
         if interrupt.is_set() {
             return Ok(());
@@ -30,20 +30,14 @@ pub fn run(arguments: &cli::Watch) -> Result<(), CtlError> {
             Some(again) => stream = again,
             None => return Ok(()),
         }
-        screen.restart(wanted(arguments, stream.version()));
+        screen.restart(stream.channels());
         note(arguments, &mut screen, "connected again")?;
     }
 }
 
-fn wanted<'a>(arguments: &cli::Watch, version: &'a VersionLine) -> impl Iterator<Item = &'a ChannelInfo> {
-    version.channels.iter().filter(|channel| is_wanted(&arguments.channels, &channel.id))
-}
-
 fn connect(arguments: &cli::Watch) -> Result<Stream, CtlError> {
     let mut stream = Stream::connect(&arguments.connection.socket, &arguments.channels)?;
-    if !arguments.channels.is_empty() || arguments.max_hz.is_some() {
-        stream.watch(&arguments.channels, arguments.max_hz, false)?;
-    }
+    stream.watch(arguments.max_hz, false)?;
     Ok(stream)
 }
 
@@ -66,17 +60,12 @@ fn is_passing(error: &ClientError) -> bool {
 }
 
 /// Shows readings until the connection ends.
-fn follow(
-    arguments: &cli::Watch,
-    screen: &mut Screen,
-    stream: &mut Stream,
-    interrupt: &Interrupt,
-) -> Result<(), CtlError> {
+fn follow(screen: &mut Screen, stream: &mut Stream, interrupt: &Interrupt) -> Result<(), CtlError> {
     while !interrupt.is_set() {
         match stream.next()? {
             Next::Line(_, ServerMessage::Reading(reading)) => screen.feed(&reading)?,
             // The channels have changed.
-            Next::Line(_, ServerMessage::Version(version)) => screen.restart(wanted(arguments, &version)),
+            Next::Line(_, ServerMessage::Version(_)) => screen.restart(stream.channels()),
             Next::Line(..) => {}
             Next::Quiet => screen.redraw()?,
             Next::Ended => break,
@@ -86,12 +75,9 @@ fn follow(
 }
 
 /// Prints lines until the connection ends.
-fn follow_json(arguments: &cli::Watch, stream: &mut Stream, interrupt: &Interrupt) -> Result<(), CtlError> {
+fn follow_json(stream: &mut Stream, interrupt: &Interrupt) -> Result<(), CtlError> {
     while !interrupt.is_set() {
         match stream.next_line()? {
-            // Measured before the daemon knew what is wanted.
-            Next::Line(_, ServerMessage::Reading(reading))
-                if !is_wanted(&arguments.channels, &reading.channel) => {}
             Next::Line(line, _) => print(&(line + "\n"))?,
             Next::Quiet => {}
             Next::Ended => break,

@@ -2,7 +2,7 @@
 //!
 //! Every other byte stays; the new file is checked before it counts, and the old one is kept.
 
-use super::{CalibrateError, CtlError};
+use super::{CtlError, nothing};
 use crate::ctl::check;
 use crate::estimate::fit::{Fit, Pair};
 use crate::units::{Newton, NewtonOhm, to_places};
@@ -34,7 +34,7 @@ pub fn update(path: &Path, id: &str, value: &Value) -> Result<PathBuf, CtlError>
     let stamp = stamp();
     let table_name = format!("force-{}-{stamp}.csv", file_name(id));
     let edited = edit(&text, id, value, &table_name)
-        .map_err(|reason| CalibrateError::Edit { path: path.to_owned(), reason })?;
+        .map_err(|reason| nothing(format!("{}: {reason}; nothing was changed", path.display())))?;
     let table = match value {
         Value::Force(Fit::Table(_), pairs) => Some((folder.join(table_name), csv(pairs))),
         _ => None,
@@ -62,7 +62,10 @@ fn replace(path: &Path, text: &str, stamp: &str) -> Result<PathBuf, CtlError> {
     new.write_all(text.as_bytes()).and_then(|()| new.as_file().sync_all()).map_err(&failed)?;
     let report = check::check(new.path());
     if !report.is_usable() {
-        return Err(CalibrateError::Unusable(report.errors()).into());
+        let errors = report.errors();
+        return Err(nothing(format!(
+            "nothing was changed, for the configuration would not be usable:\n{errors}"
+        )));
     }
     let old = fs::metadata(path).map_err(&failed)?;
     // Only root can give files away; for others the file becomes their own, as with any editor.

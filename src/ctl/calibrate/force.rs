@@ -2,14 +2,13 @@
 //!
 //! Pairs come from a file, from the keyboard, or are measured while weights lie on the sensor.
 
-use super::{CalibrateError, CtlError, Target, Value, next_reading, plot};
+use super::{CtlError, Target, Value, nothing, plot, wait_for};
 use crate::circuit::Circuit;
 use crate::config::{PairsError, pairs};
 use crate::ctl::cli::{Force, Model};
-use crate::ctl::stream::Stream;
 use crate::ctl::text::measured;
 use crate::estimate::fit::{self, Fit, Pair};
-use crate::stream::wire::{ReadingLine, StatusName};
+use crate::stream::wire::{ReadingLine, ServerMessage, StatusName};
 use serde::Serialize;
 use std::collections::BTreeMap;
 use std::fmt::Write;
@@ -25,7 +24,7 @@ pub fn run(arguments: &Force) -> Result<(), CtlError> {
     let pairs = match &arguments.csv {
         Some(path) => {
             let text = fs::read_to_string(path).map_err(CtlError::file(path))?;
-            pairs::of_csv(&text, &path.display().to_string()).map_err(CalibrateError::from)?
+            pairs::of_csv(&text, &path.display().to_string()).map_err(nothing)?
         }
         None => typed(&target, arguments)?,
     };
@@ -34,7 +33,7 @@ pub fn run(arguments: &Force) -> Result<(), CtlError> {
         Model::Power => fit::power(&pairs),
         Model::Table => fit::table(&pairs),
     };
-    let fit = fit.map_err(CalibrateError::from)?;
+    let fit = fit.map_err(nothing)?;
     target.say(&report(&fit, &pairs, &target.config.circuit))?;
     if let Some(path) = &arguments.plot {
         fs::write(path, plot::svg(&fit, &pairs, &target.id)).map_err(CtlError::file(path))?;
@@ -54,10 +53,8 @@ fn typed(target: &Target, arguments: &Force) -> Result<Vec<Pair>, CtlError> {
         let mut text = String::new();
         let read = io::stdin().lock().read_line(&mut text);
         read.map_err(|error| CtlError::System("standard input", error))?;
-        let wrong = |reason| {
-            let origin = "standard input".to_owned();
-            CtlError::from(CalibrateError::from(PairsError::Line { origin, line: number, reason }))
-        };
+        let wrong =
+            |reason| nothing(PairsError::Line { origin: "standard input".to_owned(), line: number, reason });
         if !text.ends_with('\n') {
             eprintln!();
             return Err(wrong("the input ends before the empty line that ends the weights".to_owned()));
@@ -83,10 +80,13 @@ fn typed(target: &Target, arguments: &Force) -> Result<Vec<Pair>, CtlError> {
 /// The mean of the next readings, ohm; or why there is none.
 fn measure(target: &Target, arguments: &Force) -> Result<Result<f64, String>, CtlError> {
     // Anew for each weight: readings that were waiting are of the weight before.
-    let mut stream = Stream::connect(&arguments.connection.socket, std::slice::from_ref(&target.id))?;
+    let mut stream = target.connect(&arguments.connection)?;
     let (mut numbers, mut others) = (Vec::new(), 0);
     while (numbers.len() as u64) < arguments.count {
-        let reading = next_reading(&mut stream, &target.id)?;
+        let reading = wait_for(&mut stream, "reading", |message| match message {
+            ServerMessage::Reading(reading) => Some(reading),
+            _ => None,
+        })?;
         match (reading.status, reading.r_ohm) {
             (StatusName::Ok, Some(r_ohm)) => numbers.push(r_ohm),
             _ if others == arguments.count => return Ok(Err(format!("the sensor reads {}", said(&reading)))),

@@ -3,15 +3,14 @@
 //! A reading that cannot be told from a short circuit has no number, and a zero may be negative. So what is averaged are
 //! estimates from the timings of the discharges, which keep their sign, by the method of the daemon.
 
-use super::{CalibrateError, CtlError, Target, Value, silent};
+use super::{CtlError, Target, Value, nothing, silent, wait_for};
 use crate::config::LARGEST_ZERO_OHM;
 use crate::ctl::cli::Zero;
-use crate::ctl::limits::NEXT_READING;
 use crate::ctl::replay;
 use crate::ctl::stream::Stream;
 use crate::ctl::text::measured;
 use crate::estimate::fit;
-use crate::reading::{Fault, Method};
+use crate::reading::Method;
 use crate::record::Through;
 use crate::stream::tape::{Entry, Header};
 use crate::stream::wire::ServerMessage;
@@ -34,10 +33,12 @@ pub fn run(arguments: &Zero, reference_ohm: f64) -> Result<(), CtlError> {
     let target = Target::new(&arguments.update)?;
     let part = if reference_ohm > 0.0 { "reference resistor" } else { "short circuit" };
     let numbers = take(&target, arguments, part)?;
-    let Some(mean) = fit::mean(&numbers) else { return Err(CalibrateError::Silent("number").into()) };
+    let Some(mean) = fit::mean(&numbers) else { return Err(silent("number")) };
     let zero_ohm = mean.value - reference_ohm;
     if zero_ohm.is_nan() || zero_ohm.abs() > LARGEST_ZERO_OHM {
-        return Err(CalibrateError::NoZero { zero_ohm, part }.into());
+        return Err(nothing(format!(
+            "a zero of {zero_ohm:.1} ohm is more than pins and a series resistor make up; is the {part} in the sensor's place?"
+        )));
     }
     let text = measured(zero_ohm, mean.u, "ohm", false);
     target.say(&format!("{}: zero {text}, from {} discharges", target.id, numbers.len()))?;
@@ -53,27 +54,32 @@ pub fn run(arguments: &Zero, reference_ohm: f64) -> Result<(), CtlError> {
 }
 
 /// Signed estimates of as many discharges as were asked for; those that gave none are left out.
-fn take(target: &Target, arguments: &Zero, part: &'static str) -> Result<Vec<f64>, CtlError> {
-    let channels = [target.id.clone()];
-    let mut stream = Stream::connect(&arguments.connection.socket, &channels)?;
+fn take(target: &Target, arguments: &Zero, part: &str) -> Result<Vec<f64>, CtlError> {
+    let mut stream = target.connect(&arguments.connection)?;
     let method = method(&mut stream)?;
     if method.is_tracked() || target.config.is_tracked() {
-        return Err(CalibrateError::Tracked.into());
+        return Err(nothing(
+            "a tracked calibration takes too few discharges of Rc1 and Rc2 to tell a zero from; for the zero, set method = \
+             \"cerm\" and calibration = \"each-reading\" in [measure] and reload cermd; it holds for every method",
+        ));
     }
-    stream.watch(&channels, None, true)?;
+    stream.watch(None, true)?;
     let mut tape = Tape::default();
     while tape.of_sensor < arguments.count {
-        let next = stream.wait_for(NEXT_READING, |_, message| tape.take(message));
-        next.map_err(silent("discharge"))?;
+        wait_for(&mut stream, "discharge", |message| tape.take(message))?;
     }
-    let Some(header) = tape.header else { return Err(CalibrateError::Silent("discharge").into()) };
+    let Some(header) = tape.header else { return Err(silent("discharge")) };
     let estimates = replay::signed_ohm(&header, &tape.entries, method, &target.id)
         .map_err(|source| CtlError::Tape { path: arguments.connection.socket.clone(), source })?;
     let discharges = estimates.len();
-    let fault = estimates.iter().rev().find_map(|estimate| estimate.err()).map(Fault::as_str);
+    let fault = estimates.iter().rev().find_map(|estimate| estimate.err());
     let numbers: Vec<f64> = estimates.into_iter().flatten().collect();
     if 2 * numbers.len() < discharges || numbers.len() < 2 {
-        return Err(CalibrateError::FewNumbers { numbers: numbers.len(), discharges, fault, part }.into());
+        let fault = fault.map(|fault| format!(" (the last fault: {fault})")).unwrap_or_default();
+        let count = numbers.len();
+        return Err(nothing(format!(
+            "only {count} of {discharges} discharges gave a number{fault}; is the {part} in the sensor's place?"
+        )));
     }
     Ok(numbers)
 }
@@ -82,7 +88,7 @@ fn take(target: &Target, arguments: &Zero, part: &'static str) -> Result<Vec<f64
 fn method(stream: &mut Stream) -> Result<Method, CtlError> {
     let (_, stats) = stream.stats()?;
     let known = Method::ALL.into_iter().find(|method| method.as_str() == stats.instrument.method);
-    known.ok_or_else(|| CalibrateError::Silent("method that this release knows").into())
+    known.ok_or_else(|| silent("method that this release knows"))
 }
 
 /// A header, both calibration discharges, and then discharges of the sensor among others.
