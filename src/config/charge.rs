@@ -115,7 +115,7 @@ impl Budget {
                 self.finished(r, theta / (1.0 + r / self.known[1]))
             }
             Switching::AtFraction => self.plain(r).or(self.finished(r, theta)),
-            Switching::WhereBest => self.weighted(r).or(self.weighted_split(r, theta)),
+            Switching::WhereBest => self.weighted(r, None).or(self.weighted(r, Some(theta))),
         };
         let depths: f64 = equation.by_depth.iter().map(|by| by.abs()).sum();
         self.span / 2.0 * depths / equation.variance.sqrt()
@@ -171,34 +171,22 @@ impl Budget {
         Equation { by_depth, variance: variance + self.calibration(r) }
     }
 
-    /// Nodes by inverse variance. Their memories may have different signs; that they cancel is not counted on.
-    fn weighted(&self, r: f64) -> Equation {
-        let weights = [0, 1].map(|node| self.g[node].powi(2) / self.variance(node, r));
-        self.of_weights(weights, r, |node| self.memory[node], 0.0)
-    }
-
-    fn weighted_split(&self, r: f64, theta: f64) -> Equation {
+    /// Nodes by inverse variance; `theta`: where the discharge is switched. Their memories may have different signs; that they
+    /// cancel is not counted on.
+    fn weighted(&self, r: f64, theta: Option<f64>) -> Equation {
         let r2 = self.known[1];
-        let weights = [0, 1].map(|node| (theta * r2 / r).powi(2) / self.variance(node, r2));
-        self.of_weights(
-            weights,
-            r,
-            |node| self.memory[node] * self.g[node] / theta,
-            (SWITCH_S / theta).powi(2),
-        )
-    }
-
-    fn of_weights(
-        &self,
-        weights: [f64; 2],
-        r: f64,
-        memory: impl Fn(usize) -> f64,
-        variance: f64,
-    ) -> Equation {
-        let weights = &weights[..self.nodes];
-        let sum: f64 = weights.iter().sum();
-        let sensor: f64 = weights.iter().enumerate().map(|(node, weight)| weight * memory(node).abs()).sum();
-        Equation { by_depth: self.depths(r, r * sensor / sum), variance: 1.0 / sum + variance }
+        let (mut weights, mut sensor) = (0.0, 0.0);
+        for node in 0..self.nodes {
+            let (g, memory) = (self.g[node], self.memory[node].abs());
+            let (weight, memory) = match theta {
+                None => (g.powi(2) / self.variance(node, r), memory),
+                Some(theta) => ((theta * r2 / r).powi(2) / self.variance(node, r2), memory * g / theta),
+            };
+            weights += weight;
+            sensor += weight * memory;
+        }
+        let scatter = theta.map_or(0.0, |theta| (SWITCH_S / theta).powi(2));
+        Equation { by_depth: self.depths(r, r * sensor / weights), variance: 1.0 / weights + scatter }
     }
 }
 

@@ -7,37 +7,14 @@ mod gpio;
 mod measure;
 mod predict;
 
-use super::finding::{Finding, Severity};
-use super::{Config, Server, limits};
+use super::{Config, Findings, Server, limits};
 use crate::pins::realtime::Wishes;
 use std::os::unix::ffi::OsStrExt;
-
-/// Findings so far.
-#[derive(Default)]
-struct Findings(Vec<Finding>);
-
-impl Findings {
-    fn error(&mut self, key: impl Into<String>, reason: impl Into<String>, remedy: impl Into<String>) {
-        self.0.push(Finding::error(key, reason).try_this(remedy));
-    }
-
-    fn warning(&mut self, key: impl Into<String>, reason: impl Into<String>, remedy: impl Into<String>) {
-        self.0.push(Finding::warning(key, reason).try_this(remedy));
-    }
-
-    fn info(&mut self, key: impl Into<String>, reason: impl Into<String>) {
-        self.0.push(Finding::info(key, reason));
-    }
-
-    fn has_errors(&self) -> bool {
-        self.0.iter().any(|finding| finding.severity == Severity::Error)
-    }
-}
 
 impl Config {
     /// Everything that is wrong or worth knowing; what is compared with predicted times comes last, and only
     /// when circuit and settings are right in themselves.
-    pub fn check(&self) -> Vec<Finding> {
+    pub fn check(&self) -> Findings {
         let mut findings = Findings::default();
         circuit::check(&self.circuit, &mut findings);
         measure::check(self, &mut findings);
@@ -51,7 +28,7 @@ impl Config {
         if predictable {
             predict::check(self, &mut findings);
         }
-        findings.0
+        findings
     }
 }
 

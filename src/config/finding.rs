@@ -46,34 +46,50 @@ impl fmt::Display for Finding {
     }
 }
 
-impl Finding {
-    fn new(severity: Severity, key: impl Into<String>, reason: impl Into<String>) -> Finding {
-        Finding { severity, key: key.into(), reason: reason.into(), remedy: None }
+/// What a check has found, in the order in which it is printed.
+#[derive(Debug, Clone, Default)]
+pub struct Findings(pub Vec<Finding>);
+
+impl Findings {
+    /// Those of one severity.
+    pub fn of(&self, severity: Severity) -> impl Iterator<Item = &Finding> {
+        self.0.iter().filter(move |finding| finding.severity == severity)
+    }
+
+    /// Whether something keeps the instrument from working.
+    pub fn has_errors(&self) -> bool {
+        self.of(Severity::Error).next().is_some()
+    }
+
+    /// The errors, a line each; empty if there is none.
+    pub fn errors(&self) -> String {
+        self.of(Severity::Error).map(ToString::to_string).collect::<Vec<_>>().join("\n")
+    }
+
+    /// One more; `remedy`: what to try.
+    pub(crate) fn add(
+        &mut self,
+        severity: Severity,
+        key: impl Into<String>,
+        reason: impl ToString,
+        remedy: Option<&str>,
+    ) {
+        let remedy = remedy.map(str::to_owned);
+        self.0.push(Finding { severity, key: key.into(), reason: reason.to_string(), remedy });
     }
 
     /// What keeps the instrument from working.
-    pub(crate) fn error(key: impl Into<String>, reason: impl Into<String>) -> Finding {
-        Finding::new(Severity::Error, key, reason)
+    pub(crate) fn error(&mut self, key: impl Into<String>, reason: impl ToString, remedy: impl AsRef<str>) {
+        self.add(Severity::Error, key, reason, Some(remedy.as_ref()));
     }
 
     /// What makes it worse than it could be.
-    pub(crate) fn warning(key: impl Into<String>, reason: impl Into<String>) -> Finding {
-        Finding::new(Severity::Warning, key, reason)
+    pub(crate) fn warning(&mut self, key: impl Into<String>, reason: impl ToString, remedy: impl AsRef<str>) {
+        self.add(Severity::Warning, key, reason, Some(remedy.as_ref()));
     }
 
     /// What is worth knowing.
-    pub(crate) fn info(key: impl Into<String>, reason: impl Into<String>) -> Finding {
-        Finding::new(Severity::Info, key, reason)
-    }
-
-    /// The same with something to try.
-    pub(crate) fn try_this(self, remedy: impl Into<String>) -> Finding {
-        Finding { remedy: Some(remedy.into()), ..self }
-    }
-
-    /// The errors among findings, a line each; empty if there is none.
-    pub(crate) fn errors(findings: &[Finding]) -> String {
-        let errors = findings.iter().filter(|finding| finding.severity == Severity::Error);
-        errors.map(ToString::to_string).collect::<Vec<_>>().join("\n")
+    pub(crate) fn info(&mut self, key: impl Into<String>, reason: impl ToString) {
+        self.add(Severity::Info, key, reason, None);
     }
 }

@@ -7,6 +7,7 @@
 //! | `B_MARGIN` | 0.05 | V_DD | below it node B crosses late and unsteadily | judgement |
 //! | `CALIBRATION_RATIO` | 1.5 | | below it the difference of two times is mostly noise | judgement |
 //! | `LONGEST_WAIT` | 60 | s | a longer one is a slip of a prefix | judgement |
+//! | `RESOLUTIONS` | 1 ns to 1 ms | ns | Linux counts in the first; the second is coarser than any clock | judgement |
 //! | `LARGEST_SWITCH_FRACTION` | 1.3 | T_xA | beyond it even a late node B has crossed | judgement |
 //! | `LONGEST_ID` | 64 | bytes | the first line of the stream has to hold all names | stream, 64 KiB a line |
 //! | `LARGEST_ZERO_OHM` | 500 | ohm | pins and a series resistor make up less | tests/programs/calibrate.rs |
@@ -40,6 +41,7 @@ pub const PIN_LIMIT_A: f64 = 0.016;
 pub const B_MARGIN: f64 = 0.05;
 pub const CALIBRATION_RATIO: f64 = 1.5;
 pub const LONGEST_WAIT: Nanos = Nanos(60_000_000_000);
+pub const RESOLUTIONS: RangeInclusive<Nanos> = Nanos(1)..=Nanos(1_000_000);
 pub const LARGEST_SWITCH_FRACTION: f64 = 1.3;
 pub const LONGEST_ID: usize = 64;
 /// Beyond this a zero is neither the difference of two pins nor a resistor that limits the current of the sensor, ohm.

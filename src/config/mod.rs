@@ -19,7 +19,7 @@ mod number;
 pub(crate) mod pairs;
 mod settings;
 
-pub use finding::{Finding, Severity};
+pub use finding::{Finding, Findings, Severity};
 pub use force::Force;
 pub use gpio::{Backend, Gpio, LineName};
 pub use limits::LARGEST_ZERO_OHM;

@@ -10,15 +10,12 @@ use crate::units::Nanos;
 
 /// Why a configuration that passes its check still cannot be run.
 #[derive(Debug, thiserror::Error)]
-pub enum SettingsError {
-    /// A force table is not usable.
-    #[error("channel {id:?}: force: {source}")]
-    Table {
-        /// The channel.
-        id: String,
-        /// Why.
-        source: PairsError,
-    },
+#[error("channel {id:?}: force: {source}")]
+pub struct SettingsError {
+    /// The channel whose force table is not usable.
+    pub id: String,
+    /// Why.
+    pub source: PairsError,
 }
 
 impl Config {
@@ -27,32 +24,31 @@ impl Config {
     /// # Errors
     /// A force table that cannot be read or is not monotone.
     pub fn settings(&self) -> Result<Settings, SettingsError> {
-        let config = self;
-        let circuit = &config.circuit;
-        let channels = config.channels.iter().map(|channel| {
+        let circuit = &self.circuit;
+        let channels = self.channels.iter().map(|channel| {
             let force = channel.force.clone().map(|force| {
                 force
-                    .try_map(|file| pairs::load_table(&config.path(&file)))
-                    .map_err(|source| SettingsError::Table { id: channel.id.clone(), source })
+                    .try_map(|file| pairs::load_table(&self.path(&file)))
+                    .map_err(|source| SettingsError { id: channel.id.clone(), source })
             });
             let force = force.transpose()?;
             Ok(Channel { id: channel.id.clone(), zero_ohm: channel.zero_ohm, force })
         });
         Ok(Settings {
-            method: config.method(),
+            method: self.method(),
             kind: circuit.kind(),
             r_c_ohm: [circuit.r_c1.0, circuit.r_c2.0],
             nominal: Nanos::from_seconds(circuit.crossing(Node::A, circuit.r_c1).unwrap_or_default().0),
-            drain: config.drain_time(),
-            charge: config.charge_time(),
-            settle: config.settle_time(),
-            deadline: config.deadline(),
-            period: config.measure.rate_hz.map(|hertz| Nanos::from_seconds(1.0 / hertz)),
-            offset: config.offset(),
-            resolution: config.measure.resolution.unwrap_or(Nanos(1)),
-            tracked: config.is_tracked(),
-            t_l: config.measure.t_l,
-            switch_fraction: config.switch_fraction(),
+            drain: self.drain_time(),
+            charge: self.charge_time(),
+            settle: self.settle_time(),
+            deadline: self.deadline(),
+            period: self.measure.rate_hz.map(|hertz| Nanos::from_seconds(1.0 / hertz)),
+            offset: self.offset(),
+            resolution: self.measure.resolution.unwrap_or(Nanos(1)),
+            tracked: self.is_tracked(),
+            t_l: self.measure.t_l,
+            switch_fraction: self.switch_fraction(),
             channels: channels.collect::<Result<_, _>>()?,
         })
     }

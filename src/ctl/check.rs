@@ -3,7 +3,7 @@
 
 use super::{CtlError, cli, print};
 use crate::config::backend::{self, OpenError};
-use crate::config::{Backend, Config, ConfigError, Finding, SettingsError, Severity};
+use crate::config::{Backend, Config, ConfigError, Findings, SettingsError, Severity};
 use std::fmt;
 use std::path::Path;
 
@@ -28,24 +28,22 @@ pub fn check(path: &Path) -> CheckReport {
     let findings = config.as_ref().map(Config::check).unwrap_or_default();
     let mut report = CheckReport { origin: path.display().to_string(), config, findings };
     if let (true, Ok(config)) = (report.is_usable(), &report.config) {
-        report.findings.extend(force_table(config).into_iter().chain(scene(config)));
+        named_files(config, &mut report.findings);
     }
     report
 }
 
-fn force_table(config: &Config) -> Option<Finding> {
-    let SettingsError::Table { id, source } = config.settings().err()?;
-    Some(Finding::error(format!("channel.{id}.force"), source.to_string()))
-}
-
 /// Lines are tested where they may be touched.
-fn scene(config: &Config) -> Option<Finding> {
-    if config.gpio.backend != Backend::Mock {
-        return None;
+fn named_files(config: &Config, findings: &mut Findings) {
+    let mut error = |key: &str, reason: &dyn fmt::Display| findings.add(Severity::Error, key, reason, None);
+    if let Err(SettingsError { id, source }) = config.settings() {
+        error(&format!("channel.{id}.force"), &source);
     }
-    match backend::scene(config).err()? {
-        OpenError::Scene(scene) => Some(Finding::error("mock.scene", scene.to_string())),
-        other => Some(Finding::error("mock", other.to_string())),
+    let scene = (config.gpio.backend == Backend::Mock).then(|| backend::scene(config));
+    match scene {
+        Some(Err(OpenError::Scene(scene))) => error("mock.scene", &scene),
+        Some(Err(other)) => error("mock", &other),
+        Some(Ok(_)) | None => {}
     }
 }
 
@@ -54,28 +52,24 @@ fn scene(config: &Config) -> Option<Finding> {
 pub struct CheckReport {
     origin: String,
     config: Result<Config, ConfigError>,
-    findings: Vec<Finding>,
+    findings: Findings,
 }
 
 impl CheckReport {
     /// What was found in a file that could be read.
-    pub fn findings(&self) -> &[Finding] {
+    pub fn findings(&self) -> &Findings {
         &self.findings
     }
 
     /// Whether the instrument would start: no error, warnings allowed. Decides the exit status.
     pub fn is_usable(&self) -> bool {
-        self.config.is_ok() && self.count(Severity::Error) == 0
-    }
-
-    fn count(&self, severity: Severity) -> usize {
-        self.findings.iter().filter(|finding| finding.severity == severity).count()
+        self.config.is_ok() && !self.findings.has_errors()
     }
 
     /// What keeps the instrument from starting, a line each.
     pub(super) fn errors(&self) -> String {
         match &self.config {
-            Ok(_) => Finding::errors(&self.findings),
+            Ok(_) => self.findings.errors(),
             Err(error) => format!("error: {}", error.to_string().trim_end()),
         }
     }
@@ -87,10 +81,11 @@ impl fmt::Display for CheckReport {
         if self.config.is_err() {
             return writeln!(f, "{}", self.errors());
         }
-        for finding in &self.findings {
+        for finding in &self.findings.0 {
             writeln!(f, "{finding}")?;
         }
-        let (errors, warnings) = (self.count(Severity::Error), self.count(Severity::Warning));
+        let [errors, warnings] =
+            [Severity::Error, Severity::Warning].map(|severity| self.findings.of(severity).count());
         let verdict = if errors == 0 { "usable" } else { "not usable" };
         writeln!(f, "{}: {verdict}: {errors} error(s), {warnings} warning(s)", self.origin)
     }

@@ -12,6 +12,7 @@ use super::screen::Screen;
 use super::stream::{Next, Stream};
 use crate::ctl::cli;
 use crate::daemon::{Daemon, DaemonError, Loaded, Signals, StopHandle, monotonic};
+use crate::pins::sim::SimPins;
 use crate::stream::client::ClientError;
 use crate::stream::wire::ServerMessage;
 use board::Board;
@@ -28,14 +29,17 @@ pub fn run(arguments: &cli::Demo) -> Result<(), CtlError> {
     let folder = folder.map_err(|error| CtlError::System("a temporary directory for the socket", error))?;
     let socket = folder.path().join("socket");
     let board = Board::new(arguments, &socket)?;
-    let daemon = Running::start(&board)?;
+    // Two of them behave alike: one is measured, the other one tells the truth.
+    let epoch = monotonic();
+    let [measured, truth] = [(); 2].map(|()| board.simulation().paced(epoch));
+    let daemon = Running::start(&board, measured)?;
     let mut stream = Stream::connect(&socket, &[])?;
     let screen = Screen::new(stream.channels());
     let mut screen = screen.with_history(arguments.seconds.min(HISTORY_S), SAY_AFTER, "simulated  ");
-    for line in board.introduction(arguments.seconds) {
+    for line in introduction(&board, arguments) {
         screen.terminal.say(&line)?;
     }
-    let mut tally = Tally::default();
+    let mut tally = Tally::new(&board, truth);
     let until = Instant::now() + Duration::from_secs_f64(arguments.seconds);
     let is_over = || interrupt.is_set() || Instant::now() >= until;
     let shown = show(&mut stream, &mut screen, &mut tally, is_over);
@@ -44,14 +48,14 @@ pub fn run(arguments: &cli::Demo) -> Result<(), CtlError> {
     daemon.stop()?;
     let (_, stats) = stats?;
     screen.redraw()?;
-    let summary = tally.summary(&board, &stats, screen.terminal.unicode());
+    let summary = tally.summary(&stats, screen.terminal.unicode());
     summary.iter().try_for_each(|line| screen.terminal.say(line))
 }
 
 fn show(
     stream: &mut Stream,
     screen: &mut Screen,
-    tally: &mut Tally,
+    tally: &mut Tally<'_>,
     is_over: impl Fn() -> bool,
 ) -> Result<(), CtlError> {
     while !is_over() {
@@ -74,12 +78,12 @@ struct Running {
 }
 
 impl Running {
-    fn start(board: &Board) -> Result<Running, CtlError> {
+    fn start(board: &Board, pins: SimPins) -> Result<Running, CtlError> {
         let (signals, handle) =
             Signals::from_handle().map_err(|error| CtlError::System("socketpair", error))?;
         let loaded = Loaded::new(board.config.clone(), Path::new("the demo"))?;
         // Here, so that the socket is there when the client comes.
-        let mut daemon = Daemon::start_with(loaded, signals, |_| Ok(Box::new(board.pins())))?;
+        let mut daemon = Daemon::start_with(loaded, signals, |_| Ok(Box::new(pins)))?;
         let thread = thread::Builder::new().name("cermd".to_owned()).spawn(move || daemon.serve(None));
         Ok(Running { handle, thread: thread.map_err(|error| CtlError::System("thread", error))? })
     }
@@ -90,23 +94,15 @@ impl Running {
     }
 }
 
-impl Board {
-    fn introduction(&self, seconds: f64) -> [String; 3] {
-        let method = self.config.method().as_str();
-        let first = format!(
-            " {}  {}  {}, method {method}, {seconds} s, Ctrl-C ends it",
-            style("cermd demo").bold(),
-            style("simulated").yellow(),
-            self.title
-        );
-        let second = style(format!(" {}; open: untouched", self.connected)).dim().to_string();
-        [first, second, String::new()]
-    }
-
-    /// The simulated circuit, from now on.
-    fn pins(&self) -> crate::pins::sim::SimPins {
-        let now = monotonic();
-        self.epoch.set(now);
-        self.simulation().paced(now)
-    }
+fn introduction(board: &Board, arguments: &cli::Demo) -> [String; 3] {
+    let cli::Demo { scene, seconds, .. } = arguments;
+    let first = format!(
+        " {}  {}  board {scene}, method {}, {seconds} s, Ctrl-C ends it",
+        style("cermd demo").bold(),
+        style("simulated").yellow(),
+        board.config.method(),
+    );
+    let sensors =
+        if board::is_file(scene) { "the sensors of the scene" } else { "a hand pressing an FSR 402" };
+    [first, style(format!(" {sensors}; open: untouched")).dim().to_string(), String::new()]
 }

@@ -3,7 +3,6 @@
 use super::{CtlError, print};
 use crate::ctl::cli;
 use crate::pins::chardev::{self, ChipListing, LineListing};
-use serde_json::{Value, json};
 
 /// Prints. A chip that may not be opened is told on standard error.
 pub fn run(arguments: &cli::Lines) -> Result<(), CtlError> {
@@ -25,10 +24,7 @@ fn tables(chips: &[ChipListing]) -> String {
 /// A heading, then a line for each line: offset, name, direction with settings, holder.
 fn table(chip: &ChipListing) -> String {
     let name = |line: &LineListing| line.name.clone().unwrap_or_else(|| "-".to_owned());
-    let state = |line: &LineListing| {
-        let direction = if line.output { "output" } else { "input" };
-        [&[direction], line.flags.as_slice()].concat().join(" ")
-    };
+    let state = |line: &LineListing| [&[line.direction], line.flags.as_slice()].concat().join(" ");
     let width = |text: &dyn Fn(&LineListing) -> String| {
         chip.lines.iter().map(|line| text(line).chars().count()).max().unwrap_or(0)
     };
@@ -52,43 +48,29 @@ fn holder(line: &LineListing) -> String {
     }
 }
 
+/// A line of JSON for each chip; what is not known is absent.
 fn objects(chips: &[ChipListing]) -> String {
-    chips.iter().map(|chip| object(chip).to_string() + "\n").collect()
-}
-
-fn object(chip: &ChipListing) -> Value {
-    let lines: Vec<Value> = chip.lines.iter().map(line_object).collect();
-    json!({ "class": "CHIP", "name": chip.name, "label": chip.label, "path": chip.path.display().to_string(), "lines": lines })
-}
-
-/// What is not known is absent.
-fn line_object(line: &LineListing) -> Value {
-    let direction = if line.output { "output" } else { "input" };
-    let mut object =
-        json!({ "offset": line.offset, "direction": direction, "flags": line.flags, "used": line.used });
-    for (key, text) in [("name", &line.name), ("consumer", &line.consumer)] {
-        if let Some(text) = text {
-            object[key] = json!(text);
-        }
-    }
-    object
+    // Numbers and texts always serialise.
+    chips.iter().map(|chip| serde_json::to_string(chip).unwrap_or_default() + "\n").collect()
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use serde_json::{Value, json};
 
     fn chip() -> ChipListing {
-        let free = LineListing { offset: 4, name: Some("GPIO4".into()), ..LineListing::default() };
+        let input = LineListing { direction: "input", ..LineListing::default() };
+        let free = LineListing { offset: 4, name: Some("GPIO4".into()), ..input.clone() };
         let sink = LineListing {
             offset: 20,
             name: Some("GPIO20".into()),
-            output: true,
+            direction: "output",
             flags: vec!["open-drain"],
             used: true,
             consumer: Some("cermd".into()),
         };
-        let unnamed = LineListing { offset: 28, used: true, ..LineListing::default() };
+        let unnamed = LineListing { offset: 28, used: true, ..input };
         ChipListing {
             name: "gpiochip0".into(),
             label: "pinctrl-rp1".into(),

@@ -14,8 +14,6 @@ struct Row {
     id: String,
     unit: Unit,
     last: Option<ReadingLine>,
-    /// Of the last readings.
-    stamps_ns: VecDeque<i64>,
     full_n: f64,
     /// When, and how far the bar was filled; the newest last.
     history: VecDeque<(i64, Option<f64>)>,
@@ -35,7 +33,6 @@ impl Panel {
             id: info.id.clone(),
             unit: info.unit,
             last: None,
-            stamps_ns: VecDeque::new(),
             full_n: FULL_N,
             history: VecDeque::new(),
         };
@@ -81,16 +78,11 @@ impl Panel {
 
 impl Row {
     fn feed(&mut self, reading: &ReadingLine) {
-        let now = reading.t_mono_ns;
-        self.stamps_ns.push_back(now);
-        while self.stamps_ns.front().is_some_and(|first| now - first > RATE_WINDOW_NS) {
-            self.stamps_ns.pop_front();
-        }
         while reading.f_n.is_some_and(|force| force > self.full_n) {
             self.full_n *= 2.0;
         }
         self.last = Some(reading.clone());
-        self.history.push_back((now, self.share(reading)));
+        self.history.push_back((reading.t_mono_ns, self.share(reading)));
         if self.history.len() > HISTORY {
             self.history.pop_front();
         }
@@ -112,8 +104,11 @@ impl Row {
 
     /// Readings per second.
     fn rate(&self) -> Option<f64> {
-        let (first, last) = (self.stamps_ns.front()?, self.stamps_ns.back()?);
-        (last > first).then(|| (self.stamps_ns.len() - 1) as f64 * 1e9 / (last - first) as f64)
+        let (newest, _) = *self.history.back()?;
+        let since = self.history.partition_point(|(at, _)| newest - at > RATE_WINDOW_NS);
+        let (oldest, _) = *self.history.get(since)?;
+        let intervals = self.history.len() - since - 1;
+        (intervals > 0 && newest > oldest).then(|| intervals as f64 * 1e9 / (newest - oldest) as f64)
     }
 
     /// The greatest share in each of `columns` slots of the last `span_ns`; a slot without a reading is like the one

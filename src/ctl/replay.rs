@@ -7,7 +7,7 @@ use crate::estimate::offset::{Offset, SplitCalibration};
 use crate::instrument::settings::OffsetSource;
 use crate::reading::{Branch, Fault, Method, Status};
 use crate::record::Through;
-use crate::stream::tape::{Entry, Header, TapeError, TapeForce};
+use crate::stream::tape::{Entry, Header, TapeChannel, TapeError, TapeForce};
 use crate::units::{Newton, NewtonOhm};
 use serde::Serialize;
 
@@ -43,9 +43,6 @@ pub enum ReplayError {
     /// A line is wrong.
     #[error(transparent)]
     Tape(#[from] TapeError),
-    /// The tape is empty.
-    #[error("line 1: the tape is empty")]
-    Empty,
     /// The method does not belong to the circuit.
     #[error("{method} does not work on a {kind} tape; {hint}")]
     Method {
@@ -89,9 +86,9 @@ pub(crate) fn signed_ohm(
     method: Method,
     id: &str,
 ) -> Result<Vec<Result<f64, Fault>>, ReplayError> {
-    let signed = replay(header, entries, method, None, |estimator, header, channel, entry| {
-        let is_wanted = header.channels[channel].id == id;
-        is_wanted.then(|| estimator.estimate(&entry.record).map(|estimate| estimate.r_ohm.value))
+    let signed = replay(header, entries, method, None, |estimator, channel, entry| {
+        let estimate = || estimator.estimate(&entry.record).map(|estimate| estimate.r_ohm.value);
+        (channel.id == id).then(estimate)
     })?;
     Ok(signed.into_iter().flatten().collect())
 }
@@ -102,7 +99,7 @@ fn replay<T>(
     entries: &[Entry],
     method: Method,
     offset: Option<OffsetSource>,
-    mut each: impl FnMut(&Estimator, &Header, usize, &Entry) -> T,
+    each: impl Fn(&Estimator, &TapeChannel, &Entry) -> T,
 ) -> Result<Vec<T>, ReplayError> {
     let nodes = nodes_of(method, header.circuit.kind)?;
     let [r1, r2] = header.r_ohm();
@@ -119,7 +116,7 @@ fn replay<T>(
     let mut estimates = Vec::new();
     for entry in entries {
         match (entry.record.through.channel(), entry.record.switch) {
-            (Some(channel), _) => estimates.push(each(&estimator, header, channel, entry)),
+            (Some(channel), _) => estimates.push(each(&estimator, &header.channels[channel], entry)),
             // The calibration in force stays when a discharge is of no use.
             (None, None) => drop(estimator.calibrate(&entry.record)),
             (None, Some(_)) if method.is_tracked() => drop(estimator.calibrate(&entry.record)),
@@ -131,7 +128,8 @@ fn replay<T>(
 
 fn parse(text: &str) -> Result<(Header, Vec<Entry>), ReplayError> {
     let mut lines = text.lines().enumerate();
-    let (_, first) = lines.next().ok_or(ReplayError::Empty)?;
+    let empty = || TapeError { line: 1, reason: "the tape is empty".to_owned() };
+    let (_, first) = lines.next().ok_or_else(empty)?;
     let header = Header::parse(first)?;
     let mut entries: Vec<Entry> = Vec::new();
     for (index, line) in lines.filter(|(_, line)| !line.trim().is_empty()) {
@@ -182,8 +180,7 @@ fn split_offset(
     split.result()
 }
 
-fn line(estimator: &Estimator, header: &Header, channel: usize, entry: &Entry) -> Estimate {
-    let channel = &header.channels[channel];
+fn line(estimator: &Estimator, channel: &TapeChannel, entry: &Entry) -> Estimate {
     let force = channel.force.as_ref().map(force_of);
     let status = estimator.status(&entry.record, channel.zero_ohm, force.as_ref());
     let line = Estimate {

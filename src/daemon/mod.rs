@@ -13,7 +13,7 @@ mod publish;
 mod signals;
 
 use crate::config::backend::{self, AnyPins, OpenError};
-use crate::config::{Backend, Config, ConfigError, Finding, Severity};
+use crate::config::{Backend, Config, ConfigError, Findings, Severity};
 use crate::config::{SettingsError, tape_header};
 use crate::instrument::settings::Settings;
 use crate::pins::Pins;
@@ -43,12 +43,12 @@ pub enum DaemonError {
     #[error("{0}")]
     Config(#[from] ConfigError),
     /// The configuration cannot work.
-    #[error("{}: not usable\n{}", path.display(), Finding::errors(findings))]
+    #[error("{}: not usable\n{}", path.display(), findings.errors())]
     Findings {
         /// The file.
         path: PathBuf,
         /// What is wrong with it, and more.
-        findings: Vec<Finding>,
+        findings: Findings,
     },
     /// A file that it names is wrong.
     #[error(transparent)]
@@ -110,10 +110,10 @@ impl Loaded {
     /// Everything that is wrong with it, each with its remedy.
     pub fn new(config: Config, path: &Path) -> Result<Loaded, DaemonError> {
         let findings = config.check();
-        if findings.iter().any(|finding| finding.severity == Severity::Error) {
+        if findings.has_errors() {
             return Err(DaemonError::Findings { path: path.to_owned(), findings });
         }
-        for finding in findings.iter().filter(|finding| finding.severity == Severity::Warning) {
+        for finding in findings.of(Severity::Warning) {
             log::warn!("{finding}");
         }
         if config.gpio.backend == Backend::Mock {

@@ -19,7 +19,7 @@ use std::fmt::Write;
 /// What the check of the configuration says about a key, if anything.
 fn finding(board: &Board, method: Method, key: &str) -> Option<Severity> {
     let config = board.bench(method, 1000.0, 0).config.parse();
-    config.check().iter().filter(|finding| finding.key == key).map(|finding| finding.severity).min()
+    config.check().0.iter().filter(|finding| finding.key == key).map(|finding| finding.severity).min()
 }
 
 fn expect_errors(it: &mut Scenario, method: Method, errors: &Errors, predicted: f64) {

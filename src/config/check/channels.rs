@@ -1,6 +1,6 @@
 //! `[[channel]]`: names that clients can tell apart, and characteristics that are physical.
 
-use super::Findings;
+use crate::config::Findings;
 use crate::config::limits::{ABSURD_ZERO_OHM, EXPONENTS, FORCES, LARGEST_ZERO_OHM, LONGEST_ID};
 use crate::config::{ChannelTable, Force};
 use crate::pins::MAX_CHANNELS;

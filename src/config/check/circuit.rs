@@ -1,7 +1,7 @@
 //! `[circuit]`: can these parts measure at all, and would they last.
 
-use super::Findings;
 use crate::circuit::{Circuit, Defect, Network, Node};
+use crate::config::Findings;
 use crate::config::limits::{B_MARGIN, CALIBRATION_RATIO, CAPACITORS, PIN_LIMIT_A, RESISTORS, SUPPLIES};
 use crate::units::{Farad, Ohm, Quantity, Volt};
 use std::fmt::Display;

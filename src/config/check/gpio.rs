@@ -1,8 +1,8 @@
 //! `[gpio]`, `[mock]` and the sinks of the channels: is every line there, once.
 
-use super::Findings;
 use super::channels::key;
 use crate::circuit::Kind;
+use crate::config::Findings;
 use crate::config::{Backend, Config, Gpio, LineName};
 
 pub fn check(config: &Config, findings: &mut Findings) {
@@ -16,16 +16,13 @@ pub fn check(config: &Config, findings: &mut Findings) {
         findings.error("gpio.chip", "missing", remedy);
     }
     let has_node_b = config.circuit.kind() == Kind::TwoCapacitor;
-    for (key, line, need) in lines(gpio) {
-        match (line, need) {
-            (None, Need::Always) => missing(key, findings),
-            (None, Need::NodeB) if has_node_b => missing(key, findings),
-            (Some(_), Need::NodeB | Need::ChargeB) if !has_node_b => findings.warning(
-                key,
-                "not used: this circuit has no node B",
-                "kind = \"two-capacitor\", or without it",
-            ),
-            _ => {}
+    for Line { key, name, is_needed, is_of_node_b } in lines(gpio) {
+        if name.is_none() && is_needed && (has_node_b || !is_of_node_b) {
+            findings.error(key, "missing", "a line's name such as \"GPIO5\", or its offset");
+        }
+        if name.is_some() && is_of_node_b && !has_node_b {
+            let remedy = "kind = \"two-capacitor\", or without it";
+            findings.warning(key, "not used: this circuit has no node B", remedy);
         }
     }
     chargers(gpio, has_node_b, findings);
@@ -34,31 +31,30 @@ pub fn check(config: &Config, findings: &mut Findings) {
     }
 }
 
-/// When a line is needed.
-#[derive(Clone, Copy)]
-enum Need {
-    Always,
-    /// With a node B.
-    NodeB,
-    /// With or without the other one: see [`chargers`].
-    ChargeA,
-    ChargeB,
+/// A line that has a key in `[gpio]`.
+struct Line<'a> {
+    key: &'static str,
+    name: Option<&'a LineName>,
+    /// Chargers are not, or not alone: see [`chargers`].
+    is_needed: bool,
+    is_of_node_b: bool,
 }
 
-/// Every line that has a key in `[gpio]`.
-fn lines(gpio: &Gpio) -> [(&'static str, Option<&LineName>, Need); 6] {
+fn lines(gpio: &Gpio) -> [Line<'_>; 6] {
     [
-        ("gpio.sense-a", gpio.sense_a.as_ref(), Need::Always),
-        ("gpio.sense-b", gpio.sense_b.as_ref(), Need::NodeB),
-        ("gpio.charge-a", gpio.charge_a.as_ref(), Need::ChargeA),
-        ("gpio.charge-b", gpio.charge_b.as_ref(), Need::ChargeB),
-        ("gpio.sink-c1", gpio.sink_c1.as_ref(), Need::Always),
-        ("gpio.sink-c2", gpio.sink_c2.as_ref(), Need::Always),
+        ("gpio.sense-a", &gpio.sense_a, true, false),
+        ("gpio.sense-b", &gpio.sense_b, true, true),
+        ("gpio.charge-a", &gpio.charge_a, false, false),
+        ("gpio.charge-b", &gpio.charge_b, false, true),
+        ("gpio.sink-c1", &gpio.sink_c1, true, false),
+        ("gpio.sink-c2", &gpio.sink_c2, true, false),
     ]
-}
-
-fn missing(key: &str, findings: &mut Findings) {
-    findings.error(key, "missing", "a line's name such as \"GPIO5\", or its offset");
+    .map(|(key, name, is_needed, is_of_node_b)| Line {
+        key,
+        name: name.as_ref(),
+        is_needed,
+        is_of_node_b,
+    })
 }
 
 fn scene(config: &Config, findings: &mut Findings) {
@@ -90,7 +86,7 @@ fn chargers(gpio: &Gpio, has_node_b: bool, findings: &mut Findings) {
 }
 
 fn equal_lines(config: &Config, findings: &mut Findings) {
-    let own = lines(&config.gpio).into_iter().map(|(key, line, _)| (key.to_owned(), line));
+    let own = lines(&config.gpio).into_iter().map(|line| (line.key.to_owned(), line.name));
     let sinks = config.channels.iter().enumerate().map(|(i, c)| (key(i, c, "sink"), c.sink.as_ref()));
     let mut seen: Vec<(String, &LineName)> = Vec::new();
     for (key, line) in own.chain(sinks).filter_map(|(key, line)| Some((key, line?))) {

@@ -1,8 +1,8 @@
 //! `[measure]`: values that are wrong in any circuit, and methods that are wrong in this one.
 
-use super::Findings;
 use crate::circuit::Kind;
-use crate::config::limits::{LARGEST_SWITCH_FRACTION, LONGEST_WAIT};
+use crate::config::Findings;
+use crate::config::limits::{LARGEST_SWITCH_FRACTION, LONGEST_WAIT, RESOLUTIONS};
 use crate::config::{Calibration, Config, Measure};
 use crate::estimate::offset;
 use crate::instrument::settings::OffsetSource;
@@ -17,22 +17,12 @@ pub fn check(config: &Config, findings: &mut Findings) {
         findings.warning("measure.t-l", "not used: only \"cerm\" has it", "method = \"cerm\", or without it");
     }
     durations(measure, findings);
-    if measure.rate_hz.is_some_and(|rate| !rate.is_finite() || rate <= 0.0) {
-        findings.error(
-            "measure.rate-hz",
-            "not above zero",
-            "20, or without it: as fast as the circuit allows",
-        );
-    }
+    numbers(measure, findings);
     if let Some(OffsetSource::Given(d_ns)) = measure.offset {
         if !(0.0..=offset::LONGEST.as_ns()).contains(&d_ns) {
             let reason = format!("{} is not between 0 and 1 ms", Seconds(d_ns * 1e-9));
             findings.error("measure.offset", reason, "\"auto\", or \"8 us\"");
         }
-    }
-    if measure.switch_fraction.is_some_and(|fraction| !(fraction > 0.0 && fraction < LARGEST_SWITCH_FRACTION))
-    {
-        findings.error("measure.switch-fraction", "not between 0 and 1.3", "0.9");
     }
 }
 
@@ -45,9 +35,6 @@ fn calibration(measure: &Measure, kind: Kind, findings: &mut Findings) {
     {
         let reason = "not used: method \"tracked\" has a tracked calibration";
         findings.warning("measure.calibration", reason, "without it, or method = \"cerm\"");
-    }
-    if measure.resolution.is_some_and(|resolution| resolution < Nanos(1) || resolution > Nanos(1_000_000)) {
-        findings.error("measure.resolution", "not between 1 ns and 1 ms", "\"1 ns\"");
     }
 }
 
@@ -79,5 +66,21 @@ fn durations(measure: &Measure, findings: &mut Findings) {
             _ => continue,
         };
         findings.error(format!("measure.{name}"), reason, remedy);
+    }
+}
+
+fn numbers(measure: &Measure, findings: &mut Findings) {
+    let rate = measure.rate_hz.is_none_or(|rate| rate.is_finite() && rate > 0.0);
+    let resolution = measure.resolution.is_none_or(|clock| RESOLUTIONS.contains(&clock));
+    let fraction = measure.switch_fraction;
+    let fraction = fraction.is_none_or(|fraction| fraction > 0.0 && fraction < LARGEST_SWITCH_FRACTION);
+    for (name, is_right, reason, remedy) in [
+        ("rate-hz", rate, "not above zero", "20, or without it: as fast as the circuit allows"),
+        ("resolution", resolution, "not between 1 ns and 1 ms", "\"1 ns\""),
+        ("switch-fraction", fraction, "not between 0 and 1.3", "0.9"),
+    ] {
+        if !is_right {
+            findings.error(format!("measure.{name}"), reason, remedy);
+        }
     }
 }

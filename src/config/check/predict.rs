@@ -2,9 +2,9 @@
 //!
 //! Runs only for a valid circuit, an available method, and settings that are right in themselves.
 
-use super::Findings;
 use crate::circuit::Node;
 use crate::config::Config;
+use crate::config::Findings;
 use crate::config::charge::Remembered;
 use crate::config::limits::{SHORT_CHARGE, SHORTEST_PART};
 use crate::estimate::method::Switching;

@@ -1,6 +1,7 @@
 //! One test per finding: a good configuration, one thing wrong.
 
 use super::*;
+use crate::config::{Finding, Severity};
 use crate::pins::MAX_CHANNELS;
 use crate::units::{Nanos, Seconds};
 use proptest::prelude::*;
@@ -54,7 +55,7 @@ fn config(changes: &[(&str, &str)]) -> Config {
 /// The findings that are not predictions, as they are printed.
 fn complaints(config: &Config) -> Vec<String> {
     let findings = config.check();
-    findings.iter().filter(|f| f.severity != Severity::Info).map(Finding::to_string).collect()
+    findings.0.iter().filter(|f| f.severity != Severity::Info).map(Finding::to_string).collect()
 }
 
 /// Exactly one complaint, that begins as said.
@@ -79,7 +80,7 @@ fn one_force(force: &str, beginning: &str) {
 
 #[test]
 fn a_good_one_has_predictions_only() {
-    let findings: Vec<String> = config(&[]).check().iter().map(Finding::to_string).collect();
+    let findings: Vec<String> = config(&[]).check().0.iter().map(Finding::to_string).collect();
     insta::assert_snapshot!(findings.join("\n"), @r#"
     info: circuit.r-c1: through Rc1, node A after 1.14 ms, node B after 1.93 ms
     info: circuit.r-c2: through Rc2, node A after 6.16 ms, node B after 10.4 ms
@@ -93,7 +94,7 @@ fn a_good_one_has_predictions_only() {
 fn series_calibration_is_good_too() {
     let mut changes = SERIES.to_vec();
     changes.push(("\"cerm\"", "\"qerm\""));
-    let findings: Vec<String> = config(&changes).check().iter().map(Finding::to_string).collect();
+    let findings: Vec<String> = config(&changes).check().0.iter().map(Finding::to_string).collect();
     insta::assert_snapshot!(findings.join("\n"), @r#"
     info: circuit.r-c1: through Rc1, node A after 2.2 ms
     info: circuit.r-c2: through Rc1 + Rc2, node A after 14 ms
@@ -344,7 +345,7 @@ proptest! {
             ("2.2 uF", &c_a), ("680 nF", &c_b), ("2.32 kohm", &r_c1), ("12.7 kohm", &r_c2),
             ("\"cerm\"", &format!("\"{method}\"\ndeadline = \"{deadline}\"")),
         ]);
-        if config.check().iter().all(|finding| finding.severity != Severity::Error) {
+        if !config.check().has_errors() {
             let calibration = config.circuit.crossing(config.last_node(), config.circuit.r_c2);
             prop_assert!(calibration.is_some_and(|time| time.0 > 0.0 && time.0 <= config.deadline().as_seconds()));
             prop_assert!(config.charge_time() > Nanos::ZERO);

@@ -2,7 +2,7 @@
 
 use super::{latency, wiring};
 use crate::config::backend::{self, CONSUMER, OpenError};
-use crate::config::{Backend, Config, Finding};
+use crate::config::{Backend, Config, Findings, Severity};
 use crate::ctl::CtlError;
 use crate::ctl::stream::Stream;
 use crate::pins::realtime::{Realtime, Right};
@@ -12,62 +12,64 @@ use crate::pins::{Pins, PinsError};
 const FIRST_V2: (u32, u32) = (5, 10);
 
 /// Adds what there is to say of the hardware that a configuration names; answers the latencies, as text.
-pub fn check(config: &Config, findings: &mut Vec<Finding>) -> String {
+pub fn check(config: &Config, findings: &mut Findings) -> String {
     if config.gpio.backend == Backend::Mock {
         return String::new();
     }
-    findings.push(kernel(config.gpio.backend));
+    kernel(config.gpio.backend, findings);
     let realtime = Realtime::request(&config.realtime);
     match backend::open(config, crate::daemon::monotonic()) {
         Ok(mut pins) => {
-            findings.extend(rights(&realtime));
-            findings.push(Finding::info("gpio", "the chip is there, and every line can be had"));
-            let spots = pins.particulars().blind_spots.to_vec();
-            findings.extend(spots.into_iter().map(|spot| Finding::info("gpio.backend", spot)));
-            measure(&mut pins, config, findings).unwrap_or_else(|failed| {
-                findings.push(Finding::error("gpio", failed.to_string()));
+            rights(&realtime, findings);
+            findings.info("gpio", "the chip is there, and every line can be had");
+            for spot in pins.particulars().blind_spots {
+                findings.info("gpio.backend", spot);
+            }
+            return measure(&mut pins, config, findings).unwrap_or_else(|failed| {
+                findings.add(Severity::Error, "gpio", failed, None);
                 String::new()
-            })
+            });
         }
-        Err(refusal) if is_held_by_cermd(&refusal) => {
-            findings.push(ask_the_daemon(config).unwrap_or_else(|silence| {
-                Finding::error("gpio", format!("{refusal}; and at its socket: {silence}"))
-                    .try_this("`systemctl stop cermd`, then this again")
-            }));
-            String::new()
-        }
-        Err(refusal) => {
-            findings.push(Finding::error("gpio", refusal.to_string()));
-            String::new()
-        }
+        Err(OpenError::Hardware(error)) if error.is_held_by(CONSUMER) => match ask_the_daemon(config) {
+            Ok(reason) => {
+                let remedy = "`cermctl stats` for more, or `systemctl stop cermd`, then this again";
+                findings.add(Severity::Info, "gpio", reason, Some(remedy));
+            }
+            Err(silence) => {
+                let reason = format!("{error}; and at its socket: {silence}");
+                findings.error("gpio", reason, "`systemctl stop cermd`, then this again");
+            }
+        },
+        Err(refusal) => findings.add(Severity::Error, "gpio", refusal, None),
     }
+    String::new()
 }
 
-fn measure(pins: &mut impl Pins, config: &Config, findings: &mut Vec<Finding>) -> Result<String, PinsError> {
-    findings.extend(wiring::test(pins, config)?);
+fn measure(pins: &mut impl Pins, config: &Config, findings: &mut Findings) -> Result<String, PinsError> {
+    wiring::test(pins, config, findings)?;
     let (wake_ups, stamps) = (latency::wake_ups(), latency::stamps(pins, config)?);
     Ok(format!(
         "\nHow late a sleep of 1 ms ends:\n{wake_ups}How late equal crossings are stamped, after the earliest of them:\n{stamps}"
     ))
 }
 
-fn kernel(backend: Backend) -> Finding {
+fn kernel(backend: Backend, findings: &mut Findings) {
     let release = nix::sys::utsname::uname().map(|name| name.release().to_string_lossy().into_owned());
     let release = release.unwrap_or_default();
     let has_v2 = version(&release).is_none_or(|version| version >= FIRST_V2);
     match (backend, has_v2) {
-        (Backend::Chardev, false) => Finding::error(
+        (Backend::Chardev, false) => findings.error(
             "gpio.backend",
             format!("Linux {release} has no GPIO uAPI v2, which came with 5.10"),
-        )
-        .try_this("backend = \"chardev-v1\", or a newer kernel"),
-        (Backend::ChardevV1, true) => Finding::warning(
+            "backend = \"chardev-v1\", or a newer kernel",
+        ),
+        (Backend::ChardevV1, true) => findings.warning(
             "gpio.backend",
             format!("Linux {release} has GPIO uAPI v2, which notices more than v1"),
-        )
-        .try_this("backend = \"chardev\""),
-        (_, true) => Finding::info("kernel", format!("Linux {release}, GPIO uAPI v2")),
-        (_, false) => Finding::info("kernel", format!("Linux {release}, GPIO uAPI v1")),
+            "backend = \"chardev\"",
+        ),
+        (_, true) => findings.info("kernel", format!("Linux {release}, GPIO uAPI v2")),
+        (_, false) => findings.info("kernel", format!("Linux {release}, GPIO uAPI v1")),
     }
 }
 
@@ -77,37 +79,29 @@ fn version(release: &str) -> Option<(u32, u32)> {
     Some((numbers.next()?.ok()?, numbers.next()?.ok()?))
 }
 
-fn rights(realtime: &Realtime) -> Vec<Finding> {
-    let finding = |(key, outcome): (&str, Right)| match outcome {
-        Right::NotAsked => None,
-        Right::Granted => {
-            Some(Finding::info(format!("realtime.{key}"), "granted to this program as this user"))
-        }
-        Right::Denied(why) => Some(
-            Finding::warning(
-                format!("realtime.{key}"),
+fn rights(realtime: &Realtime, findings: &mut Findings) {
+    for (name, outcome) in &realtime.rights {
+        let key = format!("realtime.{name}");
+        match outcome {
+            Right::NotAsked => {}
+            Right::Granted => findings.info(key, "granted to this program as this user"),
+            Right::Denied(why) => findings.warning(
+                key,
                 format!("denied to this program as this user: {why}"),
-            )
-            .try_this("cermd's own log, or `cermctl stats`: its unit grants more"),
-        ),
-    };
-    realtime.rights.clone().into_iter().filter_map(finding).collect()
-}
-
-fn is_held_by_cermd(refusal: &OpenError) -> bool {
-    matches!(refusal, OpenError::Hardware(error) if error.is_held_by(CONSUMER))
+                "cermd's own log, or `cermctl stats`: its unit grants more",
+            ),
+        }
+    }
 }
 
 /// The daemon holds the lines: it tells how it fares.
-fn ask_the_daemon(config: &Config) -> Result<Finding, CtlError> {
+fn ask_the_daemon(config: &Config) -> Result<String, CtlError> {
     let (_, stats) = Stream::connect(&config.server.socket, &[])?.stats()?;
     let readings = stats.instrument.readings;
     let faults: u64 = stats.instrument.faults.values().sum();
-    let reason = format!(
+    Ok(format!(
         "cermd holds the lines and measures: {readings} readings, {faults} of them faults; the circuit was not tested"
-    );
-    Ok(Finding::info("gpio", reason)
-        .try_this("`cermctl stats` for more, or `systemctl stop cermd`, then this again"))
+    ))
 }
 
 #[cfg(test)]
@@ -126,17 +120,17 @@ mod tests {
     #[test]
     fn a_simulated_circuit_has_no_hardware() {
         let config = Config::parse(include_str!("../../../hw/cermd.toml"), "test").unwrap();
-        let mut findings = Vec::new();
+        let mut findings = Findings::default();
         let mock = Config { gpio: crate::config::Gpio::default(), ..config.clone() };
         assert_eq!(check(&mock, &mut findings), "");
-        assert!(findings.is_empty());
+        assert!(findings.0.is_empty());
         let missing = Config {
             gpio: crate::config::Gpio { chip: Some("no-such-chip".into()), ..config.gpio.clone() },
             ..config
         };
         assert_eq!(check(&missing, &mut findings), "");
         assert!(
-            findings.last().unwrap().to_string().starts_with("error: gpio: there is no GPIO chip"),
+            findings.0.last().unwrap().to_string().starts_with("error: gpio: there is no GPIO chip"),
             "{findings:?}"
         );
     }

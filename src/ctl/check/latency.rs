@@ -1,6 +1,5 @@
 //! How late things come on this machine: wake-ups, and the stamps of crossings, as histograms.
 
-use crate::circuit::Node;
 use crate::config::Config;
 use crate::ctl::limits::{DISCHARGES, SLEEP, WAKE_UPS};
 use crate::instrument::discharge::{self, Plan};
@@ -76,8 +75,7 @@ pub fn stamps<P: Pins>(pins: &mut P, config: &Config) -> Result<Histogram, PinsE
     let mut times_us = Vec::with_capacity(DISCHARGES);
     for _ in 0..DISCHARGES {
         if let Ok(record) = discharge::run(pins, plan)?.result {
-            let last = if plan.last == Node::A { record.a_ns } else { record.b_ns };
-            times_us.extend(last.map(|ns| ns * 1e-3));
+            times_us.extend(record.crossing(plan.last).map(|ns| ns * 1e-3));
         }
     }
     let earliest = times_us.iter().copied().fold(f64::INFINITY, f64::min);

@@ -4,11 +4,11 @@
 //! [`Board`]; only here a node is watched while nothing drives, and times are held against the printed values.
 
 use crate::circuit::{Kind, Node};
-use crate::config::{Config, Finding};
+use crate::config::{Config, Findings};
 use crate::estimate::{leak, limits};
 use crate::instrument::diagnosis::Board;
 use crate::instrument::discharge::{self, Plan};
-use crate::pins::{Drives, Levels, Pins, PinsError};
+use crate::pins::{Drives, Pins, PinsError};
 use crate::reading::{Fault, Suspect};
 use crate::record::{Record, Through};
 use crate::units::{Nanos, Ohm, Seconds};
@@ -26,30 +26,31 @@ const HELD: usize = 8;
 const SMALLEST_LEAK: f64 = 1e-7;
 /// How many predicted discharges to wait for the real one.
 const PATIENCE: f64 = 5.0;
+/// What to try after a fault of a discharge.
+const AGAIN: &str = "the same again; the kernel's log (dmesg)";
 
 /// Tests every line of the circuit; all are inputs afterwards. What cannot be told after a failure is left out.
 ///
 /// # Errors
 /// If the pins cannot be used.
-pub fn test<P: Pins>(pins: &mut P, config: &Config) -> Result<Vec<Finding>, PinsError> {
-    let mut bench = Bench { pins, config, findings: Vec::new() };
+pub fn test<P: Pins>(pins: &mut P, config: &Config, findings: &mut Findings) -> Result<(), PinsError> {
+    let circuit = &config.circuit;
+    let board = Board {
+        kind: circuit.kind(),
+        nodes: circuit.kind().nodes(),
+        r_ohm: [circuit.r_c1.0, circuit.r_second().0],
+        nominal_ns: circuit.crossing(Node::A, circuit.r_c1).unwrap_or_default().0 * 1e9,
+    };
+    let mut bench = Bench { pins, config, board, findings };
     bench.run()?;
-    bench.pins.drive(Drives::NONE)?;
-    Ok(bench.findings)
-}
-
-fn error(key: impl Into<String>, reason: impl Into<String>, remedy: impl Into<String>) -> Finding {
-    Finding::error(key, reason).try_this(remedy)
-}
-
-fn warning(key: impl Into<String>, reason: impl Into<String>, remedy: impl Into<String>) -> Finding {
-    Finding::warning(key, reason).try_this(remedy)
+    bench.pins.drive(Drives::NONE).map(drop)
 }
 
 struct Bench<'a, P> {
     pins: &'a mut P,
     config: &'a Config,
-    findings: Vec<Finding>,
+    board: Board,
+    findings: &'a mut Findings,
 }
 
 impl<P: Pins> Bench<'_, P> {
@@ -58,7 +59,7 @@ impl<P: Pins> Bench<'_, P> {
         if !self.charges()? || !self.holds(true)? {
             return Ok(());
         }
-        let second = match self.config.circuit.kind() {
+        let second = match self.board.kind {
             Kind::SeriesCalibration => Through::C12,
             _ => Through::C2,
         };
@@ -75,7 +76,7 @@ impl<P: Pins> Bench<'_, P> {
         let (Some(c1), Some(c2)) = (c1, c2) else { return Ok(()) };
         self.resistors(&c1, &c2);
         self.times(&c1, "Rc1", self.config.circuit.r_c1);
-        self.times(&c2, self.config.circuit.kind().second(), self.config.circuit.r_second());
+        self.times(&c2, self.board.kind.second(), self.config.circuit.r_second());
         self.leak()?;
         for channel in 0..self.config.channels.len() {
             self.sensor(channel, &c1, &c2)?;
@@ -83,34 +84,12 @@ impl<P: Pins> Bench<'_, P> {
         Ok(())
     }
 
-    /// The nodes of the circuit, each with the letter that its keys end in.
-    fn nodes(&self) -> impl Iterator<Item = (Node, &'static str)> + use<P> {
-        let count = 1 + usize::from(self.has_node_b());
-        [(Node::A, "a"), (Node::B, "b")].into_iter().take(count)
-    }
-
-    fn has_node_b(&self) -> bool {
-        self.config.circuit.kind() == Kind::TwoCapacitor
-    }
-
-    fn board(&self) -> Board {
-        let circuit = &self.config.circuit;
-        let nominal = circuit.crossing(Node::A, circuit.r_c1).unwrap_or_default();
-        Board {
-            kind: circuit.kind(),
-            nodes: circuit.kind().nodes(),
-            r_ohm: [circuit.r_c1.0, circuit.r_second().0],
-            nominal_ns: nominal.0 * 1e9,
-        }
-    }
-
     /// Whether the discharges through known resistors show what is wrong with the board.
     fn is_suspect(&mut self, c1: Option<Record>, c2: Option<Record>) -> bool {
         let known = [c1, c2].map(|record| record.map(|record| record.crossings()));
-        let Some(suspect) = self.board().suspect(known) else { return false };
-        let names = ["Rc1", self.config.circuit.kind().second()];
-        let taken =
-            names.iter().zip([c1, c2]).filter_map(|(name, record)| record.map(|record| (name, record)));
+        let Some(suspect) = self.board.suspect(known) else { return false };
+        let names = ["Rc1", self.board.kind.second()];
+        let taken = names.iter().zip([c1, c2]).filter_map(|(name, record)| Some((name, record?)));
         let taken: Vec<String> =
             taken.map(|(name, record)| format!("{} through {name}", times(&record))).collect();
         self.suspect(suspect, &format!("{} ({})", suspect.seen(), taken.join("; ")));
@@ -119,14 +98,7 @@ impl<P: Pins> Bench<'_, P> {
 
     /// An error that the rules for boards have found.
     fn suspect(&mut self, suspect: Suspect, reason: &str) {
-        self.findings.push(error(key(suspect), reason, format!("another {}", suspect.look())));
-    }
-
-    fn charge(&mut self) -> Result<Levels, PinsError> {
-        let charging = self.pins.drive(Drives::CHARGE)?;
-        self.pins.sleep_until(charging.after + self.config.charge_time())?;
-        self.pins.drive(Drives::NONE)?;
-        Ok(self.pins.arm()?.levels)
+        self.findings.error(key(suspect), reason, another(suspect));
     }
 
     /// Takes out what an earlier charge has left, or chargers without wires would seem to work. Through both resistors:
@@ -142,11 +114,14 @@ impl<P: Pins> Bench<'_, P> {
 
     /// Whether every node is high after a charge.
     fn charges(&mut self) -> Result<bool, PinsError> {
-        let levels = self.charge()?;
-        let time = Seconds::from(self.config.charge_time());
-        let suspects: Vec<Suspect> = self.board().uncharged(levels).collect();
+        let time = self.config.charge_time();
+        let charging = self.pins.drive(Drives::CHARGE)?;
+        self.pins.sleep_until(charging.after + time)?;
+        self.pins.drive(Drives::NONE)?;
+        let levels = self.pins.arm()?.levels;
+        let suspects: Vec<Suspect> = self.board.uncharged(levels).collect();
         for suspect in &suspects {
-            self.suspect(*suspect, &format!("{} of {time:.3}", suspect.seen()));
+            self.suspect(*suspect, &format!("{} of {:.3}", suspect.seen(), Seconds::from(time)));
         }
         Ok(suspects.is_empty())
     }
@@ -158,13 +133,13 @@ impl<P: Pins> Bench<'_, P> {
         let until = self.pins.now() + Nanos::from_seconds(time.0);
         self.pins.sleep_until(until)?;
         let levels = self.pins.levels()?;
-        let moved: Vec<_> = self.nodes().filter(|(node, _)| levels.of(*node) != high).collect();
-        for (node, letter) in &moved {
+        let mut all_hold = true;
+        for &node in self.board.nodes.iter().filter(|node| levels.of(**node) != high) {
             let reason = format!("node {node:?} {moves} by itself within {time:.3} while nothing drives");
-            let remedy = format!("another {}", suspect.look());
-            self.findings.push(error(format!("gpio.sense-{letter}"), reason, remedy));
+            self.findings.error(key(Suspect::StaysHigh(node)), reason, another(suspect));
+            all_hold = false;
         }
-        Ok(moved.is_empty())
+        Ok(all_hold)
     }
 
     /// The same after a discharge that goes on well beyond the thresholds.
@@ -178,12 +153,11 @@ impl<P: Pins> Bench<'_, P> {
 
     /// Whether discharges that are held back are shorter than those that begin at once.
     fn leak(&mut self) -> Result<(), PinsError> {
-        let circuit = &self.config.circuit;
-        let (r, timeout) = (circuit.r_c1, PATIENCE * self.config.discharge(circuit.r_c1).0);
+        let (r, timeout) = (self.config.circuit.r_c1, self.patience());
         let mut siemens = Vec::with_capacity(HELD);
         for _ in 0..HELD {
             let mut fall = |hold| {
-                let record = self.held_discharge(Through::C1, Nanos::from_seconds(timeout), hold)?;
+                let record = self.discharge(Through::C1, timeout, hold)?;
                 Ok(record.ok().and_then(|record| record.a_ns))
             };
             if let (Some(usual), Some(held)) = (fall(Nanos::ZERO)?, fall(limits::LEAK_HOLD)?) {
@@ -198,112 +172,114 @@ impl<P: Pins> Bench<'_, P> {
         {
             let leak = Ohm(1.0 / median);
             let reason = format!("charge leaks away as through {leak:.2} beside the resistors");
-            self.findings.push(warning("wiring", reason, format!("another {}", Suspect::Leak.look())));
+            self.findings.warning(key(Suspect::Leak), reason, another(Suspect::Leak));
         }
         Ok(())
     }
 
-    fn discharge(&mut self, through: Through, timeout: Nanos) -> Result<Result<Record, Fault>, PinsError> {
-        self.held_discharge(through, timeout, Nanos::ZERO)
+    /// How long to wait for the end of a discharge through a calibration resistor.
+    fn patience(&self) -> Nanos {
+        Nanos::from_seconds(PATIENCE * self.config.discharge(self.config.circuit.r_second()).0)
     }
 
-    fn held_discharge(
+    /// A discharge that is held back for so long.
+    fn discharge(
         &mut self,
         through: Through,
         timeout: Nanos,
         hold: Nanos,
     ) -> Result<Result<Record, Fault>, PinsError> {
-        let last = if self.has_node_b() { Node::B } else { Node::A };
         let plan = Plan {
             settle: self.config.settle_time() + hold,
-            ..Plan::full(through, last, self.config.charge_time(), timeout)
+            ..Plan::full(through, self.board.kind.last(), self.config.charge_time(), timeout)
         };
         Ok(discharge::run(self.pins, plan)?.result)
     }
 
     /// A discharge through a calibration resistor, whether anything falls in it or not; `None` after a fault.
     fn calibration(&mut self, through: Through) -> Result<Option<Record>, PinsError> {
-        let (key, name) = match through {
-            Through::C1 => ("gpio.sink-c1", "Rc1"),
-            _ => ("gpio.sink-c2", self.config.circuit.kind().second()),
+        let (suspect, name) = match through {
+            Through::C1 => (Suspect::FirstOpen, "Rc1"),
+            _ => (Suspect::SecondOpen, self.board.kind.second()),
         };
-        let timeout = PATIENCE * self.config.discharge(self.config.circuit.r_second()).0;
-        let result = self.discharge(through, Nanos::from_seconds(timeout))?;
+        let result = self.discharge(through, self.patience(), Nanos::ZERO)?;
         if let Err(fault) = result {
-            let reason = fault_reason(fault, name);
-            self.findings.push(error(key, reason, "the same again; the kernel's log (dmesg)"));
+            self.findings.error(key(suspect), fault_reason(fault, name), AGAIN);
         }
         Ok(result.ok())
     }
 
+    /// Crossings have to come about when the capacitors promise them.
     fn times(&mut self, record: &Record, name: &str, r: Ohm) {
-        for (node, letter) in self.nodes() {
-            let measured = if node == Node::A { record.a_ns } else { record.b_ns };
+        for &node in self.board.nodes {
             let predicted = self.config.circuit.crossing(node, r);
-            if let (Some(ns), Some(predicted)) = (measured, predicted) {
-                self.time(node, letter, name, Seconds(ns * 1e-9), predicted);
+            let Some((measured_ns, predicted)) = record.crossing(node).zip(predicted) else { continue };
+            let measured = Seconds(measured_ns * 1e-9);
+            if (1.0 / PLAUSIBLE..=PLAUSIBLE).contains(&(measured.0 / predicted.0)) {
+                continue;
             }
-        }
-    }
-
-    /// A crossing has to come about when the capacitors promise it.
-    fn time(&mut self, node: Node, letter: &str, name: &str, measured: Seconds, predicted: Seconds) {
-        let factor = measured.0 / predicted.0;
-        let reason = format!(
-            "node {node:?} falls {measured:.3} into a discharge through {name}; {predicted:.3} was predicted"
-        );
-        let key = if self.has_node_b() { format!("circuit.c-{letter}") } else { "circuit.c".to_owned() };
-        if !(1.0 / PLAUSIBLE..=PLAUSIBLE).contains(&factor) {
-            let remedy =
-                format!("{name}, the capacitors (printed value, unit), v-th; or another path to ground");
-            self.findings.push(warning(key, reason, remedy));
+            let capacitor = match (self.board.kind, node) {
+                (Kind::TwoCapacitor, Node::A) => Suspect::NoCA,
+                (Kind::TwoCapacitor, Node::B) => Suspect::NoCB,
+                _ => Suspect::NoCapacitor,
+            };
+            self.findings.warning(
+                key(capacitor),
+                format!(
+                    "node {node:?} falls {measured:.3} into a discharge through {name}; {predicted:.3} was predicted"
+                ),
+                format!("{name}, the capacitors (printed value, unit), v-th; or another path to ground"),
+            );
         }
     }
 
     /// Whether the two calibration resistors are as the configuration says.
     fn resistors(&mut self, c1: &Record, c2: &Record) {
-        let circuit = &self.config.circuit;
-        let expected = circuit.r_second().0 / circuit.r_c1.0;
+        let expected = self.board.r_ohm[1] / self.board.r_ohm[0];
         let ratio = c1.a_ns.zip(c2.a_ns).map_or(expected, |(t1, t2)| t2 / t1);
         if !(1.0 / PLAUSIBLE_RATIO..=PLAUSIBLE_RATIO).contains(&(ratio / expected)) {
-            self.findings.push(warning(
+            self.findings.warning(
                 "circuit.r-c2",
                 format!("the discharges through Rc2 and Rc1 differ by a factor of {ratio:.2}; {expected:.2} was expected"),
                 "Rc1 and Rc2 measured again; another path to ground",
-            ));
+            );
         }
         let [first, second] = [c1, c2].map(times);
-        self.findings.push(Finding::info(
+        self.findings.info(
             "wiring",
             format!("the nodes charge, hold, and fall in order: {first} through Rc1, {second} through Rc2"),
-        ));
+        );
     }
 
     /// What a sensor reads, roughly: eq. (3).
     fn sensor(&mut self, channel: usize, c1: &Record, c2: &Record) -> Result<(), PinsError> {
-        let id = &self.config.channels[channel].id;
-        let key = format!("channel.{id}.sink");
+        let key = format!("channel.{}.sink", self.config.channels[channel].id);
         let deadline = self.config.deadline();
-        let result = self.discharge(Through::X(channel), deadline)?;
-        let circuit = &self.config.circuit;
-        let crossings = (c1.a_ns, c2.a_ns, result.as_ref().ok().and_then(|record| record.a_ns));
-        self.findings.push(match (result, crossings) {
-            (Err(fault), _) => {
-                error(key, fault_reason(fault, "the sensor"), "the same again; the kernel's log (dmesg)")
+        let record = match self.discharge(Through::X(channel), deadline, Nanos::ZERO)? {
+            Ok(record) => record,
+            Err(fault) => {
+                self.findings.error(key, fault_reason(fault, "the sensor"), AGAIN);
+                return Ok(());
             }
-            (Ok(_), (Some(t1), Some(t2), Some(x))) => {
-                let span = circuit.r_second().0 - circuit.r_c1.0;
-                let r = Ohm((circuit.r_c1.0 + span * (x - t1) / (t2 - t1)).max(0.0));
-                Finding::info(key, format!("the sensor is there and reads about {r:.3}"))
-            }
-            _ => warning(
+        };
+        if let (Some(t1), Some(t2), Some(x)) = (c1.a_ns, c2.a_ns, record.a_ns) {
+            let [r1, r2] = self.board.r_ohm;
+            let r = Ohm((r1 + (r2 - r1) * (x - t1) / (t2 - t1)).max(0.0));
+            self.findings.info(key, format!("the sensor is there and reads about {r:.3}"));
+        } else {
+            self.findings.warning(
                 key,
                 format!("no discharge through the sensor within {:.3}", Seconds::from(deadline)),
                 "to press it while this runs; else the wire from the sink through the sensor to node A",
-            ),
-        });
+            );
+        }
         Ok(())
     }
+}
+
+/// Beginning with "another look".
+fn another(suspect: Suspect) -> String {
+    format!("another {}", suspect.look())
 }
 
 /// The key of the configuration that a suspect is about.

@@ -8,8 +8,7 @@ use crate::ctl::cli;
 use crate::pins::Drives;
 use crate::pins::sim::network::line_index;
 use crate::pins::sim::{Kind, Scene, Sensor, SimPins};
-use crate::units::{Farad, Nanos, Newton, NewtonOhm, Ohm, Seconds};
-use std::cell::Cell;
+use crate::units::{Farad, Newton, NewtonOhm, Ohm, Seconds};
 use std::path::{Path, PathBuf};
 
 /// The channels, as far as a hand has fingers.
@@ -21,19 +20,14 @@ const FSR_402: NewtonOhm = NewtonOhm(13_346.46);
 #[derive(Debug)]
 pub struct Board {
     pub config: Config,
-    pub title: String,
-    pub connected: String,
     scene: Scene,
     seed: Option<u64>,
-    /// When virtual time began.
-    pub epoch: Cell<Nanos>,
 }
 
 impl Board {
     /// As the command line wants it; `socket`: where it is to be served.
     pub fn new(arguments: &cli::Demo, socket: &Path) -> Result<Board, CtlError> {
-        let is_file = arguments.scene.ends_with(".toml");
-        let scene = if is_file {
+        let scene = if is_file(&arguments.scene) {
             Scene::load(Path::new(&arguments.scene))?
         } else {
             Scene::builtin(&arguments.scene)?.with_sensors(vec![hand()])?
@@ -44,15 +38,7 @@ impl Board {
             Some(kind) => scene.with_kind(*kind)?,
             None => scene,
         };
-        let connected = if is_file { "the sensors of the scene" } else { "a hand pressing an FSR 402" };
-        Ok(Board {
-            config: config(&scene, arguments, socket),
-            title: format!("board {}", arguments.scene),
-            connected: connected.to_owned(),
-            seed: arguments.seed,
-            scene,
-            epoch: Cell::new(Nanos::ZERO),
-        })
+        Ok(Board { config: config(&scene, arguments, socket), seed: arguments.seed, scene })
     }
 
     /// The circuit in virtual time. Two of them behave alike.
@@ -71,6 +57,11 @@ impl Board {
     pub fn r_o_ohm(&self) -> f64 {
         self.scene.network().r_o[line_index(Drives::C1)]
     }
+}
+
+/// Whether that is no built-in scene.
+pub fn is_file(scene: &str) -> bool {
+    scene.ends_with(".toml")
 }
 
 fn hand() -> Sensor {

@@ -16,28 +16,37 @@ const HINTS: [(&str, &str); 3] = [
     ("cermd --config FILE, cermctl watch", "on hardware; start from hw/cermd.toml"),
 ];
 
-/// What remains of a reading.
-#[derive(Debug, Clone, Copy)]
-struct Number {
-    channel: usize,
-    at: Nanos,
-    r_ohm: f64,
-    u_ohm: Option<f64>,
-}
-
 /// The readings so far.
-#[derive(Debug, Default)]
-pub struct Tally {
-    channels: Vec<String>,
-    numbers: Vec<Number>,
+pub struct Tally<'a> {
+    board: &'a Board,
+    truth: SimPins,
+    numbers: usize,
     open: usize,
     short: usize,
     faults: BTreeMap<String, usize>,
+    /// Of the numbers whose truth can be told, in units of their uncertainties.
+    errors: Vec<f64>,
     first: Option<Nanos>,
     last: Nanos,
 }
 
-impl Tally {
+impl Tally<'_> {
+    /// Nothing yet; `truth`: a circuit that behaves as the measured one.
+    pub fn new(board: &Board, truth: SimPins) -> Tally<'_> {
+        let (numbers, open, short, faults) = (0, 0, 0, BTreeMap::new());
+        Tally {
+            board,
+            truth,
+            numbers,
+            open,
+            short,
+            faults,
+            errors: Vec::new(),
+            first: None,
+            last: Nanos::ZERO,
+        }
+    }
+
     /// One more.
     pub fn add(&mut self, reading: &ReadingLine) {
         self.last = Nanos(reading.t_mono_ns);
@@ -46,45 +55,47 @@ impl Tally {
             (StatusName::Open, _) => self.open += 1,
             (StatusName::Short, _) => self.short += 1,
             (StatusName::Ok, Some(r_ohm)) => {
-                let number = Number {
-                    channel: self.index(&reading.channel),
-                    at: self.last,
-                    r_ohm,
-                    u_ohm: reading.r_u_ohm,
-                };
-                self.numbers.push(number);
+                self.numbers += 1;
+                self.errors.extend(self.error(reading, r_ohm));
             }
             _ => *self.faults.entry(reading.fault.clone().unwrap_or_default()).or_default() += 1,
         }
     }
 
-    fn index(&mut self, id: &str) -> usize {
-        self.channels.iter().position(|known| known == id).unwrap_or_else(|| {
-            self.channels.push(id.to_owned());
-            self.channels.len() - 1
-        })
+    /// The error in units of the stated uncertainty; `None` without one, and while R_x itself changes by more than the
+    /// uncertainty within a millisecond, when there is no one true value of the discharge.
+    fn error(&self, reading: &ReadingLine, r_ohm: f64) -> Option<f64> {
+        const HALF: Nanos = Nanos(500_000);
+        let channel = self.board.config.channels.iter().position(|channel| channel.id == reading.channel)?;
+        let (at, u) = (Nanos(reading.t_mono_ns), reading.r_u_ohm?);
+        let r_x = |at| self.truth.r_x(channel, at);
+        let (before, truth, after) = (r_x(at - HALF)?, r_x(at)?, r_x(at + HALF)?);
+        ((after - before).abs() < u).then_some((r_ohm - truth) / u)
     }
 
     /// The last lines of the demo.
-    pub fn summary(&self, board: &Board, stats: &StatsLine, unicode: bool) -> Vec<String> {
+    pub fn summary(&self, stats: &StatsLine, unicode: bool) -> Vec<String> {
         let stats = &stats.instrument;
-        let found = Found { is_sought: !stats.offset_known, unicode };
+        // A value with its uncertainty, and the truth; nothing for a method that does not look for it.
+        let found = |name, value: Option<f64>, u: Option<f64>, unit, truth| {
+            let truth = rough(truth, unit);
+            let text = match (value, u) {
+                (Some(value), Some(_)) => {
+                    let dim = style(format!(" found, {truth} true")).dim();
+                    format!("{}{dim}", measured(value, u, unit, unicode))
+                }
+                _ if stats.offset_known => return None,
+                _ => style(format!("still being looked for; {truth} true")).dim().to_string(),
+            };
+            Some(row(name, &text))
+        };
+        let in_us = |ns: f64| ns * 1e-3;
+        let [offset, u] = [stats.offset_ns, stats.offset_u_ns].map(|ns| ns.map(in_us));
         let mut lines = vec![String::new(), self.counts()];
         lines.extend(self.fault_names());
-        let latency_ns = board.latency_ns();
-        lines.extend(found.row(
-            "latency offset",
-            [stats.offset_ns, stats.offset_u_ns],
-            (1e-3, "us"),
-            latency_ns,
-        ));
-        lines.extend(found.row(
-            "pin resistance",
-            [stats.r_o_ohm, stats.r_o_u_ohm],
-            (1.0, "ohm"),
-            board.r_o_ohm(),
-        ));
-        lines.extend([self.honesty(board), String::new()]);
+        lines.extend(found("latency offset", offset, u, "us", in_us(self.board.latency_ns())));
+        lines.extend(found("pin resistance", stats.r_o_ohm, stats.r_o_u_ohm, "ohm", self.board.r_o_ohm()));
+        lines.extend([self.honesty(), String::new()]);
         lines.extend(
             HINTS.map(|(command, what)| format!(" {}{what}", style(format!("{command:<36}")).bold())),
         );
@@ -92,7 +103,7 @@ impl Tally {
     }
 
     fn counts(&self) -> String {
-        let (numbers, faults) = (self.numbers.len(), self.faults.values().sum::<usize>());
+        let (numbers, faults) = (self.numbers, self.faults.values().sum::<usize>());
         let count = numbers + self.open + self.short + faults;
         let seconds = self.first.map_or(0.0, |first| (self.last - first).as_seconds());
         let short = if self.short > 0 { format!(", {} short", self.short) } else { String::new() };
@@ -110,10 +121,8 @@ impl Tally {
     }
 
     /// Whether the uncertainties are true: a stated 1 sigma must hold what it promises.
-    fn honesty(&self, board: &Board) -> String {
-        let mut simulation = board.simulation();
-        let errors = self.numbers.iter().filter_map(|number| number.error(&mut simulation, board));
-        let errors: Vec<f64> = errors.collect();
+    fn honesty(&self) -> String {
+        let errors = &self.errors;
         if errors.is_empty() {
             return row("error of ohms", "too few readings at rest to tell; try --seconds 20");
         }
@@ -126,46 +135,6 @@ impl Tally {
     }
 }
 
-impl Number {
-    /// The error in units of the stated uncertainty; `None` without one, and while R_x itself changes by more than the
-    /// uncertainty within a millisecond, when there is no one true value of the discharge.
-    fn error(&self, simulation: &mut SimPins, board: &Board) -> Option<f64> {
-        const HALF: Nanos = Nanos(500_000);
-        let at = self.at - board.epoch.get();
-        let u = self.u_ohm?;
-        let [before, truth, after] =
-            [at - HALF, at, at + HALF].map(|at| simulation.r_x(self.channel, at).unwrap_or(f64::NAN));
-        ((after - before).abs() < u).then_some((self.r_ohm - truth) / u)
-    }
-}
-
 fn row(name: &str, text: &str) -> String {
     format!("   {name:<16}{text}")
-}
-
-/// What the instrument has found.
-struct Found {
-    /// Not everything yet.
-    is_sought: bool,
-    unicode: bool,
-}
-
-impl Found {
-    /// A value with its uncertainty, and the truth; nothing for a method that does not look for it.
-    fn row(
-        &self,
-        name: &str,
-        found: [Option<f64>; 2],
-        (scale, unit): (f64, &str),
-        truth: f64,
-    ) -> Option<String> {
-        let [value, u] = found.map(|number| number.map(|number| number * scale));
-        let truth = rough(truth * scale, unit);
-        if let (Some(value), Some(_)) = (value, u) {
-            let found = measured(value, u, unit, self.unicode);
-            return Some(row(name, &format!("{found}{}", style(format!(" found, {truth} true")).dim())));
-        }
-        let text = style(format!("still being looked for; {truth} true")).dim();
-        self.is_sought.then(|| row(name, &text.to_string()))
-    }
 }

@@ -4,6 +4,7 @@
 
 use super::error::{Cause, ChardevError, ChipTitles, Holder, as_io};
 use gpiocdev_uapi::{v1, v2};
+use serde::Serialize;
 use std::fs::{File, OpenOptions};
 use std::io;
 use std::path::{Path, PathBuf};
@@ -21,7 +22,8 @@ pub struct Listing {
 }
 
 /// One chip and its lines.
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+#[serde(tag = "class", rename = "CHIP")]
 pub struct ChipListing {
     /// "gpiochip0".
     pub name: String,
@@ -34,19 +36,21 @@ pub struct ChipListing {
 }
 
 /// What the kernel tells about a line (GPIO_V2_GET_LINEINFO_IOCTL).
-#[derive(Debug, Clone, PartialEq, Eq, Default)]
+#[derive(Debug, Clone, PartialEq, Eq, Default, Serialize)]
 pub struct LineListing {
     /// Its number on the chip.
     pub offset: u32,
     /// Its name, if the board gives one.
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub name: Option<String>,
-    /// Output or input. A released open-drain line counts as an output.
-    pub output: bool,
+    /// "output" or "input". A released open-drain line counts as an output.
+    pub direction: &'static str,
     /// Further settings, in the words of the kernel's documentation: "open-drain", "bias-disabled", ...
     pub flags: Vec<&'static str>,
     /// Whether it is taken.
     pub used: bool,
     /// By whom, if they gave a name.
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub consumer: Option<String>,
 }
 
@@ -228,7 +232,7 @@ impl From<v2::LineInfo> for LineListing {
         LineListing {
             offset: info.offset,
             name: text(&info.name),
-            output: info.flags.contains(F::OUTPUT),
+            direction: if info.flags.contains(F::OUTPUT) { "output" } else { "input" },
             flags: words.map(|(_, word)| *word).collect(),
             used: info.flags.contains(F::USED),
             consumer: text(&info.consumer),
@@ -277,7 +281,7 @@ mod tests {
             ..Default::default()
         };
         let line = LineListing::from(info);
-        assert!(line.output && line.used);
+        assert!(line.direction == "output" && line.used);
         assert_eq!(line.flags, ["open-drain"]);
         assert_eq!(Holder::of(line).unwrap().to_string(), "GPIO20 (\"cermd\")");
         assert_eq!(Holder::of(LineListing::default()), None);

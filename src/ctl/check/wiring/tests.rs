@@ -1,9 +1,9 @@
 //! Broken boards on the simulated circuit, and what is said of each.
 
 use super::*;
-use crate::config::Severity;
+use crate::config::{Finding, Severity};
 use crate::pins::sim::{Scene, Sensor, SimPins};
-use crate::pins::{Armed, Bracket, Edge, Particulars};
+use crate::pins::{Armed, Bracket, Edge, Levels, Particulars};
 use crate::units::Farad;
 
 const CONFIG: &str = "[circuit]\nkind = \"two-capacitor\"\nc-a = \"2.2 uF\"\nc-b = \"680 nF\"\nr-c1 = \"2.32 kohm\"\n\
@@ -47,9 +47,10 @@ fn found(board: impl FnOnce(&mut Scene), cut: Drives) -> Vec<Finding> {
     board(&mut scene);
     let config = Config::parse(CONFIG, "test").unwrap();
     let mut pins = Cut(SimPins::new(&scene, None), cut);
-    let findings = test(&mut pins, &config).unwrap();
+    let mut findings = Findings::default();
+    test(&mut pins, &config, &mut findings).unwrap();
     assert_eq!(pins.0.conflicts(), 0);
-    findings
+    findings.0
 }
 
 /// The only error or warning, as a sentence.
@@ -84,7 +85,9 @@ fn what_an_earlier_charge_has_left_does_not_pass_for_chargers() {
     let charging = pins.drive(Drives::CHARGE).unwrap();
     pins.sleep_until(charging.after + config.charge_time()).unwrap();
     pins.drive(Drives::NONE).unwrap();
-    let findings = test(&mut Cut(pins, Drives::CHARGE), &config).unwrap();
+    let mut findings = Findings::default();
+    test(&mut Cut(pins, Drives::CHARGE), &config, &mut findings).unwrap();
+    let findings = findings.0;
     says(&findings[0].to_string(), &["error: gpio.charge-a", "low after the charge"]);
 }
 
