@@ -291,11 +291,11 @@ impl ValueEnum for Method {
 }
 
 fn seconds(text: &str) -> Result<f64, String> {
-    positive(text, 1e9).ok_or_else(|| "a number of seconds above 0, such as 2.5".to_owned())
+    positive(text).ok_or_else(|| "a number of seconds above 0, such as 2.5".to_owned())
 }
 
 fn hertz(text: &str) -> Result<f64, String> {
-    positive(text, 1e9).ok_or_else(|| "a number of hertz above 0, such as 10".to_owned())
+    positive(text).ok_or_else(|| "a number of hertz above 0, such as 10".to_owned())
 }
 
 fn ohm(text: &str) -> Result<f64, String> {
@@ -307,8 +307,8 @@ fn ohm(text: &str) -> Result<f64, String> {
     }
 }
 
-fn positive(text: &str, limit: f64) -> Option<f64> {
-    text.parse().ok().filter(|value| *value > 0.0 && *value <= limit)
+fn positive(text: &str) -> Option<f64> {
+    text.parse().ok().filter(|value| *value > 0.0 && *value <= 1e9)
 }
 
 fn offset(text: &str) -> Result<OffsetSource, String> {

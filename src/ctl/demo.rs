@@ -48,7 +48,7 @@ pub fn run(arguments: &cli::Demo) -> Result<(), CtlError> {
     daemon.stop()?;
     let (_, stats) = stats?;
     screen.redraw()?;
-    let summary = tally.summary(&stats, screen.terminal.unicode());
+    let summary = tally.summary(&stats, screen.terminal.unicode);
     summary.iter().try_for_each(|line| screen.terminal.say(line))
 }
 

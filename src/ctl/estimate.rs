@@ -3,21 +3,16 @@
 use super::{CtlError, print};
 use crate::ctl::cli;
 use crate::ctl::replay;
-use std::io::Read;
 use std::path::Path;
+use std::{fs, io};
 
 /// Prints the estimates, or says which line is wrong.
 pub fn run(arguments: &cli::Estimate) -> Result<(), CtlError> {
     let path = &arguments.tape;
     let is_stdin = path == Path::new("-");
     let name = if is_stdin { Path::new("standard input") } else { path };
-    let mut text = String::new();
-    let read = if is_stdin {
-        std::io::stdin().lock().read_to_string(&mut text)
-    } else {
-        std::fs::File::open(path).and_then(|mut file| file.read_to_string(&mut text))
-    };
-    read.map_err(CtlError::file(name))?;
+    let text = if is_stdin { io::read_to_string(io::stdin()) } else { fs::read_to_string(path) };
+    let text = text.map_err(CtlError::file(name))?;
     let estimates = replay::estimate(&text, arguments.method, arguments.offset)
         .map_err(|source| CtlError::Tape { path: name.to_owned(), source })?;
     for estimate in estimates {

@@ -12,7 +12,7 @@ use crate::stream::wire::{ReadingLine, Request, ServerMessage};
 /// Prints, in the order of the configuration.
 pub fn run(arguments: &cli::Get) -> Result<(), CtlError> {
     let mut stream = Stream::connect(&arguments.connection.socket, &arguments.channels)?;
-    let mut panel = Panel::new(stream.channels(), Terminal::new().unicode());
+    let mut panel = Panel::new(stream.channels(), Terminal::new().unicode);
     let wanted: Vec<String> = stream.channels().map(|channel| channel.id.clone()).collect();
     stream.request(&Request::Poll)?;
     let mut last: Vec<Option<(String, ReadingLine)>> = vec![None; wanted.len()];

@@ -3,8 +3,9 @@
 //! Time is that of the readings.
 
 use super::limits::{BAR_COLUMNS, BAR_OHM, FULL_N, HISTORY, HISTORY_COLUMNS, RATE_WINDOW_NS};
-use super::text::{bar, measured, rough, sparkline};
+use super::text::{bar, sparkline};
 use crate::stream::wire::{ChannelInfo, ReadingLine, StatusName, Unit};
+use crate::units::{measured, rough};
 use console::{Alignment, Style, measure_text_width, pad_str, style, truncate_str};
 use std::collections::VecDeque;
 

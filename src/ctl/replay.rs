@@ -37,28 +37,15 @@ pub struct Estimate {
     f_min_n: Option<f64>,
 }
 
-/// Why a tape cannot be estimated from.
+/// Why a tape cannot be estimated from, and what to do.
 #[derive(Debug, thiserror::Error)]
-pub enum ReplayError {
-    /// A line is wrong.
-    #[error(transparent)]
-    Tape(#[from] TapeError),
-    /// The method does not belong to the circuit.
-    #[error("{method} does not work on a {kind} tape; {hint}")]
-    Method {
-        /// The method asked for.
-        method: &'static str,
-        /// The circuit of the tape.
-        kind: &'static str,
-        /// Which methods do.
-        hint: String,
-    },
-    /// d is needed and nowhere to be found.
-    #[error(
-        "{0} needs the latency offset, and the tape has neither offset_ns nor enough split calibration discharges; \
-         give it with --offset, e.g. --offset \"8 us\""
-    )]
-    Offset(&'static str),
+#[error("{0}")]
+pub struct ReplayError(String);
+
+impl From<TapeError> for ReplayError {
+    fn from(error: TapeError) -> ReplayError {
+        ReplayError(error.to_string())
+    }
 }
 
 /// The estimates of a whole tape, or the first thing that is wrong with it. `offset`: where d comes from; `None`: from the
@@ -108,8 +95,12 @@ fn replay<T>(
         (Some(OffsetSource::Given(d_ns)), _) | (None, Some(d_ns)) => Offset::given(d_ns),
         // It cancels in the equations of these, or is part of what is tracked.
         _ if !method.needs_offset() => Offset::default(),
-        _ => split_offset(new(Offset::default()), [r1, r2], nodes, entries)
-            .ok_or(ReplayError::Offset(method.as_str()))?,
+        _ => split_offset(new(Offset::default()), [r1, r2], nodes, entries).ok_or_else(|| {
+            ReplayError(format!(
+                "{method} needs the latency offset, and the tape has neither offset_ns nor enough split calibration \
+                 discharges; give it with --offset, e.g. --offset \"8 us\""
+            ))
+        })?,
     };
     let mut estimator =
         if method.is_tracked() { Estimator::tracked(method, r1, r2, nodes) } else { new(offset) };
@@ -153,8 +144,9 @@ fn nodes_of(method: Method, kind: Kind) -> Result<usize, ReplayError> {
     }
     let names: Vec<&str> = Method::on(kind).map(Method::as_str).collect();
     let (last, others) = names.split_last().unwrap_or((&"", &[]));
-    let hint = format!("take {} or {last}", others.join(", "));
-    Err(ReplayError::Method { method: method.as_str(), kind: kind.as_str(), hint })
+    let others = others.join(", ");
+    let kind = kind.as_str();
+    Err(ReplayError(format!("{method} does not work on a {kind} tape; take {others} or {last}")))
 }
 
 fn split_offset(

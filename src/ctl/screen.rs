@@ -23,7 +23,7 @@ impl Screen {
     /// Of these channels; every reading, and no history.
     pub fn new<'a>(channels: impl Iterator<Item = &'a ChannelInfo>) -> Screen {
         let terminal = Terminal::new();
-        let panel = Panel::new(channels, terminal.unicode());
+        let panel = Panel::new(channels, terminal.unicode);
         Screen { terminal, panel, history_s: None, plain: (Duration::ZERO, ""), shown: None }
     }
 
@@ -34,18 +34,18 @@ impl Screen {
 
     /// Begins anew with other channels.
     pub fn restart<'a>(&mut self, channels: impl Iterator<Item = &'a ChannelInfo>) {
-        self.panel = Panel::new(channels, self.terminal.unicode());
+        self.panel = Panel::new(channels, self.terminal.unicode);
     }
 
     /// Takes a reading, and shows it when it is time.
     pub fn feed(&mut self, reading: &ReadingLine) -> Result<(), CtlError> {
         self.panel.feed(reading);
-        let (pause, prefix) = if self.terminal.is_live() { (REDRAW_AFTER, "") } else { self.plain };
+        let (pause, prefix) = if self.terminal.is_live { (REDRAW_AFTER, "") } else { self.plain };
         if self.shown.is_some_and(|shown| shown.elapsed() < pause) {
             return Ok(());
         }
         self.shown = Some(Instant::now());
-        if self.terminal.is_live() {
+        if self.terminal.is_live {
             return self.redraw();
         }
         match self.panel.plain(&reading.channel) {
@@ -56,7 +56,7 @@ impl Screen {
 
     /// Brings live lines up to date, whether something came or not.
     pub fn redraw(&mut self) -> Result<(), CtlError> {
-        if !self.terminal.is_live() {
+        if !self.terminal.is_live {
             return Ok(());
         }
         let width = self.terminal.width();

@@ -4,9 +4,9 @@
 
 use super::stream::Stream;
 use super::terminal::Terminal;
-use super::text::measured;
 use super::{CtlError, print};
 use crate::ctl::cli;
+use crate::units::measured;
 use serde_json::{Map, Value};
 
 /// Prints.
@@ -17,7 +17,7 @@ pub fn run(arguments: &cli::Stats) -> Result<(), CtlError> {
     }
     let mut stats: Map<String, Value> = serde_json::from_str(&line).unwrap_or_default();
     stats.remove("class");
-    print(&table(&stats, Terminal::new().unicode()))
+    print(&table(&stats, Terminal::new().unicode))
 }
 
 /// The fields that are known, in the order in which a person asks; later releases have more.

@@ -11,8 +11,10 @@ const USUAL_WIDTH: u16 = 80;
 #[derive(Debug)]
 pub struct Terminal {
     out: Term,
-    is_live: bool,
-    unicode: bool,
+    /// Whether lines can be rewritten in place.
+    pub is_live: bool,
+    /// Whether there are more characters than those of ASCII.
+    pub unicode: bool,
     /// Columns of each line that the next [`draw`](Terminal::draw) writes over.
     drawn: Vec<usize>,
 }
@@ -23,16 +25,6 @@ impl Terminal {
         let out = Term::buffered_stdout();
         let is_live = out.is_term() && !console::is_dumb();
         Terminal { out, is_live, unicode: speaks_utf8(), drawn: Vec::new() }
-    }
-
-    /// Whether lines can be rewritten in place.
-    pub fn is_live(&self) -> bool {
-        self.is_live
-    }
-
-    /// Whether there are more characters than those of ASCII.
-    pub fn unicode(&self) -> bool {
-        self.unicode
     }
 
     /// Columns.

@@ -1,7 +1,5 @@
 //! Numbers as people read them: values with their uncertainties and units, bars, and sparklines.
 
-pub use crate::units::{measured, rough};
-
 /// A bar of `width` columns, filled to a share of 0 to 1, to an eighth of a column: what is full, and what is empty.
 pub fn bar(share: f64, width: usize, unicode: bool) -> (String, String) {
     const EIGHTHS: [&str; 8] = ["", "▏", "▎", "▍", "▌", "▋", "▊", "▉"];

@@ -18,10 +18,7 @@ pub fn run(arguments: &cli::Watch) -> Result<(), CtlError> {
     let mut stream = connect(arguments)?;
     let mut screen = Screen::new(stream.channels());
     loop {
-        match arguments.json {
-            true => follow_json(&mut stream, &interrupt)?,
-            false => follow(&mut screen, &mut stream, &interrupt)?,
-        }
+        follow(arguments.json, &mut screen, &mut stream, &interrupt)?;
         if interrupt.is_set() {
             return Ok(());
         }
@@ -59,27 +56,23 @@ fn is_passing(error: &ClientError) -> bool {
     matches!(error, NoSocket(_) | NobodyThere(_) | Closed | TimedOut(_) | Io(_))
 }
 
-/// Shows readings until the connection ends.
-fn follow(screen: &mut Screen, stream: &mut Stream, interrupt: &Interrupt) -> Result<(), CtlError> {
+/// Shows readings, or prints lines, until the connection ends.
+fn follow(
+    json: bool,
+    screen: &mut Screen,
+    stream: &mut Stream,
+    interrupt: &Interrupt,
+) -> Result<(), CtlError> {
     while !interrupt.is_set() {
-        match stream.next()? {
+        // A program reads a refusal as it reads every other line.
+        let next = if json { stream.next_line() } else { stream.next() };
+        match next? {
+            Next::Line(line, _) if json => print(&(line + "\n"))?,
             Next::Line(_, ServerMessage::Reading(reading)) => screen.feed(&reading)?,
             // The channels have changed.
             Next::Line(_, ServerMessage::Version(_)) => screen.restart(stream.channels()),
-            Next::Line(..) => {}
-            Next::Quiet => screen.redraw()?,
-            Next::Ended => break,
-        }
-    }
-    Ok(())
-}
-
-/// Prints lines until the connection ends.
-fn follow_json(stream: &mut Stream, interrupt: &Interrupt) -> Result<(), CtlError> {
-    while !interrupt.is_set() {
-        match stream.next_line()? {
-            Next::Line(line, _) => print(&(line + "\n"))?,
-            Next::Quiet => {}
+            Next::Quiet if !json => screen.redraw()?,
+            Next::Line(..) | Next::Quiet => {}
             Next::Ended => break,
         }
     }
@@ -88,7 +81,7 @@ fn follow_json(stream: &mut Stream, interrupt: &Interrupt) -> Result<(), CtlErro
 
 /// Where the readings do not go, so that they stay readings.
 fn note(arguments: &cli::Watch, screen: &mut Screen, text: &str) -> Result<(), CtlError> {
-    if screen.terminal.is_live() && !arguments.json {
+    if screen.terminal.is_live && !arguments.json {
         screen.terminal.say(&style(format!(" {text}")).yellow().to_string())
     } else {
         eprintln!("cermctl: {text}");

@@ -76,17 +76,16 @@ fn zero(index: usize, channel: &ChannelTable, findings: &mut Findings) {
 }
 
 fn force(key: &str, characteristic: &Force, findings: &mut Findings) {
-    let positive = |value: f64| value.is_finite() && value > 0.0;
     let fault = match characteristic {
-        Force::Calibrated { fc1, fc2 } if !(positive(fc2.0) && fc1 > fc2) => Some((
+        Force::Calibrated { fc1, fc2 } if !(fc2.0 > 0.0 && fc1 > fc2) => Some((
             format!("fc1 = {fc1} at the lower resistance has to exceed fc2 = {fc2}, and both be above zero"),
             "the greater force as fc1",
         )),
-        Force::Alpha(alpha) if !positive(alpha.0) => Some((
+        Force::Alpha(alpha) if alpha.0 <= 0.0 => Some((
             format!("alpha = {alpha} is not above zero"),
             "alpha = \"13346 N ohm\", usual for an FSR 402",
         )),
-        Force::PowerLaw { at_1_kohm, exponent } if !(positive(at_1_kohm.0) && positive(*exponent)) => Some((
+        Force::PowerLaw { at_1_kohm, exponent } if !(at_1_kohm.0 > 0.0 && *exponent > 0.0) => Some((
             format!("at-1-kohm = {at_1_kohm} and exponent = {exponent} have to be above zero"),
             "{ at-1-kohm = \"13.3 N\", exponent = 1.0 }",
         )),

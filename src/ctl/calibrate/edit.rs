@@ -31,7 +31,8 @@ pub fn update(path: &Path, id: &str, value: &Value) -> Result<PathBuf, CtlError>
     let real = fs::canonicalize(path).map_err(CtlError::file(path))?;
     let folder = real.parent().unwrap_or(Path::new("/"));
     let text = fs::read_to_string(&real).map_err(CtlError::file(&real))?;
-    let stamp = stamp();
+    // Part of file names: `20261121T034000Z`.
+    let stamp = Timestamp::now().strftime("%Y%m%dT%H%M%SZ").to_string();
     let table_name = format!("force-{}-{stamp}.csv", file_name(id));
     let edited = edit(&text, id, value, &table_name)
         .map_err(|reason| nothing(format!("{}: {reason}; nothing was changed", path.display())))?;
@@ -146,11 +147,6 @@ fn csv(pairs: &[Pair]) -> String {
 /// A channel's id as part of a file name.
 fn file_name(id: &str) -> String {
     id.chars().map(|c| if c.is_ascii_alphanumeric() { c } else { '_' }).collect()
-}
-
-/// Now, as part of a file name: `20261121T034000Z`.
-fn stamp() -> String {
-    Timestamp::now().strftime("%Y%m%dT%H%M%SZ").to_string()
 }
 
 #[cfg(test)]

@@ -6,9 +6,9 @@ use super::{CtlError, Target, Value, nothing, plot, wait_for};
 use crate::circuit::Circuit;
 use crate::config::{PairsError, pairs};
 use crate::ctl::cli::{Force, Model};
-use crate::ctl::text::measured;
 use crate::estimate::fit::{self, Fit, Pair};
 use crate::stream::wire::{ReadingLine, ServerMessage, StatusName};
+use crate::units::measured;
 use serde::Serialize;
 use std::collections::BTreeMap;
 use std::fmt::Write;
@@ -154,8 +154,8 @@ fn report(fit: &Fit, pairs: &[Pair], circuit: &Circuit) -> String {
 
 /// The same for a machine; what is not known is absent.
 #[derive(Serialize)]
+#[serde(tag = "class", rename = "FORCE")]
 struct ForceLine {
-    class: &'static str,
     channel: String,
     relative_rms: f64,
     pairs: Vec<PairLine>,
@@ -188,7 +188,6 @@ impl ForceLine {
         }
         let line = |pair: &Pair| PairLine { f_n: pair.f_n, r_ohm: pair.r_ohm, residual: fit.residual(*pair) };
         ForceLine {
-            class: "FORCE",
             channel: target.id.clone(),
             relative_rms: fit.relative_rms(pairs),
             pairs: pairs.iter().map(line).collect(),

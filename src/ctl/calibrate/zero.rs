@@ -8,18 +8,18 @@ use crate::config::LARGEST_ZERO_OHM;
 use crate::ctl::cli::Zero;
 use crate::ctl::replay;
 use crate::ctl::stream::Stream;
-use crate::ctl::text::measured;
 use crate::estimate::fit;
 use crate::reading::Method;
 use crate::record::Through;
 use crate::stream::tape::{Entry, Header};
 use crate::stream::wire::ServerMessage;
+use crate::units::measured;
 use serde::Serialize;
 
 /// The result for a machine.
 #[derive(Serialize)]
+#[serde(tag = "class", rename = "ZERO")]
 struct ZeroLine<'a> {
-    class: &'static str,
     channel: &'a str,
     zero_ohm: f64,
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -43,7 +43,6 @@ pub fn run(arguments: &Zero, reference_ohm: f64) -> Result<(), CtlError> {
     let text = measured(zero_ohm, mean.u, "ohm", false);
     target.say(&format!("{}: zero {text}, from {} discharges", target.id, numbers.len()))?;
     let result = ZeroLine {
-        class: "ZERO",
         channel: &target.id,
         zero_ohm,
         zero_u_ohm: mean.u,

@@ -47,7 +47,8 @@ pub fn check(config: &Config, findings: &mut Findings) -> String {
 
 fn measure(pins: &mut impl Pins, config: &Config, findings: &mut Findings) -> Result<String, PinsError> {
     wiring::test(pins, config, findings)?;
-    let (wake_ups, stamps) = (latency::wake_ups(), latency::stamps(pins, config)?);
+    let wake_ups = latency::histogram(&latency::wake_ups());
+    let stamps = latency::histogram(&latency::stamps(pins, config)?);
     Ok(format!(
         "\nHow late a sleep of 1 ms ends:\n{wake_ups}How late equal crossings are stamped, after the earliest of them:\n{stamps}"
     ))

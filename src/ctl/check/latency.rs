@@ -5,7 +5,6 @@ use crate::ctl::limits::{DISCHARGES, SLEEP, WAKE_UPS};
 use crate::instrument::discharge::{self, Plan};
 use crate::pins::{Pins, PinsError};
 use crate::record::Through;
-use std::fmt;
 use std::thread;
 use std::time::Instant;
 
@@ -15,59 +14,46 @@ const COLUMNS: usize = UPTO_US.len() + 1;
 /// The longest bar, in characters.
 const WIDTH: usize = 40;
 
-/// Latencies, in columns from 1 us to 500 us and beyond.
-#[derive(Debug, Clone, PartialEq, Eq, Default)]
-pub struct Histogram {
-    counts: [usize; COLUMNS],
-}
-
-impl Histogram {
-    /// Counts one latency.
-    pub fn add(&mut self, late_us: f64) {
-        let column = UPTO_US.iter().position(|upto| late_us < *upto).unwrap_or(COLUMNS - 1);
-        self.counts[column] += 1;
+/// Latencies, us, as a line for each column from the first to the last that is not empty.
+pub fn histogram(late_us: &[f64]) -> String {
+    let mut counts = [0; COLUMNS];
+    for late_us in late_us {
+        counts[column(*late_us)] += 1;
     }
+    let used = || (0..COLUMNS).filter(|column| counts[*column] > 0);
+    let (Some(first), Some(last)) = (used().next(), used().last()) else {
+        return "  none was seen\n".to_owned();
+    };
+    let most = used().map(|column| counts[column]).max().unwrap_or(1);
+    let line = |column: usize| {
+        let upto = UPTO_US.get(column);
+        let name = upto.map_or("     and later ".to_owned(), |upto| format!("  below {upto:>4} us "));
+        let bar = "#".repeat((counts[column] * WIDTH).div_ceil(most));
+        format!("{name}{:>5} {bar}\n", counts[column])
+    };
+    (first..=last).map(line).collect()
 }
 
-impl fmt::Display for Histogram {
-    /// A line for each column from the first to the last that is not empty.
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let most = self.counts.iter().max().copied().unwrap_or(0);
-        if most == 0 {
-            return writeln!(f, "  none was seen");
-        }
-        let first = self.counts.iter().position(|count| *count > 0).unwrap_or(0);
-        let last = self.counts.iter().rposition(|count| *count > 0).unwrap_or(0);
-        for column in first..=last {
-            let count = self.counts[column];
-            match UPTO_US.get(column) {
-                Some(upto) => write!(f, "  below {upto:>4} us ")?,
-                None => write!(f, "     and later ")?,
-            }
-            let bar = "#".repeat((count * WIDTH).div_ceil(most));
-            writeln!(f, "{count:>5} {bar}")?;
-        }
-        Ok(())
-    }
+fn column(late_us: f64) -> usize {
+    UPTO_US.iter().position(|upto| late_us < *upto).unwrap_or(UPTO_US.len())
 }
 
-/// How late the calling thread wakes up.
-pub fn wake_ups() -> Histogram {
-    let mut histogram = Histogram::default();
-    for _ in 0..WAKE_UPS {
+/// How late the calling thread wakes up, us.
+pub fn wake_ups() -> Vec<f64> {
+    let late_us = |_| {
         let due = Instant::now() + SLEEP;
         thread::sleep(SLEEP);
-        histogram.add(due.elapsed().as_secs_f64() * 1e6);
-    }
-    histogram
+        due.elapsed().as_secs_f64() * 1e6
+    };
+    (0..WAKE_UPS).map(late_us).collect()
 }
 
-/// How much later than the earliest one the last crossings of equal discharges (through Rc1) are stamped: jitter, not
+/// How much later than the earliest one the last crossings of equal discharges (through Rc1) are stamped, us: jitter, not
 /// the constant part, which calibration finds.
 ///
 /// # Errors
 /// If the pins cannot be used.
-pub fn stamps<P: Pins>(pins: &mut P, config: &Config) -> Result<Histogram, PinsError> {
+pub fn stamps<P: Pins>(pins: &mut P, config: &Config) -> Result<Vec<f64>, PinsError> {
     let plan = Plan {
         settle: config.settle_time(),
         ..Plan::full(Through::C1, config.last_node(), config.charge_time(), config.deadline())
@@ -79,9 +65,7 @@ pub fn stamps<P: Pins>(pins: &mut P, config: &Config) -> Result<Histogram, PinsE
         }
     }
     let earliest = times_us.iter().copied().fold(f64::INFINITY, f64::min);
-    let mut histogram = Histogram::default();
-    times_us.iter().for_each(|time| histogram.add(time - earliest));
-    Ok(histogram)
+    Ok(times_us.iter().map(|time| time - earliest).collect())
 }
 
 #[cfg(test)]
@@ -91,13 +75,11 @@ mod tests {
 
     #[test]
     fn columns_are_shown_from_the_first_to_the_last_in_use() {
-        let mut histogram = Histogram::default();
-        [1.5, 3.0, 3.0, 4.9, 30.0, 1e6].into_iter().for_each(|late| histogram.add(late));
-        let text = histogram.to_string();
+        let text = histogram(&[1.5, 3.0, 3.0, 4.9, 30.0, 1e6]);
         assert_eq!(text.lines().count(), 9, "{text}");
         assert!(text.lines().nth(1).unwrap().ends_with(&"#".repeat(WIDTH)), "{text}");
         assert!(text.contains("below   10 us     0 \n"), "{text}");
-        assert_eq!(Histogram::default().to_string(), "  none was seen\n");
+        assert_eq!(histogram(&[]), "  none was seen\n");
     }
 
     #[test]
@@ -109,7 +91,8 @@ mod tests {
             stamps(&mut SimPins::new(&Scene::builtin(name).unwrap(), Some(crate::seed::seed(1))), &config)
                 .unwrap()
         };
-        assert_eq!(of("ideal").counts[0], DISCHARGES);
-        assert!(of("pi4").counts[0] < DISCHARGES / 2);
+        let at_once = |name| of(name).into_iter().filter(|late_us| column(*late_us) == 0).count();
+        assert_eq!(at_once("ideal"), DISCHARGES);
+        assert!(at_once("pi4") < DISCHARGES / 2);
     }
 }

@@ -1,11 +1,10 @@
 //! What the demo has shown, in a few lines: counts, what the instrument has found out about itself, and, because the
 //! circuit is simulated, the truth beside it.
 
-use super::super::text::{measured, rough};
 use super::board::Board;
 use crate::pins::sim::SimPins;
 use crate::stream::wire::{ReadingLine, StatsLine, StatusName};
-use crate::units::Nanos;
+use crate::units::{Nanos, measured, rough};
 use console::{Style, style};
 use std::collections::BTreeMap;
 
