@@ -138,24 +138,6 @@ pub enum Suspect {
 }
 
 impl Suspect {
-    /// Every suspect.
-    pub const ALL: [Suspect; 14] = [
-        Suspect::Uncharged(Node::A),
-        Suspect::Uncharged(Node::B),
-        Suspect::FirstOpen,
-        Suspect::SecondOpen,
-        Suspect::BothOpen,
-        Suspect::StaysHigh(Node::A),
-        Suspect::StaysHigh(Node::B),
-        Suspect::NodesSwapped,
-        Suspect::ResistorsSwapped,
-        Suspect::NoCA,
-        Suspect::NoCB,
-        Suspect::NoCapacitor,
-        Suspect::Leak,
-        Suspect::Pull,
-    ];
-
     /// What was seen.
     pub fn seen(self) -> &'static str {
         self.texts().0

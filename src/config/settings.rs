@@ -4,7 +4,7 @@ use super::Config;
 use crate::circuit::Node;
 use crate::config;
 use crate::estimate::force::{Force, Table, TableError};
-use crate::instrument::settings::{Channel, OffsetSource, Settings};
+use crate::instrument::settings::{Channel, Settings};
 use crate::stream::tape::{Header, TapeChannel, TapeCircuit, TapeForce};
 use crate::units::Nanos;
 
@@ -48,9 +48,9 @@ impl Config {
             settle: config.settle_time(),
             deadline: config.deadline(),
             period: config.measure.rate_hz.map(|hertz| Nanos::from_seconds(1.0 / hertz)),
-            offset: match config.offset() {
-                config::Offset::Auto => OffsetSource::Auto,
-                config::Offset::Fixed(d) => OffsetSource::Given(d.as_ns()),
+            offset_ns: match config.offset() {
+                config::Offset::Auto => None,
+                config::Offset::Fixed(d) => Some(d.as_ns()),
             },
             resolution: config.measure.resolution.unwrap_or(Nanos(1)),
             tracked: config.is_tracked(),
@@ -70,10 +70,7 @@ pub fn tape_header(settings: &Settings, found_ns: Option<f64>) -> Header {
         zero_ohm: channel.zero_ohm,
         force: channel.force.as_ref().and_then(tape_force),
     };
-    let offset_ns = match settings.offset {
-        OffsetSource::Given(d_ns) => Some(d_ns),
-        OffsetSource::Auto => found_ns,
-    };
+    let offset_ns = settings.offset_ns.or(found_ns);
     let circuit = TapeCircuit { kind: settings.kind, r_c1_ohm, r_c2_ohm };
     Header::new(circuit, offset_ns, settings.channels.iter().map(channel).collect())
 }

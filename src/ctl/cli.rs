@@ -4,8 +4,8 @@
 //! done with them.
 
 use crate::ctl::replay::TapeOffset;
-use crate::estimate::offset;
 use crate::reading::Method;
+use crate::record::LONGEST_LATENCY;
 use crate::units::{Nanos, Ohm};
 use clap::builder::PossibleValue;
 use clap::{Args, Parser, Subcommand, ValueEnum};
@@ -327,7 +327,7 @@ fn offset(text: &str) -> Result<TapeOffset, String> {
         return Ok(TapeOffset::Auto);
     }
     let d: Nanos = text.parse().map_err(|error| format!("{error}; or auto"))?;
-    if d.0.abs() >= offset::LONGEST.0 {
+    if d.0.abs() >= LONGEST_LATENCY.0 {
         return Err("a latency is below 1 ms, such as 8 us".to_owned());
     }
     Ok(TapeOffset::Given(d.as_ns()))

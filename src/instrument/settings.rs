@@ -19,15 +19,6 @@ pub struct Channel {
     pub force: Option<Force>,
 }
 
-/// Where the latency offset comes from.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub enum OffsetSource {
-    /// Split calibration.
-    Auto,
-    /// Given, ns.
-    Given(f64),
-}
-
 /// Everything that the measuring thread needs to know.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Settings {
@@ -49,8 +40,8 @@ pub struct Settings {
     pub deadline: Nanos,
     /// From the start of one cycle to the next; `None`: at once.
     pub period: Option<Nanos>,
-    /// The latency offset, where the calibration is not tracked.
-    pub offset: OffsetSource,
+    /// The latency offset, ns, where the calibration is not tracked; `None`: found by split calibration.
+    pub offset_ns: Option<f64>,
     /// Period of the clock that stamps crossings.
     pub resolution: Nanos,
     /// The calibration is followed over many readings instead of taken anew for each.

@@ -3,8 +3,8 @@
 use super::Findings;
 use crate::circuit::Kind;
 use crate::config::{Calibration, Config, Measure, Offset};
-use crate::estimate::offset;
 use crate::reading::Method;
+use crate::record::LONGEST_LATENCY;
 use crate::units::{Nanos, Seconds};
 
 /// A longer wait is a slip of a prefix.
@@ -16,7 +16,7 @@ pub fn check(config: &Config, findings: &mut Findings) {
     let measure = &config.measure;
     method(measure.method, config.circuit.kind(), findings);
     calibration(measure, config.circuit.kind(), findings);
-    if measure.t_l.is_some() && !config.method().rules().has_time_limit() {
+    if measure.t_l.is_some() && !config.method().rules().has_time_limit {
         findings.warning("measure.t-l", "not used: only \"cerm\" has it", "method = \"cerm\", or without it");
     }
     durations(measure, findings);
@@ -28,7 +28,7 @@ pub fn check(config: &Config, findings: &mut Findings) {
         );
     }
     if let Some(Offset::Fixed(d)) = measure.offset {
-        if d < Nanos::ZERO || d > offset::LONGEST {
+        if d < Nanos::ZERO || d > LONGEST_LATENCY {
             findings.error(
                 "measure.offset",
                 format!("{} is not between 0 and 1 ms", Seconds::from(d)),
@@ -58,9 +58,9 @@ fn calibration(measure: &Measure, kind: Kind, findings: &mut Findings) {
 }
 
 fn method(method: Option<Method>, kind: Kind, findings: &mut Findings) {
-    let Some(method) = method.filter(|method| !method.rules().circuits().contains(&kind)) else { return };
+    let Some(method) = method.filter(|method| !method.rules().circuits.contains(&kind)) else { return };
     let kinds: Vec<String> =
-        method.rules().circuits().iter().map(|kind| format!("\"{}\"", kind.as_str())).collect();
+        method.rules().circuits.iter().map(|kind| format!("\"{}\"", kind.as_str())).collect();
     findings.error(
         "measure.method",
         format!("\"{}\" needs kind = {}", method.as_str(), kinds.join(" or ")),

@@ -15,7 +15,7 @@
 //! What is nearly symmetric is the distribution of y, not that of R_x: where y is no longer known to a sixth of itself, the
 //! sensor is `open` above a bound.
 
-use super::{Dual, Kind, Node, Rules, Scale, Switching, Times, tcdic, tpcm};
+use super::{Kind, Node, Rules, Switching, tcdic, tpcm};
 use crate::estimate::law::{D, R_O, Route, State};
 use crate::estimate::limits::{BEYOND_NOISE, COVERAGE, DOUBT, RESOLVED};
 use crate::estimate::motion::Evidence;
@@ -24,27 +24,14 @@ use crate::estimate::tracker::{Tracker, bilinear, quadratic};
 use crate::reading::{Branch, Fault};
 use crate::record::Switch;
 
-/// The method. Until there is a state, both calibration discharges give readings in closed form.
-#[derive(Debug)]
-pub struct Tracked;
-
-impl Rules for Tracked {
-    fn circuits(&self) -> &'static [Kind] {
-        &[Kind::TwoCapacitor, Kind::OneCapacitor]
-    }
-
-    fn switching(&self) -> Switching {
-        Switching::WhereBest
-    }
-
-    fn ratio(&self, times: &Times<Dual>, _: Branch) -> Option<Dual> {
-        tcdic::ratio(times).or_else(|| tpcm::ratio(times, Node::A))
-    }
-
-    fn evidence(&self, times: &Times<Dual>, branch: Branch, scale: &Scale<'_>) -> Option<Evidence> {
-        tcdic::evidence(times, scale).or_else(|| tpcm::Tpcm.evidence(times, branch, scale))
-    }
-}
+/// What it decides. Until there is a state, both calibration discharges give readings in closed form.
+pub(super) const RULES: Rules = Rules {
+    circuits: &[Kind::TwoCapacitor, Kind::OneCapacitor],
+    switching: Switching::WhereBest,
+    ratio: |times, _| tcdic::ratio(times).or_else(|| tpcm::ratio(times, Node::A)),
+    evidence: |times, _, scale| tcdic::evidence(times, scale).or_else(|| tpcm::evidence(times)),
+    ..Rules::USUAL
+};
 
 /// An x discharge as it is used.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -157,9 +157,8 @@ fn a_planned_switch_is_timed_by_the_entries_of_the_calls() {
 
 #[test]
 fn what_is_lost_has_a_name() {
-    let result = |edges: &[_], levels| {
-        run(&mut Script { levels, ..Script::new(edges) }, plan(None)).unwrap().result
-    };
+    let result =
+        |edges: &[_], levels| run(&mut Script { levels, ..Script::new(edges) }, plan(None)).unwrap().result;
     let (high, low) = (Levels { a: true, b: true }, Levels { a: false, b: false });
     let b_high = Levels { a: false, b: true };
     assert_eq!(result(&[(Node::A, 50_000, 12, 5)], high), Err(Fault::CoalescedEdge));
@@ -279,5 +278,8 @@ fn what_ended_early_is_drained_before_the_charge() {
     let mut pins = Script { now: -701_500, ..Script::new(&[A, B]) };
     assert!(run(&mut pins, Plan { drain: Nanos(700_000), ..plan(None) }).unwrap().result.is_ok());
     let log = pins.log.join("|");
-    assert!(log.starts_with("drive c1|sleep -500|drive charge-a+charge-b|sleep 1001500|drive none|"), "{log}");
+    assert!(
+        log.starts_with("drive c1|sleep -500|drive charge-a+charge-b|sleep 1001500|drive none|"),
+        "{log}"
+    );
 }
