@@ -10,13 +10,8 @@ struct Script {
     now: i64,
     call_ns: i64,
     on: Drives,
-    /// One answer for each wait; `None`, as after the last of them: nothing until its end.
-    edges: VecDeque<Option<Edge>>,
-    /// After the charge, and after that.
-    charged: Levels,
+    edges: VecDeque<Edge>,
     levels: Levels,
-    /// By how much the start is later than asked for.
-    late_ns: i64,
     log: Vec<String>,
     fail_at: Option<&'static str>,
     panic_at: Option<&'static str>,
@@ -27,9 +22,11 @@ impl Script {
     fn new(edges: &[(Node, i64, u32, u32)]) -> Script {
         let edges = edges
             .iter()
-            .map(|(node, at, seqno, line_seqno)| {
-                let at = Nanos(START_BEFORE + 500 + at);
-                Some(Edge { node: *node, at, seqno: *seqno, line_seqno: *line_seqno })
+            .map(|(node, at, seqno, line_seqno)| Edge {
+                node: *node,
+                at: Nanos(START_BEFORE + 500 + at),
+                seqno: *seqno,
+                line_seqno: *line_seqno,
             })
             .collect();
         let high = Levels { a: true, b: true };
@@ -38,9 +35,7 @@ impl Script {
             call_ns: 1000,
             on: Drives::NONE,
             edges,
-            charged: high,
             levels: high,
-            late_ns: 0,
             log: vec![],
             fail_at: None,
             panic_at: None,
@@ -66,7 +61,6 @@ impl Pins for Script {
         self.call(format!("drive {on}"))?;
         let lines = self.on.without(on).count() + on.without(self.on).count();
         self.on = on;
-        self.now += if on == Drives::x(2) { self.late_ns } else { 0 };
         let before = Nanos(self.now);
         self.now += self.call_ns * i64::from(lines + 1) / 2;
         Ok(Bracket { before, after: Nanos(self.now) })
@@ -74,11 +68,11 @@ impl Pins for Script {
     fn arm(&mut self) -> Result<Armed, PinsError> {
         self.call("arm".to_owned())?;
         assert_eq!(self.now, START_BEFORE - 100_000);
-        Ok(Armed { levels: self.charged, seqno: 10, line_seqno: [4, u32::MAX] })
+        Ok(Armed { levels: self.levels, seqno: 10, line_seqno: [4, u32::MAX] })
     }
     fn edge(&mut self, until: Nanos) -> Result<Option<Edge>, PinsError> {
         self.call("edge".to_owned())?;
-        let edge = self.edges.pop_front().flatten();
+        let edge = self.edges.pop_front();
         self.now = self.now.max(edge.map_or(until.0, |edge| edge.at.0));
         Ok(edge)
     }
@@ -135,7 +129,7 @@ fn of_many_discharges_each_is_released_by_the_next_charge() {
     assert_eq!(pins.on, Drives::x(2));
     // Three lines are switched at first, one more than from rest.
     pins.now = -500;
-    pins.charged = Levels { a: true, b: false };
+    pins.levels = Levels { a: true, b: false };
     assert_eq!(run_on(&mut pins, plan(None)).unwrap().result, Err(Fault::NoCharge));
     assert!(pins.log.join("|").contains("edge|edge|drive charge-a+charge-b"));
     assert_eq!(pins.on, Drives::NONE, "after a fault nothing sinks");
@@ -157,8 +151,29 @@ fn a_planned_switch_is_timed_by_the_entries_of_the_calls() {
 
 #[test]
 fn what_is_lost_has_a_name() {
-    let result =
-        |edges: &[_], levels| run(&mut Script { levels, ..Script::new(edges) }, plan(None)).unwrap().result;
+    let result = |edges: &[_], levels| {
+        let mut pins = Script { levels, ..Script::new(edges) };
+        // Armed with both nodes high, whatever is read after the time-out.
+        let (mut discharge, mut action) = Discharge::new(plan(None));
+        while action != Action::Done {
+            action = discharge.handle(match action {
+                Action::Arm => Event::Armed(Armed {
+                    levels: Levels { a: true, b: true },
+                    seqno: 10,
+                    line_seqno: [4, u32::MAX],
+                }),
+                Action::Drive(on) => Event::Drove(pins.drive(on).unwrap()),
+                Action::Sleep(at) | Action::Rest(at) => {
+                    pins.sleep_until(at).unwrap();
+                    Event::Slept
+                }
+                Action::WaitEdge { until, .. } => Event::Edge(pins.edge(until).unwrap()),
+                Action::ReadLevels => Event::Levels(pins.levels().unwrap()),
+                Action::Done => unreachable!(),
+            });
+        }
+        discharge.result()
+    };
     let (high, low) = (Levels { a: true, b: true }, Levels { a: false, b: false });
     let b_high = Levels { a: false, b: true };
     assert_eq!(result(&[(Node::A, 50_000, 12, 5)], high), Err(Fault::CoalescedEdge));
@@ -195,7 +210,7 @@ fn a_node_that_chatters_for_ever_does_not_make_the_wait_last_for_ever() {
 
 #[test]
 fn an_uncharged_node_and_a_slow_call_are_faults() {
-    let mut pins = Script { charged: Levels { a: true, b: false }, ..Script::new(&[A, B]) };
+    let mut pins = Script { levels: Levels { a: true, b: false }, ..Script::new(&[A, B]) };
     assert_eq!(run(&mut pins, plan(None)).unwrap().result, Err(Fault::NoCharge));
     assert!(!pins.log.contains(&"drive x2".to_owned()));
     let mut pins = Script::new(&[A, B]);
@@ -220,13 +235,19 @@ fn a_crossing_that_is_known_before_is_rested_for() {
 
 #[test]
 fn a_charge_that_was_left_alone_for_too_long_is_not_used() {
-    // The call that releases the chargers takes 1.5 us of it.
-    let started = |pause: Nanos| {
-        let mut pins = Script { late_ns: pause.0 - 1500, ..Script::new(&[A, B]) };
-        run(&mut pins, plan(None)).unwrap().result
+    let start = |late: i64| {
+        let (mut discharge, _) = Discharge::new(plan(None));
+        let drove = |at: i64| Event::Drove(Bracket { before: Nanos(at), after: Nanos(at + 1000) });
+        discharge.handle(drove(0));
+        discharge.handle(Event::Slept);
+        discharge.handle(drove(1_000_000));
+        let levels = Levels { a: true, b: true };
+        discharge.handle(Event::Armed(Armed { levels, seqno: 10, line_seqno: [4, u32::MAX] }));
+        discharge.handle(Event::Slept);
+        discharge.handle(drove(1_000_000 + plan(None).settle.0 + late))
     };
-    assert!(started(LONGEST_PAUSE).is_ok());
-    assert_eq!(started(LONGEST_PAUSE + Nanos(1)), Err(Fault::WideBracket));
+    assert!(matches!(start(LONGEST_PAUSE.0), Action::WaitEdge { .. }));
+    assert_eq!(start(LONGEST_PAUSE.0 + 1), Action::Done);
 }
 
 #[test]
@@ -264,22 +285,47 @@ fn every_line_is_released_after_an_error_or_a_panic_anywhere() {
 
 #[test]
 fn a_discharge_that_does_not_end_is_finished_through_another_resistor() {
-    let mut pins = Script::new(&[(Node::A, 5_050_000, 11, 5), (Node::B, 5_060_000, 12, 0)]);
-    pins.edges.push_front(None);
-    let record = run(&mut pins, Plan { limit: Some(Through::C1), ..plan(None) }).unwrap().result.unwrap();
+    let deadline = START_BEFORE + 5_000_000;
+    let mut pins = Script::new(&[]);
+    pins.levels = Levels { a: true, b: true };
+    let limited = Plan { limit: Some(Through::C1), ..plan(None) };
+    let (mut discharge, mut action) = Discharge::new(limited);
+    let mut waits = 0;
+    while action != Action::Done {
+        action = discharge.handle(match action {
+            Action::Arm => Event::Armed(pins.arm().unwrap()),
+            Action::Drive(on) => Event::Drove(pins.drive(on).unwrap()),
+            Action::Sleep(at) | Action::Rest(at) => {
+                pins.sleep_until(at).unwrap();
+                Event::Slept
+            }
+            Action::WaitEdge { until, .. } => {
+                waits += 1;
+                if waits == 2 {
+                    let at = |ns| Nanos(deadline + ns);
+                    pins.edges.push_back(Edge { node: Node::A, at: at(50_000), seqno: 11, line_seqno: 5 });
+                    pins.edges.push_back(Edge { node: Node::B, at: at(60_000), seqno: 12, line_seqno: 0 });
+                }
+                Event::Edge(pins.edge(until).unwrap())
+            }
+            Action::ReadLevels => Event::Levels(pins.levels().unwrap()),
+            Action::Done => unreachable!(),
+        });
+    }
+    let record = discharge.result().unwrap();
     assert_eq!(record.switch, Some(Switch { at_ns: 5_000_000.0, on_ns: 5_001_000.0, to: Through::C1 }));
-    assert_eq!((record.a_ns, record.b_ns), (Some(5_050_000.0), Some(5_060_000.0)));
-    assert_eq!(record.waited_ns, None);
+    assert_eq!((record.a_ns, record.b_ns), (Some(5_049_500.0), Some(5_059_500.0)));
 }
 
 #[test]
 fn what_ended_early_is_drained_before_the_charge() {
-    // Three lines are switched after the drain, one more than from rest.
-    let mut pins = Script { now: -701_500, ..Script::new(&[A, B]) };
-    assert!(run(&mut pins, Plan { drain: Nanos(700_000), ..plan(None) }).unwrap().result.is_ok());
-    let log = pins.log.join("|");
-    assert!(
-        log.starts_with("drive c1|sleep -500|drive charge-a+charge-b|sleep 1001500|drive none|"),
-        "{log}"
-    );
+    let mut pins = Script::new(&[A, B]);
+    let (mut discharge, action) = Discharge::new(Plan { drain: Nanos(700_000), ..plan(None) });
+    assert_eq!(action, Action::Drive(Drives::C1));
+    let drained = discharge.handle(Event::Drove(pins.drive(Drives::C1).unwrap()));
+    assert_eq!(drained, Action::Rest(Nanos(1000 + 700_000)));
+    assert_eq!(discharge.handle(Event::Slept), Action::Drive(Drives::CHARGE));
+    let charging = Bracket { before: Nanos(701_000), after: Nanos(702_500) };
+    assert_eq!(discharge.handle(Event::Drove(charging)), Action::Rest(Nanos(1_702_500)));
+    assert_eq!(discharge.handle(Event::Slept), Action::Drive(Drives::NONE));
 }
