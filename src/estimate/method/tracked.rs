@@ -237,8 +237,6 @@ struct Weighed {
     own: Covariance,
     all: Covariance,
     inverse: Covariance,
-    /// What weights that were learned add to the variance.
-    learned: f64,
 }
 
 impl Weighed {
@@ -269,21 +267,25 @@ impl Weighed {
         let information = inverse.of(through_ns[0], through_ns[1]);
         let weights = inverse.times(through_ns).map(|weight| weight / information);
         let y = weights[0] * missing[0] + weights[1] * missing[1];
-        let both = nodes.iter().all(Option::is_some);
-        let learned = if both { tracker.noise().of_learned_weights() } else { 1.0 };
-        Some(Weighed { y, weights, through_ns, missing, rows, own, all, inverse, learned })
+        Some(Weighed { y, weights, through_ns, missing, rows, own, all, inverse })
     }
 
     fn fit(&self, state: &State, branch: Branch, nodes: &[Option<Equation>; 2]) -> Option<Fit> {
         let Weighed { y, weights, through_ns: through, missing, rows, .. } = *self;
         let left = [0, 1].map(|node| missing[node] - through[node] * y);
         let misfit = self.inverse.of(left[0], left[1]);
+<<<<<<< HEAD
         let contradicts = misfit > BEYOND_NOISE * BEYOND_NOISE;
         // A late stamp that the other node is too noisy to refute is doubted as far as it may be one. Over two stretches of the
         // discharge a sensor that moves looks the same: that is for `motion` to tell.
         let is_one_stretch = through[0] == through[1];
         let doubt = if is_one_stretch && !contradicts && misfit > DOUBT * DOUBT { misfit } else { 1.0 };
         let u_siemens = (doubt * self.learned / self.inverse.of(through[0], through[1])).sqrt();
+=======
+        // A late stamp that the other node is too noisy to refute is doubted as far as it may be one.
+        let doubt = if misfit > DOUBT * DOUBT { misfit } else { 1.0 };
+        let u_siemens = (doubt / self.inverse.of(through[0], through[1])).sqrt();
+>>>>>>> parent of eab5c81 (tracked: weights that were learned from few discharges cost accuracy, and the uncertainty says so)
         let own = self.own.inverse(nodes.map(|node| node.is_some()))?;
         let evidence = match nodes {
             [Some(_), Some(_)] => self.evidence_of_two(state[R_O]),
