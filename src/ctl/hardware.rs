@@ -21,7 +21,7 @@ pub fn check(config: &Config, findings: &mut Vec<Finding>) -> String {
     }
     findings.push(kernel(config.gpio.backend));
     let realtime = Realtime::request(&config.realtime);
-    match backend::open(config, crate::daemon::monotonic()) {
+    match backend::open(config, crate::pins::monotonic()) {
         Ok(mut pins) => {
             findings.extend(rights(&realtime));
             findings.push(info("gpio", "the chip is there, and every line can be had"));

@@ -16,7 +16,7 @@ use crate::config::backend::{self, AnyPins, OpenError};
 use crate::config::{Backend, Config, ConfigError, Finding, Severity};
 use crate::config::{SettingsError, tape_header};
 use crate::instrument::settings::Settings;
-use crate::pins::Pins;
+use crate::pins::{Pins, clock, monotonic};
 use crate::stream::server::{Limits, ListenError, Listener, Server};
 use crate::stream::tape::Header;
 use crate::units::Nanos;
@@ -24,7 +24,7 @@ use heartbeat::Heartbeat;
 use limits::LOOK_AFTER;
 use measuring::Measuring;
 use nix::poll::{PollFd, PollFlags, PollTimeout, poll};
-use nix::time::{ClockId, clock_gettime};
+use nix::time::ClockId;
 use publish::Known;
 use sd_notify::NotifyState;
 pub use signals::{Signals, StopHandle};
@@ -79,16 +79,6 @@ fn errors_of(findings: &[Finding]) -> String {
 
 fn system(call: &'static str) -> impl Fn(io::Error) -> DaemonError {
     move |source| DaemonError::System { call, source }
-}
-
-/// `CLOCK_MONOTONIC` now.
-pub fn monotonic() -> Nanos {
-    clock(ClockId::CLOCK_MONOTONIC)
-}
-
-fn clock(id: ClockId) -> Nanos {
-    // These two clocks exist on every Linux; the call cannot fail with a valid buffer.
-    clock_gettime(id).map_or(Nanos::ZERO, |time| Nanos(time.tv_sec() * 1_000_000_000 + time.tv_nsec()))
 }
 
 /// A configuration that has passed its check, with every file that it names.

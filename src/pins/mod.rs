@@ -47,6 +47,8 @@
 
 use crate::circuit::Node;
 use crate::units::Nanos;
+use nix::sys::time::TimeValLike;
+use nix::time::{ClockId, clock_gettime};
 use std::fmt;
 
 pub mod chardev;
@@ -197,6 +199,16 @@ pub struct Edge {
     pub seqno: u32,
     /// Counts the events of this line from 1; a gap shows an event lost to a full buffer. Wraps.
     pub line_seqno: u32,
+}
+
+/// `CLOCK_MONOTONIC` now; through the vDSO, without entering the kernel.
+pub fn monotonic() -> Nanos {
+    clock(ClockId::CLOCK_MONOTONIC)
+}
+
+/// Reads a clock. One that Linux always has: it cannot fail.
+pub(crate) fn clock(id: ClockId) -> Nanos {
+    clock_gettime(id).map_or(Nanos::ZERO, |time| Nanos(time.num_nanoseconds()))
 }
 
 /// The later of two numbers that wrap.

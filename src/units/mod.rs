@@ -10,7 +10,7 @@ pub use quantity::{
     Ampere, Farad, Hertz, Newton, NewtonOhm, Ohm, ParseQuantityError, Quantity, Seconds, Volt,
 };
 
-use serde::{Deserialize, Deserializer, Serialize, Serializer};
+use serde::{Deserialize, Deserializer};
 use std::fmt;
 use std::ops::{Add, Sub};
 use std::str::FromStr;
@@ -75,12 +75,6 @@ impl FromStr for Nanos {
     /// Reads a duration such as `3 ms`, rounded to the nearest nanosecond.
     fn from_str(text: &str) -> Result<Nanos, ParseQuantityError> {
         text.parse::<Seconds>().map(Nanos::from)
-    }
-}
-
-impl Serialize for Nanos {
-    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        Seconds::from(*self).serialize(serializer)
     }
 }
 

@@ -99,36 +99,23 @@ fn mask(lines: &Lines, set: Drives) -> u64 {
     playing.fold(0, |mask, (bit, _)| mask | 1 << bit)
 }
 
-/// The calls that a change of drive lines takes.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub(super) struct Switching {
-    values: [LineValues; 2],
-    count: usize,
-}
-
-impl Switching {
-    /// From one set of driving lines to another: nothing, one call if the request order releases before it drives,
-    /// else two. Only the lines that change are named.
-    pub fn plan(lines: &Lines, from: Drives, to: Drives) -> Switching {
-        let released = mask(lines, from.without(to));
-        let driven = mask(lines, to.without(from));
-        let chargers = mask(lines, Drives::CHARGE);
-        // Open drain: 1 is released, 0 sinks. Open source: 1 charges, 0 is released.
-        let release = LineValues { bits: released & !chargers, mask: released };
-        let drive = LineValues { bits: driven & chargers, mask: driven };
-        let both = LineValues { bits: release.bits | drive.bits, mask: released | driven };
-        let in_order = released == 0 || driven == 0 || released.ilog2() < driven.trailing_zeros();
-        match (both.mask, in_order) {
-            (0, _) => Switching::default(),
-            (_, true) => Switching { values: [both, LineValues::default()], count: 1 },
-            (_, false) => Switching { values: [release, drive], count: 2 },
-        }
-    }
-
-    /// To be made in this order.
-    pub fn calls(&self) -> &[LineValues] {
-        &self.values[..self.count]
-    }
+/// The calls that a change from one set of driving lines to another takes, in order: none, one if the request order
+/// releases before it drives, else two. Only the lines that change are named.
+pub(super) fn switching(lines: &Lines, from: Drives, to: Drives) -> impl Iterator<Item = LineValues> {
+    let released = mask(lines, from.without(to));
+    let driven = mask(lines, to.without(from));
+    let chargers = mask(lines, Drives::CHARGE);
+    // Open drain: 1 is released, 0 sinks. Open source: 1 charges, 0 is released.
+    let release = LineValues { bits: released & !chargers, mask: released };
+    let drive = LineValues { bits: driven & chargers, mask: driven };
+    let both = LineValues { bits: release.bits | drive.bits, mask: released | driven };
+    let in_order = released == 0 || driven == 0 || released.ilog2() < driven.trailing_zeros();
+    let calls = match (both.mask, in_order) {
+        (0, _) => [None, None],
+        (_, true) => [Some(both), None],
+        (_, false) => [Some(release), Some(drive)],
+    };
+    calls.into_iter().flatten()
 }
 
 #[cfg(test)]
@@ -166,7 +153,7 @@ mod tests {
     fn walk(
         lines: &Lines,
         mut driving: Drives,
-        calls: &[LineValues],
+        calls: impl Iterator<Item = LineValues>,
         mut seen: impl FnMut(Drives),
     ) -> Drives {
         for call in calls {
@@ -233,7 +220,7 @@ mod tests {
     #[test]
     fn one_call_where_the_order_permits_two_where_not() {
         let lines = lines(&wiring());
-        let calls = |from, to| Switching::plan(&lines, from, to).calls().len();
+        let calls = |from, to| switching(&lines, from, to).count();
         let x = Drives::x(0);
         for (from, to, expected) in [
             (Drives::NONE, Drives::CHARGE, 1),
@@ -263,10 +250,9 @@ mod tests {
             .collect();
         for from in &sets {
             for to in &sets {
-                let plan = Switching::plan(&lines, *from, *to);
                 let mut driven_one = false;
                 let mut last = *from;
-                let end = walk(&lines, *from, plan.calls(), |now| {
+                let end = walk(&lines, *from, switching(&lines, *from, *to), |now| {
                     assert!(!now.conflicts(), "{from} to {to} passes through {now}");
                     assert_ne!(now, last, "{from} to {to} touches a line that does not change");
                     let releases = now.count() < last.count();

@@ -1,7 +1,7 @@
 //! One sense line of uAPI v1, with its stamps and its count of edges.
 
 use crate::circuit::Node;
-use crate::pins::chardev::wait::{clock, monotonic};
+use crate::pins::{clock, monotonic};
 use crate::units::Nanos;
 use gpio_cdev::LineEventHandle;
 use nix::fcntl::{FcntlArg, OFlag, fcntl};
