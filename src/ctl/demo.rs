@@ -56,7 +56,7 @@ impl Running {
             Signals::from_handle().map_err(|error| CtlError::System("socketpair", error))?;
         let loaded = Loaded::new(board.config.clone(), Path::new("the demo"))?;
         // Here, so that the socket is there when the client comes.
-        let mut daemon = Daemon::start_with(loaded, signals, |_| Ok(Box::new(board.pins())))?;
+        let mut daemon = Daemon::start(loaded, signals, |_| Ok(Box::new(board.pins())))?;
         let thread = thread::Builder::new().name("cermd".to_owned()).spawn(move || daemon.serve(None));
         Ok(Running { handle, thread: thread.map_err(|error| CtlError::System("thread", error))? })
     }

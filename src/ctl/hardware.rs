@@ -27,7 +27,7 @@ pub fn check(config: &Config, findings: &mut Vec<Finding>) -> String {
             findings.push(info("gpio", "the chip is there, and every line can be had"));
             let spots = pins.particulars().blind_spots.to_vec();
             findings.extend(spots.into_iter().map(|spot| info("gpio.backend", spot)));
-            measure(&mut pins, config, findings).unwrap_or_else(|failed| {
+            measure(&mut *pins, config, findings).unwrap_or_else(|failed| {
                 findings.push(error("gpio", failed.to_string()));
                 String::new()
             })
@@ -47,7 +47,7 @@ pub fn check(config: &Config, findings: &mut Vec<Finding>) -> String {
 }
 
 fn measure(
-    pins: &mut impl Pins,
+    pins: &mut dyn Pins,
     config: &Config,
     findings: &mut Vec<Finding>,
 ) -> Result<String, crate::pins::PinsError> {

@@ -16,7 +16,7 @@ use crate::config::backend::{self, AnyPins, OpenError};
 use crate::config::{Backend, Config, ConfigError, Finding, Severity};
 use crate::config::{SettingsError, tape_header};
 use crate::instrument::settings::Settings;
-use crate::pins::{Pins, clock, monotonic};
+use crate::pins::{clock, monotonic};
 use crate::stream::server::{Limits, ListenError, Listener, Server};
 use crate::stream::tape::Header;
 use crate::units::Nanos;
@@ -117,11 +117,6 @@ impl Loaded {
         let settings = config.settings()?;
         Ok(Loaded { tape_header: tape_header(&settings, None), settings, config })
     }
-
-    /// The configuration.
-    pub fn config(&self) -> &Config {
-        &self.config
-    }
 }
 
 /// Runs until SIGTERM or SIGINT; SIGHUP reads the file again.
@@ -131,8 +126,7 @@ impl Loaded {
 pub fn run(path: &Path) -> Result<(), DaemonError> {
     let signals = Signals::new().map_err(system("signals"))?;
     let loaded = Loaded::load(path)?;
-    let mut daemon = Daemon::start(loaded, signals)?;
-    daemon.serve(Some(path))
+    Daemon::start(loaded, signals, open)?.serve(Some(path))
 }
 
 /// The parts of a running daemon.
@@ -151,22 +145,15 @@ pub struct Daemon {
 }
 
 impl Daemon {
-    /// Opens pins and socket, starts to measure, and tells the service manager that it is ready.
+    /// Binds the socket, has the pins opened by `open`, starts to measure, and tells the service manager that it is
+    /// ready.
     ///
     /// # Errors
     /// What is missing.
-    pub fn start(loaded: Loaded, signals: Signals) -> Result<Daemon, DaemonError> {
-        Daemon::start_with(loaded, signals, |config| backend::open(config, monotonic()))
-    }
-
-    /// The same with pins that `open` opens, after the socket, in the place of those that the configuration names.
-    ///
-    /// # Errors
-    /// What is missing.
-    pub fn start_with(
+    pub fn start(
         loaded: Loaded,
         signals: Signals,
-        open: impl FnOnce(&Config) -> Result<AnyPins, OpenError>,
+        open: impl FnOnce(&Loaded) -> Result<AnyPins, OpenError>,
     ) -> Result<Daemon, DaemonError> {
         let config = &loaded.config;
         let (listener, place) = match Listener::from_systemd()? {
@@ -179,7 +166,7 @@ impl Daemon {
         let mut server = Server::new(listener, &publish::channels(&loaded.settings), Limits::default())
             .map_err(system("epoll"))?;
         server.set_tape_header(&loaded.tape_header);
-        let measuring = start_measuring(Some(open(config)?), &loaded)?;
+        let measuring = start_measuring(Some(open(&loaded)?), &loaded)?;
         log::info!("serving {} channel(s) on {place}", config.channels.len());
         let watchdog = sd_notify::watchdog_enabled();
         notify(&[NotifyState::Ready, NotifyState::Status("measuring")]);
@@ -255,8 +242,7 @@ impl Daemon {
             log::warn!(
                 "{readings} readings and {discharges} discharges were lost: this process gets too little time"
             );
-            self.server.miss_readings(readings);
-            self.server.miss_raw(discharges);
+            self.server.miss(readings, discharges);
         }
         let found = self.known.stats;
         let is_found = found.offset_is_known && !before.offset_is_known;

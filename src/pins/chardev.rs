@@ -71,7 +71,7 @@ impl Chardev {
         let drive_titles = titles(lines.drives.iter().map(|drive| &drive.line));
         let drive_file = get_line(drive_request(&lines, &wiring.consumer), drive_titles)?;
         let sense_titles = titles(&lines.sense);
-        let sense_file = get_line(sense_request(&lines, wiring), sense_titles.clone())?;
+        let sense_file = get_line(sense_request(&lines, &wiring.consumer), sense_titles.clone())?;
         fcntl(&sense_file, FcntlArg::F_SETFL(OFlag::O_NONBLOCK))
             .map_err(|errno| chip.refusal("F_SETFL", sense_titles, &[], errno.into()))?;
         Ok(Chardev {

@@ -317,33 +317,3 @@ pub trait Pins {
     /// What the backend knows about itself.
     fn particulars(&self) -> Particulars<'_>;
 }
-
-impl<P: Pins + ?Sized> Pins for Box<P> {
-    fn now(&mut self) -> Nanos {
-        (**self).now()
-    }
-    fn drive(&mut self, on: Drives) -> Result<Bracket, PinsError> {
-        (**self).drive(on)
-    }
-    fn arm(&mut self) -> Result<Armed, PinsError> {
-        (**self).arm()
-    }
-    fn edge(&mut self, until: Nanos) -> Result<Option<Edge>, PinsError> {
-        (**self).edge(until)
-    }
-    fn sleep_until(&mut self, at: Nanos) -> Result<(), PinsError> {
-        (**self).sleep_until(at)
-    }
-    fn rest_until(&mut self, at: Nanos) -> Result<(), PinsError> {
-        (**self).rest_until(at)
-    }
-    fn rest_before_edge(&mut self, at: Nanos) -> Result<(), PinsError> {
-        (**self).rest_before_edge(at)
-    }
-    fn levels(&mut self) -> Result<Levels, PinsError> {
-        (**self).levels()
-    }
-    fn particulars(&self) -> Particulars<'_> {
-        (**self).particulars()
-    }
-}

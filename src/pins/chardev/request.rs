@@ -6,7 +6,7 @@
 //! changes the direction of several lines one after the other, and as the lines stand in switching order (sinks
 //! before chargers), most changes release before they drive within one call. The others take two.
 
-use super::wiring::{Lines, WiredLine, Wiring};
+use super::wiring::{Lines, WiredLine};
 use crate::pins::Drives;
 use gpiocdev_uapi::v2::{LineAttribute, LineEdgeEvent};
 use gpiocdev_uapi::v2::{LineConfig, LineFlags, LineRequest, LineValues, Offsets};
@@ -43,11 +43,11 @@ pub(super) fn drive_request(lines: &Lines, consumer: &str) -> LineRequest {
 }
 
 /// The sense lines in one request: watched from the start and for ever, or, where they charge too, plain inputs.
-pub(super) fn sense_request(lines: &Lines, wiring: &Wiring) -> LineRequest {
+/// The kernel keeps its default of edges, 16 a line.
+pub(super) fn sense_request(lines: &Lines, consumer: &str) -> LineRequest {
     let offsets: Vec<u32> = lines.sense.iter().map(|line| line.offset).collect();
     let config = if lines.sense_charges { inputs() } else { watching() };
-    let event_buffer_size = wiring.event_buffer.unwrap_or(0);
-    LineRequest { event_buffer_size, ..request(&offsets, config, &wiring.consumer) }
+    request(&offsets, config, consumer)
 }
 
 /// One line as an input and nothing else, its bias as it is.
@@ -120,6 +120,7 @@ pub(super) fn switching(lines: &Lines, from: Drives, to: Drives) -> impl Iterato
 
 #[cfg(test)]
 mod tests {
+    use super::super::wiring::Wiring;
     use super::super::wiring::tests::{lines, wiring};
     use super::*;
     use gpiocdev_uapi::v2::LineAttributeValue;
@@ -186,9 +187,9 @@ mod tests {
 
     #[test]
     fn dedicated_sense_lines_are_watched_for_ever() {
-        let request = sense_request(&lines(&wiring()), &Wiring { event_buffer: Some(128), ..wiring() });
+        let request = sense_request(&lines(&wiring()), "cermd");
         assert_eq!(&request.offsets.0[..2], &[5, 6]);
-        assert_eq!((request.num_lines, request.event_buffer_size), (2, 128));
+        assert_eq!((request.num_lines, request.event_buffer_size), (2, 0));
         assert_eq!(
             request.config.flags,
             LineFlags::INPUT | LineFlags::EDGE_FALLING | LineFlags::BIAS_DISABLED
@@ -200,7 +201,7 @@ mod tests {
     fn sense_lines_that_charge_begin_as_plain_inputs() {
         let wiring = Wiring { charge_a: None, charge_b: None, ..wiring() };
         let lines = lines(&wiring);
-        assert_eq!(sense_request(&lines, &wiring).config.flags, LineFlags::INPUT | LineFlags::BIAS_DISABLED);
+        assert_eq!(sense_request(&lines, "cermd").config.flags, LineFlags::INPUT | LineFlags::BIAS_DISABLED);
         let drive = drive_request(&lines, "cermd");
         assert_eq!(drive.num_lines, 4);
         assert!((0..4).all(|bit| flags_of(&drive.config, bit).contains(LineFlags::OPEN_DRAIN)));

@@ -51,11 +51,10 @@ impl SenseLine {
         Ok(self.next)
     }
 
-    /// Takes the next edge, and counts it.
-    pub fn take(&mut self) -> Option<Nanos> {
-        let at = self.next.take()?;
+    /// Takes the edge that was looked at, and counts it.
+    pub fn take(&mut self) {
+        self.next = None;
         self.line_seqno = self.line_seqno.wrapping_add(1);
-        Some(at)
     }
 
     /// Whether the line is high.
