@@ -186,7 +186,7 @@ impl Pins for Chardev {
             reads += 1;
         }
         self.edges.forget();
-        let (seqno, line_seqno) = self.edges.last_numbers();
+        let EdgeBuffer { seqno, line_seqno, .. } = self.edges;
         Ok(Armed { levels: self.levels()?, seqno, line_seqno })
     }
 

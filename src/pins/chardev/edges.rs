@@ -15,8 +15,10 @@ const WORDS: usize = size_of::<LineEdgeEvent>() / size_of::<u64>();
 pub(super) struct EdgeBuffer {
     words: [u64; EDGES_A_READ * WORDS],
     edges: VecDeque<Edge>,
-    seqno: u32,
-    line_seqno: [u32; 2],
+    /// The highest of the edges that were read.
+    pub seqno: u32,
+    /// The last of the edges of each node that were read.
+    pub line_seqno: [u32; 2],
 }
 
 impl Default for EdgeBuffer {
@@ -55,11 +57,6 @@ impl EdgeBuffer {
     /// Drops the edges that have not been taken; their numbers stay known.
     pub fn forget(&mut self) {
         self.edges.clear();
-    }
-
-    /// The highest `seqno`, and for each node `line_seqno`, of the edges that were read.
-    pub fn last_numbers(&self) -> (u32, [u32; 2]) {
-        (self.seqno, self.line_seqno)
     }
 }
 
@@ -101,16 +98,16 @@ mod tests {
         fill(&mut buffer, &[event(1, 5, u32::MAX, 30), event(2, 5, 0, 31), event(3, 6, 1, 12)]);
         buffer.forget();
         assert_eq!(buffer.take(), None);
-        assert_eq!(buffer.last_numbers(), (1, [31, 12]), "numbers wrap");
+        assert_eq!((buffer.seqno, buffer.line_seqno), (1, [31, 12]), "numbers wrap");
     }
 
     #[test]
     fn an_edge_that_was_queued_late_has_not_the_highest_number() {
         let mut buffer = EdgeBuffer::default();
         fill(&mut buffer, &[event(2, 6, u32::MAX - 1, 4), event(1, 5, u32::MAX - 2, 4)]);
-        assert_eq!(buffer.last_numbers(), (0, [4, 4]), "as if the numbers had gone round before");
+        assert_eq!((buffer.seqno, buffer.line_seqno), (0, [4, 4]), "as if the numbers had gone round before");
         fill(&mut buffer, &[event(2, 6, 2, 5), event(1, 5, 1, 5)]);
-        assert_eq!(buffer.last_numbers(), (2, [5, 5]));
+        assert_eq!((buffer.seqno, buffer.line_seqno), (2, [5, 5]));
     }
 
     #[test]
@@ -119,6 +116,6 @@ mod tests {
         fill(&mut buffer, &[event(1, 5, 1, 1)]);
         assert!(!fill(&mut buffer, &[]));
         assert_eq!(buffer.take(), None);
-        assert_eq!(buffer.last_numbers(), (1, [1, 0]));
+        assert_eq!((buffer.seqno, buffer.line_seqno), (1, [1, 0]));
     }
 }
