@@ -1,9 +1,9 @@
 //! From a checked configuration to what the instrument runs with.
 
 use super::Config;
+use super::pairs::{self, PairsError};
 use crate::circuit::Node;
-use crate::config;
-use crate::estimate::force::{Force, Table, TableError};
+use crate::estimate::force::Force;
 use crate::instrument::settings::{Channel, OffsetSource, Settings};
 use crate::stream::tape::{Header, TapeChannel, TapeCircuit, TapeForce};
 use crate::units::Nanos;
@@ -17,7 +17,7 @@ pub enum SettingsError {
         /// The channel.
         id: String,
         /// Why.
-        source: TableError,
+        source: PairsError,
     },
 }
 
@@ -32,7 +32,7 @@ impl Config {
         let channels = config.channels.iter().map(|channel| {
             let force = channel.force.clone().map(|force| {
                 force
-                    .try_map(|file| Table::load(&config.path(&file)))
+                    .try_map(|file| pairs::load_table(&config.path(&file)))
                     .map_err(|source| SettingsError::Table { id: channel.id.clone(), source })
             });
             let force = force.transpose()?;
@@ -48,10 +48,7 @@ impl Config {
             settle: config.settle_time(),
             deadline: config.deadline(),
             period: config.measure.rate_hz.map(|hertz| Nanos::from_seconds(1.0 / hertz)),
-            offset: match config.offset() {
-                config::Offset::Auto => OffsetSource::Auto,
-                config::Offset::Fixed(d) => OffsetSource::Given(d.as_ns()),
-            },
+            offset: config.offset(),
             resolution: config.measure.resolution.unwrap_or(Nanos(1)),
             tracked: config.is_tracked(),
             t_l: config.measure.t_l,

@@ -43,7 +43,7 @@ pub enum DaemonError {
     #[error("{0}")]
     Config(#[from] ConfigError),
     /// The configuration cannot work.
-    #[error("{}: not usable\n{}", path.display(), errors_of(findings))]
+    #[error("{}: not usable\n{}", path.display(), Finding::errors(findings))]
     Findings {
         /// The file.
         path: PathBuf,
@@ -70,11 +70,6 @@ pub enum DaemonError {
     /// The measuring thread has panicked, which is a mistake of the program.
     #[error("the measuring thread has died; every line is released. Please report this with the lines above")]
     Died,
-}
-
-fn errors_of(findings: &[Finding]) -> String {
-    let errors = findings.iter().filter(|finding| finding.severity == Severity::Error);
-    errors.map(ToString::to_string).collect::<Vec<_>>().join("\n")
 }
 
 fn system(call: &'static str) -> impl Fn(io::Error) -> DaemonError {

@@ -218,6 +218,8 @@ struct Learned {
     shared: Shared,
     /// The greatest correlation of two crossings.
     correlated: f64,
+    /// Degrees of freedom of the lesser known variance.
+    freedom: f64,
 }
 
 impl Noise {
@@ -260,12 +262,19 @@ impl Noise {
             shared: Shared::through([(self.c1.time, v1), (self.c2.time, v2)], freedom),
             // Too much would make a combination of two crossings look exact: it takes many discharges to believe that.
             correlated: 1.0 - 1.0 / freedom.sqrt(),
+            freedom,
         });
     }
 
     /// Whether enough discharges have been seen.
     pub fn is_known(&self) -> bool {
         self.learned.is_some()
+    }
+
+    /// By how much the variance of a mean of both nodes is greater than it seems when they are weighted by what has been learned:
+    /// the weights follow chance (least squares with a covariance of so many degrees of freedom, to the first order).
+    pub fn of_learned_weights(&self) -> f64 {
+        self.learned.map_or(1.0, |learned| 1.0 + 2.0 / learned.freedom)
     }
 
     /// The covariance of the crossings of a discharge whose nodes cross at `times` ns; `None` until known.
@@ -275,7 +284,7 @@ impl Noise {
 
     /// The same for several discharges.
     pub fn covariances<const N: usize>(&self, discharges: [[f64; 2]; N]) -> Option<[Covariance; N]> {
-        let Learned { nodes: [law_a, law_b], shared, correlated } = self.learned?;
+        let Learned { nodes: [law_a, law_b], shared, correlated, .. } = self.learned?;
         Some(discharges.map(|[a_ns, b_ns]| {
             let (aa, bb) = (law_a.at(a_ns), law_b.at(b_ns));
             let most = if shared.proportional > 0.0 {

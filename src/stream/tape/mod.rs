@@ -65,7 +65,7 @@ fn is_zero(value: &f64) -> bool {
     *value == 0.0
 }
 
-/// The shape of a [`Force`] on a tape.
+/// The characteristic of a sensor on a tape.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(
     untagged,
