@@ -18,13 +18,13 @@ pub fn check(config: &Config, findings: &mut Vec<Finding>) -> String {
     }
     findings.push(kernel(config.gpio.backend));
     let realtime = Realtime::request(&config.realtime);
-    match backend::open(config, crate::daemon::monotonic()) {
+    match backend::open(config, crate::pins::monotonic()) {
         Ok(mut pins) => {
             findings.extend(rights(&realtime));
             findings.push(Finding::info("gpio", "the chip is there, and every line can be had"));
             let spots = pins.particulars().blind_spots.to_vec();
             findings.extend(spots.into_iter().map(|spot| Finding::info("gpio.backend", spot)));
-            measure(&mut pins, config, findings).unwrap_or_else(|failed| {
+            measure(&mut *pins, config, findings).unwrap_or_else(|failed| {
                 findings.push(Finding::error("gpio", failed.to_string()));
                 String::new()
             })
@@ -43,7 +43,7 @@ pub fn check(config: &Config, findings: &mut Vec<Finding>) -> String {
     }
 }
 
-fn measure(pins: &mut impl Pins, config: &Config, findings: &mut Vec<Finding>) -> Result<String, PinsError> {
+fn measure(pins: &mut dyn Pins, config: &Config, findings: &mut Vec<Finding>) -> Result<String, PinsError> {
     findings.extend(wiring::test(pins, config)?);
     let (wake_ups, stamps) = (latency::wake_ups(), latency::stamps(pins, config)?);
     Ok(format!(

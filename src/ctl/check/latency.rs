@@ -68,7 +68,7 @@ pub fn wake_ups() -> Histogram {
 ///
 /// # Errors
 /// If the pins cannot be used.
-pub fn stamps<P: Pins>(pins: &mut P, config: &Config) -> Result<Histogram, PinsError> {
+pub fn stamps<P: Pins + ?Sized>(pins: &mut P, config: &Config) -> Result<Histogram, PinsError> {
     let plan = Plan {
         settle: config.settle_time(),
         ..Plan::full(Through::C1, config.last_node(), config.charge_time(), config.deadline())

@@ -31,7 +31,7 @@ const PATIENCE: f64 = 5.0;
 ///
 /// # Errors
 /// If the pins cannot be used.
-pub fn test<P: Pins>(pins: &mut P, config: &Config) -> Result<Vec<Finding>, PinsError> {
+pub fn test<P: Pins + ?Sized>(pins: &mut P, config: &Config) -> Result<Vec<Finding>, PinsError> {
     let mut bench = Bench { pins, config, findings: Vec::new() };
     bench.run()?;
     bench.pins.drive(Drives::NONE)?;
@@ -46,13 +46,13 @@ fn warning(key: impl Into<String>, reason: impl Into<String>, remedy: impl Into<
     Finding::warning(key, reason).try_this(remedy)
 }
 
-struct Bench<'a, P> {
+struct Bench<'a, P: ?Sized> {
     pins: &'a mut P,
     config: &'a Config,
     findings: Vec<Finding>,
 }
 
-impl<P: Pins> Bench<'_, P> {
+impl<P: Pins + ?Sized> Bench<'_, P> {
     fn run(&mut self) -> Result<(), PinsError> {
         self.drain()?;
         if !self.charges()? || !self.holds(true)? {

@@ -2,7 +2,7 @@
 //!
 //! Numbers of chips change between kernels (the Raspberry Pi 5 went from gpiochip4 to gpiochip0), labels do not.
 
-use super::error::{Cause, ChardevError, ChipTitles, Holder, as_io};
+use super::error::{Cause, ChardevError, Holder, as_io};
 use gpiocdev_uapi::{v1, v2};
 use std::fs::{File, OpenOptions};
 use std::io;
@@ -199,8 +199,13 @@ fn all(dev: &Path) -> Vec<Result<Chip, ChardevError>> {
     nodes.iter().map(|(_, path)| Chip::open(path)).collect()
 }
 
-fn titles(chips: &[Result<Chip, ChardevError>]) -> ChipTitles {
-    ChipTitles(chips.iter().flatten().map(Chip::title).collect())
+/// Name and label of each chip that can be opened, as a part of a sentence.
+fn titles(chips: &[Result<Chip, ChardevError>]) -> String {
+    let titles: Vec<String> = chips.iter().flatten().map(Chip::title).collect();
+    match titles.as_slice() {
+        [] => "no GPIO chip can be opened".to_owned(),
+        some => format!("chips present: {}", some.join(", ")),
+    }
 }
 
 /// The flags of uAPI v1 are some of those of v2, by the same names.
