@@ -274,18 +274,12 @@ impl Weighed {
         let Weighed { y, weights, through_ns: through, missing, rows, .. } = *self;
         let left = [0, 1].map(|node| missing[node] - through[node] * y);
         let misfit = self.inverse.of(left[0], left[1]);
-<<<<<<< HEAD
         let contradicts = misfit > BEYOND_NOISE * BEYOND_NOISE;
         // A late stamp that the other node is too noisy to refute is doubted as far as it may be one. Over two stretches of the
         // discharge a sensor that moves looks the same: that is for `motion` to tell.
         let is_one_stretch = through[0] == through[1];
         let doubt = if is_one_stretch && !contradicts && misfit > DOUBT * DOUBT { misfit } else { 1.0 };
-        let u_siemens = (doubt * self.learned / self.inverse.of(through[0], through[1])).sqrt();
-=======
-        // A late stamp that the other node is too noisy to refute is doubted as far as it may be one.
-        let doubt = if misfit > DOUBT * DOUBT { misfit } else { 1.0 };
         let u_siemens = (doubt / self.inverse.of(through[0], through[1])).sqrt();
->>>>>>> parent of eab5c81 (tracked: weights that were learned from few discharges cost accuracy, and the uncertainty says so)
         let own = self.own.inverse(nodes.map(|node| node.is_some()))?;
         let evidence = match nodes {
             [Some(_), Some(_)] => self.evidence_of_two(state[R_O]),
