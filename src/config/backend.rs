@@ -1,7 +1,7 @@
 //! From `[gpio]` and `[mock]` to pins: the one place that knows which backends there are.
 
 use crate::circuit::Kind;
-use crate::config::{Backend, Config, Line};
+use crate::config::{Backend, Config, LineName};
 use crate::pins::Pins;
 use crate::pins::chardev::{self, Chardev, Wiring};
 use crate::pins::chardev_v1::{self, ChardevV1};
@@ -69,24 +69,23 @@ pub fn wiring(config: &Config) -> Result<Wiring, OpenError> {
     let gpio = &config.gpio;
     let two_nodes = config.circuit.kind() == Kind::TwoCapacitor;
     let missing = |key: &str| OpenError::Missing(key.to_owned());
-    let needed = |key: &str, line: &Option<Line>| {
-        line.as_ref().map(Line::to_string).ok_or_else(|| missing(&format!("gpio.{key}")))
+    let needed = |key: &str, line: &Option<LineName>| {
+        line.as_ref().map(LineName::to_string).ok_or_else(|| missing(&format!("gpio.{key}")))
     };
     let sinks_x = config.channels.iter().map(|channel| {
-        let sink = channel.sink.as_ref().map(Line::to_string);
+        let sink = channel.sink.as_ref().map(LineName::to_string);
         sink.ok_or_else(|| missing(&format!("channel.{}.sink", channel.id)))
     });
     Ok(Wiring {
         chip: gpio.chip.clone().ok_or_else(|| missing("gpio.chip"))?,
         sense_a: needed("sense-a", &gpio.sense_a)?,
         sense_b: if two_nodes { Some(needed("sense-b", &gpio.sense_b)?) } else { None },
-        charge_a: gpio.charge_a.as_ref().map(Line::to_string),
-        charge_b: gpio.charge_b.as_ref().filter(|_| two_nodes).map(Line::to_string),
+        charge_a: gpio.charge_a.as_ref().map(LineName::to_string),
+        charge_b: gpio.charge_b.as_ref().filter(|_| two_nodes).map(LineName::to_string),
         sink_c1: needed("sink-c1", &gpio.sink_c1)?,
         sink_c2: needed("sink-c2", &gpio.sink_c2)?,
         sinks_x: sinks_x.collect::<Result<_, _>>()?,
         consumer: CONSUMER.to_owned(),
-        event_buffer: None,
     })
 }
 

@@ -1,7 +1,6 @@
 //! How short a charge may be: until what it remembers of the discharge before it is small beside a reading's uncertainty.
 //!
-//! For: the automatic `charge-time`, and what the check says of a given one. Must not know: what is measured; everything
-//! here is predicted from nominal values.
+//! Everything here is predicted from nominal values.
 //!
 //! The error of a reading is linear in the depths D_j from which the charges of its discharges began ([`Circuit::charge_memory`]
 //! has the derivation), and its coefficients c_j add up to nothing, since what is common to all of them cancels. So depths
@@ -18,29 +17,13 @@
 //! to this at most.
 
 use super::Config;
-use crate::circuit::Node;
-use crate::circuit::{Circuit, Network};
+use super::limits::{
+    CHARGE_SHARE, JITTER_S, LATENESS_S, LEAST_TAUS, NOISE_V, PER_DECADE, RESISTANCES, SWITCH_S,
+};
+use crate::circuit::{Circuit, Network, Node};
 use crate::estimate::method::Switching;
 use crate::reading::Method;
 use crate::units::{Nanos, Ohm, Seconds};
-
-/// The error may be this share of the predicted 1-sigma uncertainty: a hundred readings have to be averaged to see it.
-pub const SHARE: f64 = 0.1;
-/// A shorter charge is never planned: the first order of the derivation would not hold.
-const LEAST_TAUS: f64 = 4.0;
-/// Jitter of a crossing, s: less than any board is known to have, so that the error stays small on each.
-const JITTER: f64 = 0.5e-6;
-/// Noise of a node's voltage, V: that of the board of the paper.
-const NOISE: f64 = 0.25e-3;
-/// Scatter of a switch, s.
-const SWITCH: f64 = 0.1e-6;
-/// Scatter of the end of a charge, s. A later end forgets more. The end is rested until, not spun: with 2.2 uF this scatter
-/// is 2 % of tau, and adds an eighth to what depths differ by anyway; where it adds more, the charge is short, and one tau more of
-/// it costs less than spinning.
-const LATENESS: f64 = 20e-6;
-/// Resistances that are looked at per decade, down from that which the deadline resolves, and how many in all.
-const PER_DECADE: f64 = 6.0;
-const RESISTANCES: u32 = 30;
 
 /// A resistance, and by how many of its own sigma an incomplete charge may change a reading of it.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -67,7 +50,7 @@ impl Config {
 
     /// The shortest charge that a reading does not suffer from.
     pub fn shortest_charge(&self) -> Seconds {
-        let taus = (self.remembered(0.0).sigmas / SHARE).ln().max(LEAST_TAUS);
+        let taus = (self.remembered(0.0).sigmas / CHARGE_SHARE).ln().max(LEAST_TAUS);
         Seconds(taus * self.circuit.charge_tau().0)
     }
 }
@@ -104,7 +87,7 @@ impl Budget {
         let both = |of: &dyn Fn(Node) -> Option<f64>| {
             Some([of(Node::A)?, if last == Node::B { of(Node::B)? } else { 0.0 }])
         };
-        let forgets = (-LATENESS / circuit.charge_tau().0).exp();
+        let forgets = (-LATENESS_S / circuit.charge_tau().0).exp();
         // A clock that is not that of Linux counts in hardware: its period is all the jitter there is.
         let coarser = config.measure.resolution.filter(|clock| *clock > Nanos(1));
         Some(Budget {
@@ -115,7 +98,7 @@ impl Budget {
             nodes: if last == Node::B { 2 } else { 1 },
             g: both(&|node| circuit.g(node).map(|g| g.0))?,
             memory: both(&|node| circuit.charge_memory(node))?,
-            jitter: coarser.map_or(JITTER, |clock| clock.as_seconds() / 12f64.sqrt()),
+            jitter: coarser.map_or(JITTER_S, |clock| clock.as_seconds() / 12f64.sqrt()),
             trigger: both(&|node| trigger(circuit, node))?,
             span: 1.0 - (1.0 - circuit.left_at_crossing(last)?) * forgets,
             fraction: config.switch_fraction(),
@@ -183,7 +166,7 @@ impl Budget {
     fn finished(&self, r: f64, theta: f64) -> Equation {
         let (last, r2) = (self.nodes - 1, self.known[1]);
         let crossings = if self.is_tracked { 1.0 } else { 2.0 } * self.variance(last, r2) / (r2 * r2);
-        let variance = (r / theta).powi(2) * crossings + (SWITCH / theta).powi(2);
+        let variance = (r / theta).powi(2) * crossings + (SWITCH_S / theta).powi(2);
         let by_depth = self.depths(r, r * self.memory[last] * self.g[last] / theta);
         Equation { by_depth, variance: variance + self.calibration(r) }
     }
@@ -197,7 +180,12 @@ impl Budget {
     fn weighted_split(&self, r: f64, theta: f64) -> Equation {
         let r2 = self.known[1];
         let weights = [0, 1].map(|node| (theta * r2 / r).powi(2) / self.variance(node, r2));
-        self.of_weights(weights, r, |node| self.memory[node] * self.g[node] / theta, (SWITCH / theta).powi(2))
+        self.of_weights(
+            weights,
+            r,
+            |node| self.memory[node] * self.g[node] / theta,
+            (SWITCH_S / theta).powi(2),
+        )
     }
 
     fn of_weights(
@@ -228,5 +216,5 @@ fn trigger(circuit: &Circuit, node: Node) -> Option<f64> {
         _ => 1.0,
     };
     let volt = circuit.v_dd.0 * circuit.left_at_crossing(node)? * share;
-    Some(NOISE * circuit.c_total().0 / volt)
+    Some(NOISE_V * circuit.c_total().0 / volt)
 }

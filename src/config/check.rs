@@ -1,64 +1,16 @@
-//! What is wrong with a configuration that parses, and what to expect of one that is right.
-//!
-//! For: findings, each with its key, its reason and a remedy. Must not know: the file system, the hardware, or who
-//! prints them; everything here follows from the configuration alone.
+//! What is wrong with a configuration that parses, and what to expect of one that is right. Everything here follows from
+//! the configuration alone.
 
 mod channels;
 mod circuit;
 mod gpio;
 mod measure;
 mod predict;
-mod realtime;
-mod server;
 
-pub use channels::LARGEST_ZERO_OHM;
-
-use super::Config;
-use std::fmt;
-
-/// How bad a finding is.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-pub enum Severity {
-    /// The instrument refuses to start.
-    Error,
-    /// It works, but not as well as it could, or not as was meant.
-    Warning,
-    /// A prediction.
-    Info,
-}
-
-impl fmt::Display for Severity {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(match self {
-            Severity::Error => "error",
-            Severity::Warning => "warning",
-            Severity::Info => "info",
-        })
-    }
-}
-
-/// One thing that [`Config::check`] has to say.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Finding {
-    /// How bad it is.
-    pub severity: Severity,
-    /// The key it is about: `circuit.r-c1`, `channel.thumb.sink`.
-    pub key: String,
-    /// What is wrong, or what is predicted.
-    pub reason: String,
-    /// What to try; absent from predictions.
-    pub remedy: Option<String>,
-}
-
-impl fmt::Display for Finding {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "{}: {}: {}", self.severity, self.key, self.reason)?;
-        match &self.remedy {
-            Some(remedy) => write!(f, "; try {remedy}"),
-            None => Ok(()),
-        }
-    }
-}
+use super::finding::{Finding, Severity};
+use super::{Config, Server, limits};
+use crate::pins::realtime::Wishes;
+use std::os::unix::ffi::OsStrExt;
 
 /// Findings so far.
 #[derive(Default)]
@@ -66,19 +18,15 @@ struct Findings(Vec<Finding>);
 
 impl Findings {
     fn error(&mut self, key: impl Into<String>, reason: impl Into<String>, remedy: impl Into<String>) {
-        self.push(Severity::Error, key.into(), reason.into(), Some(remedy.into()));
+        self.0.push(Finding::error(key, reason).try_this(remedy));
     }
 
     fn warning(&mut self, key: impl Into<String>, reason: impl Into<String>, remedy: impl Into<String>) {
-        self.push(Severity::Warning, key.into(), reason.into(), Some(remedy.into()));
+        self.0.push(Finding::warning(key, reason).try_this(remedy));
     }
 
     fn info(&mut self, key: impl Into<String>, reason: impl Into<String>) {
-        self.push(Severity::Info, key.into(), reason.into(), None);
-    }
-
-    fn push(&mut self, severity: Severity, key: String, reason: String, remedy: Option<String>) {
-        self.0.push(Finding { severity, key, reason, remedy });
+        self.0.push(Finding::info(key, reason));
     }
 
     fn has_errors(&self) -> bool {
@@ -98,12 +46,42 @@ impl Config {
             gpio::check(self, &mut findings);
             channels::check(&self.channels, &mut findings);
         }
-        server::check(self, &mut findings);
-        realtime::check(&self.realtime, &mut findings);
+        server(&self.server, &mut findings);
+        realtime(&self.realtime, &mut findings);
         if predictable {
             predict::check(self, &mut findings);
         }
         findings.0
+    }
+}
+
+/// Can the socket exist, and who may write to it?
+fn server(server: &Server, findings: &mut Findings) {
+    let length = server.socket.as_os_str().as_bytes().len();
+    if length == 0 || length > limits::LONGEST_SOCKET {
+        let reason = format!("the path has {length} bytes, and 1 to {} are possible", limits::LONGEST_SOCKET);
+        findings.error("server.socket", reason, "\"/run/cermd/cermd.sock\"");
+    }
+    let mode = server.mode.0;
+    for (is_odd, what) in [
+        (mode & 0o002 != 0, "lets everybody write to the socket"),
+        (mode & 0o200 == 0, "keeps even the owner out"),
+    ] {
+        if is_odd {
+            findings.warning("server.mode", format!("\"{mode:04o}\" {what}"), "\"0660\"");
+        }
+    }
+}
+
+/// Numbers that no kernel knows.
+fn realtime(wishes: &Wishes, findings: &mut Findings) {
+    if let Some(priority) = wishes.fifo_priority.filter(|priority| !limits::PRIORITIES.contains(priority)) {
+        let remedy = "50, or without it: the usual scheduling";
+        findings.error("realtime.priority", format!("{priority} is not between 1 and 99"), remedy);
+    }
+    if let Some(cpu) = wishes.cpu.filter(|cpu| *cpu >= limits::PROCESSORS) {
+        let remedy = "3, the last of four, or without it: any processor";
+        findings.error("realtime.cpu", format!("there is no processor {cpu}"), remedy);
     }
 }
 

@@ -1,6 +1,4 @@
-//! `[circuit]`: the parts on the board.
-//!
-//! For: the flat table of the file as a [`Circuit`]. Must not know: whether its values make sense.
+//! `[circuit]`: the parts on the board, from the flat table of the file to a [`Circuit`].
 
 use crate::circuit::{Circuit, Kind, NOMINAL_R_CHARGE, NOMINAL_R_O, NOMINAL_V_DD, NOMINAL_V_TH, Network};
 use crate::units::{Farad, Ohm, Volt};
@@ -24,26 +22,11 @@ struct Table {
     /// Rc2 as measured, 1 ohm to 100 Mohm, above Rc1 unless in series with it. Required.
     r_c2: Ohm,
     /// Supply voltage, nominal, 0.5 V to 30 V. Default 3.3 V.
-    #[serde(default = "v_dd")]
-    v_dd: Volt,
+    v_dd: Option<Volt>,
     /// Falling threshold of the inputs, nominal, above 0 and below V_DD. Default 1.3 V.
-    #[serde(default = "v_th")]
-    v_th: Volt,
+    v_th: Option<Volt>,
     /// Rp + Ro of a charger, nominal, 1 ohm to 100 Mohm. Default 220 ohm.
-    #[serde(default = "r_charge")]
-    r_charge: Ohm,
-}
-
-fn v_dd() -> Volt {
-    NOMINAL_V_DD
-}
-
-fn v_th() -> Volt {
-    NOMINAL_V_TH
-}
-
-fn r_charge() -> Ohm {
-    NOMINAL_R_CHARGE
+    r_charge: Option<Ohm>,
 }
 
 /// Reads the table; a capacitor that is missing or does not belong to the kind is refused.
@@ -64,9 +47,9 @@ pub fn deserialize<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Circuit
         network,
         r_c1: table.r_c1,
         r_c2: table.r_c2,
-        v_dd: table.v_dd,
-        v_th: table.v_th,
-        r_charge: table.r_charge,
+        v_dd: table.v_dd.unwrap_or(NOMINAL_V_DD),
+        v_th: table.v_th.unwrap_or(NOMINAL_V_TH),
+        r_charge: table.r_charge.unwrap_or(NOMINAL_R_CHARGE),
         r_o: NOMINAL_R_O,
     })
 }

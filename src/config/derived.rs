@@ -1,19 +1,13 @@
 //! What the configuration leaves open, derived from the circuit.
 //!
-//! For: the values that the instrument runs with. Must not know: whether they were given or derived, afterwards.
 //! Every value here is meaningful only for a configuration without error findings.
 
-use super::{Calibration, Config, Offset};
+use super::limits::{DEADLINE, DRAIN, SWITCH_FRACTION};
+use super::{Calibration, Config};
 use crate::circuit::Node;
+use crate::instrument::settings::OffsetSource;
 use crate::reading::Method;
 use crate::units::{Nanos, Ohm, Seconds};
-
-/// A derived deadline in discharges through the second calibration resistor.
-const DEADLINE_IN_SECOND_DISCHARGES: f64 = 5.0;
-/// A drain in predicted discharges through Rc1.
-const DRAIN: f64 = 1.2;
-/// The switch fraction that is used when none is given.
-const SWITCH_FRACTION: f64 = 0.9;
 
 impl Config {
     /// The method to use.
@@ -48,14 +42,15 @@ impl Config {
 
     /// The longest discharge through a sensor.
     pub fn deadline(&self) -> Nanos {
-        self.measure.deadline.unwrap_or_else(|| {
-            Nanos::from_seconds(DEADLINE_IN_SECOND_DISCHARGES * self.discharge(self.circuit.r_second()).0)
-        })
+        self.measure
+            .deadline
+            .unwrap_or_else(|| Nanos::from_seconds(DEADLINE * self.discharge(self.circuit.r_second()).0))
     }
 
     /// The latency offset.
-    pub fn offset(&self) -> Offset {
-        let default = if self.method().needs_offset() { Offset::Auto } else { Offset::Fixed(Nanos::ZERO) };
+    pub fn offset(&self) -> OffsetSource {
+        let default =
+            if self.method().needs_offset() { OffsetSource::Auto } else { OffsetSource::Given(0.0) };
         self.measure.offset.unwrap_or(default)
     }
 

@@ -28,39 +28,14 @@ struct Table {
 
 impl<'de> Deserialize<'de> for Force {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Force, D::Error> {
-        match Table::deserialize(deserializer)? {
-            Table {
-                fc1: Some(fc1),
-                fc2: Some(fc2),
-                alpha: None,
-                at_1_kohm: None,
-                exponent: None,
-                table: None,
-            } => Ok(Force::Calibrated { fc1, fc2 }),
-            Table {
-                fc1: None,
-                fc2: None,
-                alpha: Some(alpha),
-                at_1_kohm: None,
-                exponent: None,
-                table: None,
-            } => Ok(Force::Alpha(alpha)),
-            Table {
-                fc1: None,
-                fc2: None,
-                alpha: None,
-                at_1_kohm: Some(at_1_kohm),
-                exponent: Some(exponent),
-                table: None,
-            } => Ok(Force::PowerLaw { at_1_kohm, exponent }),
-            Table {
-                fc1: None,
-                fc2: None,
-                alpha: None,
-                at_1_kohm: None,
-                exponent: None,
-                table: Some(table),
-            } => Ok(Force::Table(table)),
+        let Table { fc1, fc2, alpha, at_1_kohm, exponent, table } = Table::deserialize(deserializer)?;
+        match (fc1, fc2, alpha, at_1_kohm, exponent, table) {
+            (Some(fc1), Some(fc2), None, None, None, None) => Ok(Force::Calibrated { fc1, fc2 }),
+            (None, None, Some(alpha), None, None, None) => Ok(Force::Alpha(alpha)),
+            (None, None, None, Some(at_1_kohm), Some(exponent), None) => {
+                Ok(Force::PowerLaw { at_1_kohm, exponent })
+            }
+            (None, None, None, None, None, Some(table)) => Ok(Force::Table(table)),
             _ => Err(D::Error::custom(
                 "force takes one of { fc1, fc2 }, { alpha }, { at-1-kohm, exponent }, { table }",
             )),

@@ -1,7 +1,7 @@
 //! The configuration: one TOML file, kebab-case, every quantity with its unit.
 //!
-//! For: what a user may decide, with defaults derived from the circuit, and [`Config::check`], which says what is
-//! wrong and what to do. Must not know: what opens lines, sockets, scenes or force tables.
+//! For: what a user may decide, with defaults derived from the circuit; [`Config::check`], which says what is wrong and
+//! what to do; and from there to settings, pins and the header of a tape. Must not know: how anything is measured.
 //!
 //! Unknown keys, wrong units and wrong types are refused while parsing, with line and caret; values that parse but
 //! cannot work are [findings](Finding).
@@ -11,19 +11,23 @@ mod charge;
 mod check;
 mod circuit;
 mod derived;
+mod finding;
 mod force;
 mod gpio;
+mod limits;
 mod number;
-mod report;
+pub(crate) mod pairs;
 mod settings;
 
-pub use check::{Finding, LARGEST_ZERO_OHM, Severity};
+pub use finding::{Finding, Severity};
 pub use force::Force;
-pub use gpio::{Backend, Gpio, Line};
-pub use report::{Report, report};
+pub use gpio::{Backend, Gpio, LineName};
+pub use limits::LARGEST_ZERO_OHM;
+pub use pairs::PairsError;
 pub use settings::{SettingsError, tape_header};
 
 use crate::circuit::Circuit;
+use crate::instrument::settings::OffsetSource;
 use crate::pins::realtime::Wishes;
 use crate::reading::Method;
 use crate::units::Nanos;
@@ -49,7 +53,7 @@ pub struct Config {
     pub realtime: Wishes,
     /// The sensors, 1 to [`MAX_CHANNELS`](crate::pins::MAX_CHANNELS) of them.
     #[serde(default, rename = "channel")]
-    pub channels: Vec<Channel>,
+    pub channels: Vec<ChannelTable>,
     /// Where readings are served.
     #[serde(default)]
     pub server: Server,
@@ -81,7 +85,8 @@ pub struct Measure {
     pub deadline: Option<Nanos>,
     /// The latency offset d of the crossings, 0 to 1 ms. Default: `auto` for `cerm` and `qerm`; in the other
     /// methods it cancels, and is 0.
-    pub offset: Option<Offset>,
+    #[serde(deserialize_with = "offset")]
+    pub offset: Option<OffsetSource>,
     /// Period of the clock that stamps crossings, 1 ns to 1 ms. Default: 1 ns, as Linux counts.
     pub resolution: Option<Nanos>,
     /// Where the calibration of `tpcm`, `tcdic` and `cerm` comes from; that of `tracked` is tracked. Default:
@@ -105,33 +110,18 @@ pub enum Calibration {
     Tracked,
 }
 
-/// Where the latency offset d comes from.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Offset {
-    /// Found by split calibration.
-    Auto,
-    /// Given.
-    Fixed(Nanos),
-}
-
-impl<'de> Deserialize<'de> for Offset {
-    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Offset, D::Error> {
-        let text = String::deserialize(deserializer)?;
-        if text == "auto" {
-            return Ok(Offset::Auto);
-        }
-        text.parse().map(Offset::Fixed).map_err(|error| de::Error::custom(format!("{error}; or \"auto\"")))
-    }
+fn offset<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Option<OffsetSource>, D::Error> {
+    String::deserialize(deserializer)?.parse().map(Some).map_err(de::Error::custom)
 }
 
 /// `[[channel]]`: one sensor.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 #[serde(rename_all = "kebab-case", deny_unknown_fields)]
-pub struct Channel {
+pub struct ChannelTable {
     /// Its name in the stream, unique. Required.
     pub id: String,
     /// The line that sinks the sensor's far end. Required, except with the simulated circuit.
-    pub sink: Option<Line>,
+    pub sink: Option<LineName>,
     /// What the instrument reads with a short circuit in the sensor's place, ohm; subtracted. Default: 0.
     #[serde(default, deserialize_with = "number::number")]
     pub zero_ohm: f64,

@@ -1,4 +1,4 @@
-//! For: a number that has its unit in the name of its key, and who writes it in the value, too. Must not know: keys.
+//! A number that has its unit in the name of its key, and who writes it in the value, too.
 
 use serde::de::{Deserializer, Error, Visitor};
 use std::fmt;

@@ -1,10 +1,10 @@
 //! From a checked configuration to what the instrument runs with.
 
 use super::Config;
+use super::pairs::{self, PairsError};
 use crate::circuit::Node;
-use crate::config;
-use crate::estimate::force::{Force, Table, TableError};
-use crate::instrument::settings::{Channel, Settings};
+use crate::estimate::force::Force;
+use crate::instrument::settings::{Channel, OffsetSource, Settings};
 use crate::stream::tape::{Header, TapeChannel, TapeCircuit, TapeForce};
 use crate::units::Nanos;
 
@@ -17,7 +17,7 @@ pub enum SettingsError {
         /// The channel.
         id: String,
         /// Why.
-        source: TableError,
+        source: PairsError,
     },
 }
 
@@ -32,7 +32,7 @@ impl Config {
         let channels = config.channels.iter().map(|channel| {
             let force = channel.force.clone().map(|force| {
                 force
-                    .try_map(|file| Table::load(&config.path(&file)))
+                    .try_map(|file| pairs::load_table(&config.path(&file)))
                     .map_err(|source| SettingsError::Table { id: channel.id.clone(), source })
             });
             let force = force.transpose()?;
@@ -49,8 +49,8 @@ impl Config {
             deadline: config.deadline(),
             period: config.measure.rate_hz.map(|hertz| Nanos::from_seconds(1.0 / hertz)),
             offset_ns: match config.offset() {
-                config::Offset::Auto => None,
-                config::Offset::Fixed(d) => Some(d.as_ns()),
+                OffsetSource::Auto => None,
+                OffsetSource::Given(d_ns) => Some(d_ns),
             },
             resolution: config.measure.resolution.unwrap_or(Nanos(1)),
             tracked: config.is_tracked(),

@@ -1,18 +1,22 @@
 //! `cermctl calibrate`: the zero and the characteristic of a sensor, measured and put into the configuration.
 //!
-//! For: asking before anything is changed, and saying what was found. Must not know: equations, or the format of tapes.
+//! Nothing is changed before a yes.
 
 mod edit;
 mod force;
-mod pairs;
 mod plot;
 mod zero;
 
+use super::limits::NEXT_READING;
+use super::stream::Stream;
 use super::{CtlError, print};
-use crate::config::Config;
+use crate::config::{Config, PairsError};
 use crate::ctl::cli::{CalibrateBy, Update};
 use crate::estimate::fit::FitError;
+use crate::stream::client::ClientError;
+use crate::stream::wire::{ReadingLine, ServerMessage};
 use edit::Value;
+use serde::Serialize;
 use std::io::{self, BufRead, IsTerminal};
 use std::path::PathBuf;
 
@@ -54,15 +58,8 @@ pub enum CalibrateError {
     #[error("cermd sends no {0}; `cermctl stats` tells whether the instrument measures")]
     Silent(&'static str),
     /// A line of pairs is wrong.
-    #[error("{origin}, line {line}: {reason}")]
-    Pair {
-        /// The file, or standard input.
-        origin: String,
-        /// Counted from 1.
-        line: usize,
-        /// What, and what to do.
-        reason: String,
-    },
+    #[error(transparent)]
+    Pairs(#[from] PairsError),
     /// The pairs cannot be fitted.
     #[error(transparent)]
     Fit(#[from] FitError),
@@ -114,19 +111,51 @@ impl<'a> Target<'a> {
     }
 
     /// Asks, and puts a value into the configuration after a yes. Prints `result` with what was done for a machine.
-    fn offer(&self, value: &Value, mut result: serde_json::Value) -> Result<(), CtlError> {
+    fn offer(&self, value: &Value, result: impl Serialize) -> Result<(), CtlError> {
         let path = self.update.config.display();
         let is_wanted = self.update.yes || ask(&format!("write to {path}? [y/N] "))?;
-        result["updated"] = is_wanted.into();
-        if is_wanted {
-            let kept = edit::update(&self.update.config, &self.id, value)?;
-            result["kept"] = kept.display().to_string().into();
-            self.say(&format!("{path} is updated; as it was, it is {}", kept.display()))?;
-            self.say("cermd takes it over at: systemctl reload cermd")?;
-        } else {
-            self.say(&format!("{path} is as it was"))?;
+        let kept = is_wanted.then(|| edit::update(&self.update.config, &self.id, value)).transpose()?;
+        match &kept {
+            Some(kept) => {
+                self.say(&format!("{path} is updated; as it was, it is {}", kept.display()))?;
+                self.say("cermd takes it over at: systemctl reload cermd")?;
+            }
+            None => self.say(&format!("{path} is as it was"))?,
         }
-        if self.update.json { print(&format!("{result}\n")) } else { Ok(()) }
+        if !self.update.json {
+            return Ok(());
+        }
+        let outcome = Outcome { result, updated: is_wanted, kept };
+        // Numbers and texts always serialise.
+        print(&(serde_json::to_string(&outcome).unwrap_or_default() + "\n"))
+    }
+}
+
+/// A result, and what became of the configuration.
+#[derive(Serialize)]
+struct Outcome<T> {
+    #[serde(flatten)]
+    result: T,
+    updated: bool,
+    /// The configuration as it was.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    kept: Option<PathBuf>,
+}
+
+/// The next reading of a channel.
+fn next_reading(stream: &mut Stream, id: &str) -> Result<Box<ReadingLine>, CtlError> {
+    let reading = stream.wait_for(NEXT_READING, |_, message| match message {
+        ServerMessage::Reading(reading) if reading.channel == id => Some(reading),
+        _ => None,
+    });
+    reading.map_err(silent("reading"))
+}
+
+/// What waiting in vain for something means here.
+fn silent(what: &'static str) -> impl Fn(CtlError) -> CtlError {
+    move |error| match error {
+        CtlError::Client(ClientError::TimedOut(_)) => CalibrateError::Silent(what).into(),
+        other => other,
     }
 }
 

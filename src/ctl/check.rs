@@ -1,67 +1,100 @@
-//! Everything that can be said before a start.
-//!
-//! For: `cermd --check` and `cermctl check` saying the same of the configuration, of the files that it names, and of
-//! what stands behind its backend. Must not know: who prints it.
+//! Everything that can be said before a start: `cermd --check` and `cermctl check` say the same of the configuration, of
+//! the files that it names, and of what stands behind its backend; `cermctl check` tests the hardware, too.
 
-use crate::config::SettingsError;
+use super::{CtlError, cli, print};
 use crate::config::backend::{self, OpenError};
-use crate::config::{self, Backend, Config, Finding, Report, Severity};
+use crate::config::{Backend, Config, ConfigError, Finding, SettingsError, Severity};
+use std::fmt;
 use std::path::Path;
 
+mod hardware;
 pub mod latency;
 pub mod wiring;
 
+/// `cermctl check`.
+pub(super) fn run(arguments: &cli::Check) -> Result<(), CtlError> {
+    let mut report = check(&arguments.config);
+    let mut latencies = String::new();
+    if let (true, Ok(config)) = (report.is_usable(), &report.config) {
+        latencies = hardware::check(config, &mut report.findings);
+    }
+    print(&(report.to_string() + &latencies))?;
+    if report.is_usable() { Ok(()) } else { Err(CtlError::Unusable) }
+}
+
 /// Checks a configuration file and, if it can be used, what it names.
-pub fn check(path: &Path) -> Report {
-    let mut report = config::report(path);
-    let is_usable = report.is_usable();
-    if let (true, Ok(findings), Ok(config)) = (is_usable, &mut report.outcome, Config::load(path)) {
-        findings.extend(files(&config));
-        findings.extend(behind(&config));
+pub fn check(path: &Path) -> CheckReport {
+    let config = Config::load(path);
+    let findings = config.as_ref().map(Config::check).unwrap_or_default();
+    let mut report = CheckReport { origin: path.display().to_string(), config, findings };
+    if let (true, Ok(config)) = (report.is_usable(), &report.config) {
+        report.findings.extend(force_table(config).into_iter().chain(scene(config)));
     }
     report
 }
 
-/// The tables of forces.
-fn files(config: &Config) -> Option<Finding> {
+fn force_table(config: &Config) -> Option<Finding> {
     let SettingsError::Table { id, source } = config.settings().err()?;
-    Some(error(format!("channel.{id}.force"), source.to_string()))
+    Some(Finding::error(format!("channel.{id}.force"), source.to_string()))
 }
 
-/// The circuit that is to be measured.
-fn behind(config: &Config) -> Option<Finding> {
-    match config.gpio.backend {
-        Backend::Mock => match backend::scene(config).err()? {
-            OpenError::Scene(scene) => Some(error("mock.scene", scene.to_string())),
-            other => Some(error("mock", other.to_string())),
-        },
-        // The lines themselves are tested where they may be touched.
-        Backend::Chardev | Backend::ChardevV1 => None,
+/// Lines are tested where they may be touched.
+fn scene(config: &Config) -> Option<Finding> {
+    if config.gpio.backend != Backend::Mock {
+        return None;
+    }
+    match backend::scene(config).err()? {
+        OpenError::Scene(scene) => Some(Finding::error("mock.scene", scene.to_string())),
+        other => Some(Finding::error("mock", other.to_string())),
     }
 }
 
-fn finding(severity: Severity, key: impl Into<String>, reason: impl Into<String>) -> Finding {
-    Finding { severity, key: key.into(), reason: reason.into(), remedy: None }
+/// What a configuration file is worth.
+#[derive(Debug)]
+pub struct CheckReport {
+    origin: String,
+    config: Result<Config, ConfigError>,
+    findings: Vec<Finding>,
 }
 
-/// What keeps the instrument from working.
-pub(crate) fn error(key: impl Into<String>, reason: impl Into<String>) -> Finding {
-    finding(Severity::Error, key, reason)
-}
+impl CheckReport {
+    /// What was found in a file that could be read.
+    pub fn findings(&self) -> &[Finding] {
+        &self.findings
+    }
 
-/// What makes it worse than it could be.
-pub(crate) fn warning(key: impl Into<String>, reason: impl Into<String>) -> Finding {
-    finding(Severity::Warning, key, reason)
-}
+    /// Whether the instrument would start: no error, warnings allowed. Decides the exit status.
+    pub fn is_usable(&self) -> bool {
+        self.config.is_ok() && self.count(Severity::Error) == 0
+    }
 
-/// What is worth knowing.
-pub(crate) fn info(key: impl Into<String>, reason: impl Into<String>) -> Finding {
-    finding(Severity::Info, key, reason)
-}
+    fn count(&self, severity: Severity) -> usize {
+        self.findings.iter().filter(|finding| finding.severity == severity).count()
+    }
 
-impl Finding {
-    /// The same with something to try.
-    pub(crate) fn try_this(self, remedy: impl Into<String>) -> Finding {
-        Finding { remedy: Some(remedy.into()), ..self }
+    /// What keeps the instrument from starting, a line each.
+    pub(super) fn errors(&self) -> String {
+        match &self.config {
+            Ok(_) => Finding::errors(&self.findings),
+            Err(error) => format!("error: {}", error.to_string().trim_end()),
+        }
     }
 }
+
+impl fmt::Display for CheckReport {
+    /// One finding a line, then a summary; each line ends in a line feed.
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        if self.config.is_err() {
+            return writeln!(f, "{}", self.errors());
+        }
+        for finding in &self.findings {
+            writeln!(f, "{finding}")?;
+        }
+        let (errors, warnings) = (self.count(Severity::Error), self.count(Severity::Warning));
+        let verdict = if errors == 0 { "usable" } else { "not usable" };
+        writeln!(f, "{}: {verdict}: {errors} error(s), {warnings} warning(s)", self.origin)
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,12 +1,10 @@
-//! The command lines of both programs.
-//!
-//! For: arguments and their help texts, in one place, from which the man pages are made too. Must not know: what is
-//! done with them.
+//! The command lines of both programs: arguments and their help texts, from which the manual pages are made, too.
+#![expect(missing_docs, reason = "a text at a flattened group would replace that of its verb")]
 
-use crate::ctl::replay::TapeOffset;
+use crate::instrument::settings::OffsetSource;
 use crate::reading::Method;
 use crate::record::LONGEST_LATENCY;
-use crate::units::{Nanos, Ohm};
+use crate::units::Ohm;
 use clap::builder::PossibleValue;
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use std::path::PathBuf;
@@ -101,7 +99,6 @@ pub struct Watch {
     #[arg(long)]
     pub json: bool,
     #[command(flatten)]
-    #[expect(missing_docs, reason = "a text here would replace that of the verb")]
     pub connection: Connection,
 }
 
@@ -115,7 +112,6 @@ pub struct Get {
     #[arg(long)]
     pub json: bool,
     #[command(flatten)]
-    #[expect(missing_docs, reason = "a text here would replace that of the verb")]
     pub connection: Connection,
 }
 
@@ -126,7 +122,6 @@ pub struct Stats {
     #[arg(long)]
     pub json: bool,
     #[command(flatten)]
-    #[expect(missing_docs, reason = "a text here would replace that of the verb")]
     pub connection: Connection,
 }
 
@@ -168,7 +163,6 @@ pub struct Record {
     #[arg(long, short, value_name = "FILE")]
     pub output: Option<PathBuf>,
     #[command(flatten)]
-    #[expect(missing_docs, reason = "a text here would replace that of the verb")]
     pub connection: Connection,
 }
 
@@ -193,7 +187,7 @@ pub struct Estimate {
     /// How late the kernel stamps a crossing: a duration such as "8 us", or auto for what the split calibration
     /// discharges on the tape tell [default: what the tape says, or else auto]
     #[arg(long, value_name = "DURATION|auto", value_parser = offset)]
-    pub offset: Option<TapeOffset>,
+    pub offset: Option<OffsetSource>,
 }
 
 /// `cermctl calibrate`.
@@ -222,10 +216,8 @@ pub struct Zero {
     #[arg(long, value_name = "NUMBER", default_value = "200", value_parser = clap::value_parser!(u64).range(2..=100_000))]
     pub count: u64,
     #[command(flatten)]
-    #[expect(missing_docs, reason = "a text here would replace that of the verb")]
     pub update: Update,
     #[command(flatten)]
-    #[expect(missing_docs, reason = "a text here would replace that of the verb")]
     pub connection: Connection,
 }
 
@@ -236,7 +228,6 @@ pub struct Reference {
     #[arg(value_name = "OHM", value_parser = ohm)]
     pub ohm: f64,
     #[command(flatten)]
-    #[expect(missing_docs, reason = "a text here would replace that of the verb")]
     pub zero: Zero,
 }
 
@@ -256,10 +247,8 @@ pub struct Force {
     #[arg(long, value_name = "NUMBER", default_value = "20", value_parser = clap::value_parser!(u64).range(1..=100_000))]
     pub count: u64,
     #[command(flatten)]
-    #[expect(missing_docs, reason = "a text here would replace that of the verb")]
     pub update: Update,
     #[command(flatten)]
-    #[expect(missing_docs, reason = "a text here would replace that of the verb")]
     pub connection: Connection,
 }
 
@@ -322,15 +311,13 @@ fn positive(text: &str, limit: f64) -> Option<f64> {
     text.parse().ok().filter(|value| *value > 0.0 && *value <= limit)
 }
 
-fn offset(text: &str) -> Result<TapeOffset, String> {
-    if text == "auto" {
-        return Ok(TapeOffset::Auto);
+fn offset(text: &str) -> Result<OffsetSource, String> {
+    match text.parse()? {
+        OffsetSource::Given(d_ns) if d_ns.abs() >= LONGEST_LATENCY.as_ns() => {
+            Err("a latency is below 1 ms, such as 8 us".to_owned())
+        }
+        source => Ok(source),
     }
-    let d: Nanos = text.parse().map_err(|error| format!("{error}; or auto"))?;
-    if d.0.abs() >= LONGEST_LATENCY.0 {
-        return Err("a latency is below 1 ms, such as 8 us".to_owned());
-    }
-    Ok(TapeOffset::Given(d.as_ns()))
 }
 
 #[cfg(test)]

@@ -1,6 +1,4 @@
-//! What went wrong, as a sentence with a hint.
-//!
-//! For: the last line that a person sees of a verb that failed. Must not know: exit statuses.
+//! What went wrong, as a sentence with a hint: the last line that a person sees of a verb that failed.
 
 use crate::config::ConfigError;
 use crate::ctl::replay::ReplayError;
@@ -8,7 +6,7 @@ use crate::daemon::DaemonError;
 use crate::pins::sim::SceneError;
 use crate::stream::client::ClientError;
 use std::io;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 /// Why a verb failed.
 #[derive(Debug, thiserror::Error)]
@@ -94,6 +92,12 @@ fn look_where(error: &io::Error) -> &'static str {
 }
 
 impl CtlError {
+    /// What a failure with a file is.
+    pub(super) fn file(path: &Path) -> impl Fn(io::Error) -> CtlError {
+        let path = path.to_owned();
+        move |source| CtlError::File { path: path.clone(), source }
+    }
+
     /// Whether the reader of our standard output has gone away, which is his right.
     pub fn is_closed_pipe(&self) -> bool {
         matches!(self, CtlError::Output(error) if error.kind() == io::ErrorKind::BrokenPipe)

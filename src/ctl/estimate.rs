@@ -1,10 +1,8 @@
-//! `cermctl estimate`: from a tape to resistances and forces.
-//!
-//! For: one line for each discharge of a sensor. Must not know: the format of a tape, or the equations.
+//! `cermctl estimate`: from a tape to resistances and forces, a line for each discharge of a sensor.
 
 use super::{CtlError, print};
 use crate::ctl::cli;
-use crate::ctl::replay::{self, TapeOffset};
+use crate::ctl::replay;
 use std::io::Read;
 use std::path::Path;
 
@@ -19,9 +17,8 @@ pub fn run(arguments: &cli::Estimate) -> Result<(), CtlError> {
     } else {
         std::fs::File::open(path).and_then(|mut file| file.read_to_string(&mut text))
     };
-    read.map_err(|source| CtlError::File { path: name.to_owned(), source })?;
-    let offset = arguments.offset.unwrap_or(TapeOffset::OfTape);
-    let estimates = replay::estimate(&text, arguments.method, offset)
+    read.map_err(CtlError::file(name))?;
+    let estimates = replay::estimate(&text, arguments.method, arguments.offset)
         .map_err(|source| CtlError::Tape { path: name.to_owned(), source })?;
     for estimate in estimates {
         // Numbers and texts always serialise.

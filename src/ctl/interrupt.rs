@@ -1,6 +1,4 @@
-//! Ctrl-C as a wish.
-//!
-//! For: verbs that run until they are told to stop, and then end properly. Must not know: what ending takes.
+//! Ctrl-C as a wish, for verbs that run until they are told to stop, and then end properly.
 
 use super::CtlError;
 use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM};

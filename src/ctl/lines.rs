@@ -1,6 +1,4 @@
-//! `cermctl lines`: the chips and lines of this machine.
-//!
-//! For: finding the names that a configuration needs, and who holds a line. Must not know: what lines are used for.
+//! `cermctl lines`: the chips and lines of this machine, with the names that a configuration needs, and who holds which.
 
 use super::{CtlError, print};
 use crate::ctl::cli;

@@ -1,7 +1,7 @@
 //! The verbs of `cermctl`, one file each.
 //!
 //! For: what a person sees: live lines, tables, files, errors as sentences. Must not know: how anything is measured; the
-//! [`demo`] alone starts an instrument.
+//! [`demo`] alone starts an instrument, [`check`] alone tests one.
 
 mod calibrate;
 pub mod check;
@@ -10,12 +10,13 @@ pub mod demo;
 mod error;
 mod estimate;
 mod get;
-mod hardware;
 mod interrupt;
+mod limits;
 mod lines;
 mod panel;
 mod record;
 pub mod replay;
+mod screen;
 mod stats;
 mod stream;
 mod terminal;
@@ -25,7 +26,6 @@ mod watch;
 pub use calibrate::CalibrateError;
 pub use error::CtlError;
 
-use crate::config::Config;
 use crate::ctl::cli::Verb;
 use std::io::Write;
 
@@ -39,24 +39,12 @@ pub fn run(verb: Verb) -> Result<(), CtlError> {
         Verb::Watch(arguments) => watch::run(&arguments),
         Verb::Get(arguments) => get::run(&arguments),
         Verb::Stats(arguments) => stats::run(&arguments),
-        Verb::Check(arguments) => check(&arguments),
+        Verb::Check(arguments) => check::run(&arguments),
         Verb::Lines(arguments) => lines::run(&arguments),
         Verb::Record(arguments) => record::run(&arguments),
         Verb::Estimate(arguments) => estimate::run(&arguments),
         Verb::Calibrate(arguments) => calibrate::run(&arguments.by),
     }
-}
-
-fn check(arguments: &cli::Check) -> Result<(), CtlError> {
-    let mut report = check::check(&arguments.config);
-    let mut latencies = String::new();
-    if report.is_usable() {
-        if let (Ok(findings), Ok(config)) = (&mut report.outcome, Config::load(&arguments.config)) {
-            latencies = hardware::check(&config, findings);
-        }
-    }
-    print(&(report.to_string() + &latencies))?;
-    if report.is_usable() { Ok(()) } else { Err(CtlError::Unusable) }
 }
 
 /// To standard output.

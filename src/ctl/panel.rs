@@ -1,47 +1,37 @@
-//! The live lines of the channels.
+//! The channels as people see them: one line for each, with numbers, a bar and the rate.
 //!
-//! For: what `watch` and `demo` show of each reading. Must not know: terminals, or where readings come from. Time is that
-//! of the readings.
+//! Time is that of the readings.
 
-use super::terminal::{Line, Style};
+use super::limits::{BAR_COLUMNS, BAR_OHM, FULL_N, HISTORY, HISTORY_COLUMNS, RATE_WINDOW_NS};
 use super::text::{bar, measured, rough, sparkline};
 use crate::stream::wire::{ChannelInfo, ReadingLine, StatusName, Unit};
+use console::{Alignment, Style, measure_text_width, pad_str, style, truncate_str};
 use std::collections::VecDeque;
-
-/// Readings per second are counted over so long, ns.
-const RATE_WINDOW_NS: i64 = 2_000_000_000;
-/// A bar is full at so much until a reading is beyond it, newton.
-const FULL_N: f64 = 10.0;
-/// A bar of ohms is logarithmic, full at the first and empty at the second.
-const OHMS: [f64; 2] = [10.0, 1e6];
-/// A bar is not shown narrower than this.
-const NARROWEST_BAR: usize = 6;
-const WIDEST_BAR: usize = 30;
 
 /// One channel.
 #[derive(Debug)]
-struct Channel {
+struct Row {
     id: String,
     unit: Unit,
     last: Option<ReadingLine>,
     /// Of the last readings.
     stamps_ns: VecDeque<i64>,
     full_n: f64,
-    /// One share for each slot of time, the newest last.
+    /// When, and how far the bar was filled; the newest last.
     history: VecDeque<(i64, Option<f64>)>,
 }
 
 /// All channels.
 #[derive(Debug)]
 pub struct Panel {
-    channels: Vec<Channel>,
+    rows: Vec<Row>,
     unicode: bool,
 }
 
 impl Panel {
     /// Of these channels.
     pub fn new<'a>(channels: impl Iterator<Item = &'a ChannelInfo>, unicode: bool) -> Panel {
-        let channel = |info: &ChannelInfo| Channel {
+        let row = |info: &ChannelInfo| Row {
             id: info.id.clone(),
             unit: info.unit,
             last: None,
@@ -49,60 +39,47 @@ impl Panel {
             full_n: FULL_N,
             history: VecDeque::new(),
         };
-        Panel { channels: channels.map(channel).collect(), unicode }
+        Panel { rows: channels.map(row).collect(), unicode }
     }
 
     /// Takes a reading; one of an unknown channel is passed over.
     pub fn feed(&mut self, reading: &ReadingLine) {
-        if let Some(channel) = self.channels.iter_mut().find(|channel| channel.id == reading.channel) {
-            channel.feed(reading);
+        if let Some(row) = self.rows.iter_mut().find(|row| row.id == reading.channel) {
+            row.feed(reading);
         }
     }
 
     /// One line for each channel, in `width` columns.
-    pub fn lines(&self, width: usize) -> Vec<Line> {
-        let columns = Columns {
-            name: self.name_width(),
-            has_force: self.channels.iter().any(|channel| channel.unit == Unit::Newton),
-            width,
-        };
-        self.channels.iter().map(|channel| channel.line(&columns, self.unicode)).collect()
+    pub fn lines(&self, width: usize) -> Vec<String> {
+        let has_force = self.rows.iter().any(|row| row.unit == Unit::Newton);
+        let name = self.name_width();
+        self.rows.iter().map(|row| row.line(name, has_force, width, self.unicode)).collect()
     }
 
-    /// The last reading of a channel as a line of plain text that is kept.
-    pub fn plain(&self, id: &str) -> Line {
-        let channel = self.channels.iter().find(|channel| channel.id == id);
-        channel.map(|channel| channel.plain(self.unicode)).unwrap_or_default()
+    /// The last reading of a channel as a line of plain text; `None` if there is no such channel.
+    pub fn plain(&self, id: &str) -> Option<String> {
+        self.rows.iter().find(|row| row.id == id).map(|row| row.plain(self.unicode))
     }
 
     /// What each channel did in the last `seconds`, one line for each.
-    pub fn history(&self, seconds: f64, width: usize) -> Vec<Line> {
+    pub fn history(&self, seconds: f64, width: usize) -> Vec<String> {
         let name = self.name_width();
         let label = format!(" last {seconds:.0} s");
-        let columns = width.saturating_sub(name + 3 + label.chars().count()).min(60);
-        let draw = |channel: &Channel| {
-            let slots = channel.slots((seconds * 1e9) as i64, columns);
-            Line::default()
-                .add(Style::Plain, format!(" {:name$} ", ""))
-                .add(Style::Bar, sparkline(slots.into_iter(), self.unicode))
-                .add(Style::Dim, label.clone())
+        let columns = width.saturating_sub(name + 3 + label.len()).min(HISTORY_COLUMNS);
+        let draw = |row: &Row| {
+            let slots = row.slots((seconds * 1e9) as i64, columns);
+            let line = sparkline(slots.into_iter(), self.unicode);
+            format!(" {:name$} {}{}", "", style(line).cyan(), style(&label).dim())
         };
-        self.channels.iter().map(draw).collect()
+        self.rows.iter().map(draw).collect()
     }
 
     fn name_width(&self) -> usize {
-        self.channels.iter().map(|channel| channel.id.chars().count()).max().unwrap_or(0)
+        self.rows.iter().map(|row| measure_text_width(&row.id)).max().unwrap_or(0)
     }
 }
 
-/// What the lines of all channels share.
-struct Columns {
-    name: usize,
-    has_force: bool,
-    width: usize,
-}
-
-impl Channel {
+impl Row {
     fn feed(&mut self, reading: &ReadingLine) {
         let now = reading.t_mono_ns;
         self.stamps_ns.push_back(now);
@@ -114,7 +91,7 @@ impl Channel {
         }
         self.last = Some(reading.clone());
         self.history.push_back((now, self.share(reading)));
-        if self.history.len() > 10_000 {
+        if self.history.len() > HISTORY {
             self.history.pop_front();
         }
     }
@@ -127,7 +104,7 @@ impl Channel {
             (StatusName::Short, _) => Some(1.0),
             (StatusName::Ok, Unit::Newton) => Some(reading.f_n? / self.full_n),
             (StatusName::Ok, Unit::Ohm) => {
-                let [full, empty] = OHMS.map(f64::ln);
+                let [full, empty] = BAR_OHM.map(f64::ln);
                 Some(((empty - reading.r_ohm?.max(1e-3).ln()) / (empty - full)).clamp(0.0, 1.0))
             }
         }
@@ -164,68 +141,68 @@ impl Channel {
             .collect()
     }
 
-    /// Force, resistance and status in words.
-    fn words(&self, unicode: bool) -> (String, String, Style, &'static str) {
-        let Some(reading) = &self.last else {
-            return (String::new(), String::new(), Style::Dim, "waiting");
+    /// Force, then resistance or the name of a fault, then the status and how it looks.
+    fn words(&self, unicode: bool) -> ([String; 2], &'static str, Style) {
+        let Some(reading) = &self.last else { return (Default::default(), "waiting", Style::new().dim()) };
+        let value = |value: Option<f64>, u, unit| {
+            value.map(|value| measured(value, u, unit, unicode)).unwrap_or_default()
         };
         let bound = |sign: &str, value: Option<f64>, unit| {
             value.map(|value| format!("{sign} {}", rough(value, unit))).unwrap_or_default()
         };
+        let style = Style::new();
         match reading.status {
             StatusName::Ok => {
-                let force = reading.f_n.map(|force| measured(force, reading.f_u_n, "N", unicode));
-                let ohms = reading.r_ohm.map(|ohms| measured(ohms, reading.r_u_ohm, "ohm", unicode));
-                (force.unwrap_or_default(), ohms.unwrap_or_default(), Style::Good, "ok")
+                let force = value(reading.f_n, reading.f_u_n, "N");
+                ([force, value(reading.r_ohm, reading.r_u_ohm, "ohm")], "ok", style.green())
             }
             StatusName::Open => {
-                let words = (bound("<", reading.f_max_n, "N"), bound(">", reading.r_min_ohm, "ohm"));
-                (words.0, words.1, Style::Dim, "open")
+                let force = bound("<", reading.f_max_n, "N");
+                ([force, bound(">", reading.r_min_ohm, "ohm")], "open", style.dim())
             }
             StatusName::Short => {
-                let words = (bound(">", reading.f_min_n, "N"), bound("<", reading.r_max_ohm, "ohm"));
-                (words.0, words.1, Style::Notable, "short")
+                let force = bound(">", reading.f_min_n, "N");
+                ([force, bound("<", reading.r_max_ohm, "ohm")], "short", style.yellow())
             }
             StatusName::Fault => {
-                (String::new(), reading.fault.clone().unwrap_or_default(), Style::Bad, "fault")
+                ([String::new(), reading.fault.clone().unwrap_or_default()], "fault", style.red())
             }
         }
     }
 
-    fn line(&self, columns: &Columns, unicode: bool) -> Line {
-        let Columns { name, has_force, width } = *columns;
-        let (force, ohms, style, status) = self.words(unicode);
-        let force = if has_force { format!("{force:>19}  ") } else { String::new() };
-        let ohms = format!("{ohms:>21}  ");
-        let status = format!("{status:<7}");
-        let rate = self.rate().map_or_else(|| " ".repeat(7), |rate| format!("{rate:>5.1}/s"));
-        let fixed = name + 3 + force.chars().count() + ohms.chars().count() + status.len() + rate.len() + 2;
-        let room = width.saturating_sub(fixed);
-        let line = Line::default()
-            .add(Style::Bold, format!(" {:name$}  ", self.id))
-            .add(Style::Bold, force)
-            .add(Style::Plain, ohms);
-        let share = self.last.as_ref().and_then(|reading| self.share(reading)).unwrap_or(0.0);
-        let hint = self.last.as_ref().and_then(|reading| reading.hint.as_deref());
-        let line = if let Some(hint) = hint.filter(|_| room >= NARROWEST_BAR) {
-            line.add(Style::Plain, hint.chars().take(room).collect::<String>() + "  ")
-        } else if room >= NARROWEST_BAR {
-            let (full, empty) = bar(share, room.min(WIDEST_BAR), unicode);
-            line.add(Style::Bar, full).add(Style::Dim, empty).add(Style::Plain, "  ")
-        } else {
-            line
-        };
-        line.add(style, status).add(Style::Dim, rate)
+    /// What to look at on the board, if the daemon has said so.
+    fn hint(&self) -> Option<&str> {
+        self.last.as_ref().and_then(|reading| reading.hint.as_deref())
     }
 
-    fn plain(&self, unicode: bool) -> Line {
-        let (force, ohms, _, status) = self.words(unicode);
+    /// In columns: name, force, ohms, a hint or a bar where there is room, status, rate.
+    fn line(&self, name: usize, has_force: bool, width: usize, unicode: bool) -> String {
+        let ([force, ohms], status, colour) = self.words(unicode);
+        let id = pad_str(&self.id, name, Alignment::Left, None);
+        let force = if has_force { format!("{force:>19}  ") } else { String::new() };
+        let before = format!(" {}  {}{ohms:>21}  ", style(id).bold(), style(force).bold());
+        let rate = self.rate().map_or_else(|| " ".repeat(7), |rate| format!("{rate:>5.1}/s"));
+        let after = format!("{}{}", colour.apply_to(format!("{status:<7}")), style(rate).dim());
+        let room = width.saturating_sub(measure_text_width(&before) + measure_text_width(&after) + 2);
+        let middle = match self.hint() {
+            _ if room < *BAR_COLUMNS.start() => String::new(),
+            Some(hint) => truncate_str(hint, room, "").into_owned() + "  ",
+            None => {
+                let share = self.last.as_ref().and_then(|reading| self.share(reading)).unwrap_or(0.0);
+                let (full, empty) = bar(share, room.min(*BAR_COLUMNS.end()), unicode);
+                format!("{}{}  ", style(full).cyan(), style(empty).dim())
+            }
+        };
+        before + &middle + &after
+    }
+
+    fn plain(&self, unicode: bool) -> String {
+        let ([force, ohms], status, _) = self.words(unicode);
         let time = self.last.as_ref().and_then(|reading| reading.time.get(11..23)).unwrap_or_default();
         let rate = self.rate().map(|rate| format!("{rate:.1}/s")).unwrap_or_default();
-        let hint = self.last.as_ref().and_then(|reading| reading.hint.as_deref()).unwrap_or_default();
-        let pieces = [time, &self.id, &force, &ohms, status, &rate, hint];
+        let pieces = [time, &self.id, &force, &ohms, status, &rate, self.hint().unwrap_or_default()];
         let kept: Vec<&str> = pieces.into_iter().filter(|piece| !piece.is_empty()).collect();
-        Line::default().add(Style::Plain, kept.join("  "))
+        kept.join("  ")
     }
 }
 
@@ -261,8 +238,8 @@ mod tests {
 
     #[test]
     fn each_state_has_its_words() {
-        let plain = |rest| panel(&[(0, rest)]).plain("thumb");
-        let is = |line: Line, text: &str| assert_eq!(line.text(), text);
+        let plain = |rest| panel(&[(0, rest)]).plain("thumb").unwrap();
+        let is = |line: String, text: &str| assert_eq!(line, text);
         is(plain(HALF), "03:40:00.123  thumb  5.000 ± 0.010 N  2669.2 ± 2.5 ohm  ok");
         is(plain(OPEN), "03:40:00.123  thumb  < 0.210 N  > 63000 ohm  open");
         is(plain(FAULT), "03:40:00.123  thumb  missed-edge  fault");
@@ -271,7 +248,7 @@ mod tests {
             "03:40:00.123  thumb  no-calibration  fault  nothing falls in a discharge through Rc1; look at the wire",
         );
         is(
-            panel(&[(0, OPEN), (100, OPEN), (200, OPEN)]).plain("thumb"),
+            panel(&[(0, OPEN), (100, OPEN), (200, OPEN)]).plain("thumb").unwrap(),
             "03:40:00.123  thumb  < 0.210 N  > 63000 ohm  open  10.0/s",
         );
     }
@@ -279,17 +256,17 @@ mod tests {
     #[test]
     fn the_history_repeats_silence_and_leaves_faults_blank() {
         let panel = panel(&[(0, OPEN), (1000, FULL), (3000, FAULT), (4000, HALF)]);
-        assert_eq!(
-            panel.channels[0].slots(5_000_000_000, 5),
-            [Some(0.0), Some(1.0), Some(1.0), None, Some(0.5)]
-        );
+        assert_eq!(panel.rows[0].slots(5_000_000_000, 5), [Some(0.0), Some(1.0), Some(1.0), None, Some(0.5)]);
         // The first reading is past.
-        assert_eq!(panel.channels[0].slots(4_000_000_000, 4), [Some(1.0), Some(1.0), None, Some(0.5)]);
+        assert_eq!(panel.rows[0].slots(4_000_000_000, 4), [Some(1.0), Some(1.0), None, Some(0.5)]);
     }
 
     #[test]
     fn a_narrow_terminal_loses_the_bar_first() {
-        let line = |rest, width| panel(&[(0, rest)]).lines(width)[0].text();
+        let line = |rest, width| {
+            let line = panel(&[(0, rest)]).lines(width)[0].clone();
+            console::strip_ansi_codes(&line).into_owned()
+        };
         assert!(line(HALF, 90).contains('█'));
         let narrow = line(HALF, 60);
         assert!(!narrow.contains('█') && narrow.contains("ok"), "{narrow}");

@@ -1,18 +1,21 @@
 //! `cermctl record`: readings, or the timings they were made of, into a file.
 //!
-//! For: whole lines whatever ends the recording, and losses that are said. Must not know: what is done with the file.
-
-mod csv;
+//! Lines are whole whatever ends the recording, and losses are said.
 
 use super::CtlError;
 use super::interrupt::Interrupt;
 use super::stream::{Next, Stream, is_wanted};
 use crate::ctl::cli::{self, Format};
 use crate::stream::tape::Header;
-use crate::stream::wire::{ErrorCode, ReadingLine, ServerMessage};
+use crate::stream::wire::{ReadingLine, ServerMessage};
+use serde_json::{Map, Value};
 use std::fs::File;
 use std::io::{self, Write};
 use std::time::{Duration, Instant};
+
+/// The columns of CSV: fields of READING.
+const COLUMNS: &str = "channel,seq,time,t_mono_ns,status,r_ohm,r_u_ohm,f_n,f_u_n,r_min_ohm,f_max_n,r_max_ohm,f_min_n,\
+                       fault,method,branch,duration_us,lost";
 
 /// Records until the time, the count or Ctrl-C.
 pub fn run(arguments: &cli::Record) -> Result<(), CtlError> {
@@ -43,15 +46,13 @@ struct Recording<'a> {
 impl<'a> Recording<'a> {
     fn begin(arguments: &'a cli::Record) -> Result<Recording<'a>, CtlError> {
         let out: Box<dyn Write> = match &arguments.output {
-            Some(path) => {
-                Box::new(File::create(path).map_err(|source| CtlError::File { path: path.clone(), source })?)
-            }
+            Some(path) => Box::new(File::create(path).map_err(CtlError::file(path))?),
             None => Box::new(io::stdout().lock()),
         };
         let until = arguments.seconds.map(|seconds| Instant::now() + Duration::from_secs_f64(seconds));
         let mut recording = Recording { arguments, out, until, header: None, count: 0, lost: 0 };
         if !arguments.raw && arguments.format == Format::Csv {
-            recording.write(&csv::header())?;
+            recording.write(COLUMNS)?;
         }
         Ok(recording)
     }
@@ -59,21 +60,17 @@ impl<'a> Recording<'a> {
     fn go_on(&mut self, stream: &mut Stream, interrupt: &Interrupt) -> Result<(), CtlError> {
         while !self.is_over(interrupt) {
             match stream.next()? {
-                Next::Line(_, ServerMessage::Error(error)) if error.code == ErrorCode::Lost => {
-                    self.lost += error.lost.unwrap_or(1);
-                }
-                Next::Line(_, ServerMessage::Error(error)) => {
-                    return Err(CtlError::Refused(error.message));
-                }
+                // A loss: any other ERROR has ended the recording.
+                Next::Line(_, ServerMessage::Error(error)) => self.lost += error.lost.unwrap_or(1),
                 Next::Line(line, ServerMessage::Reading(reading)) if !self.arguments.raw => {
                     self.reading(&line, &reading)?;
                 }
                 Next::Line(line, ServerMessage::Tape(header)) if self.arguments.raw => {
-                    self.tape(&line, *header)?;
+                    self.header(&line, *header)?;
                 }
                 Next::Line(line, ServerMessage::Discharge(_)) if self.header.is_some() => {
                     self.count += 1;
-                    self.write(&String::from_utf8_lossy(&line))?;
+                    self.write(&line)?;
                 }
                 Next::Line(..) | Next::Quiet => {}
                 Next::Ended => return Err(CtlError::Ended("cermd closed the connection")),
@@ -88,7 +85,7 @@ impl<'a> Recording<'a> {
             || self.arguments.count.is_some_and(|count| self.count >= count)
     }
 
-    fn reading(&mut self, line: &[u8], reading: &ReadingLine) -> Result<(), CtlError> {
+    fn reading(&mut self, line: &str, reading: &ReadingLine) -> Result<(), CtlError> {
         // Measured before the daemon knew what is wanted.
         if !is_wanted(&self.arguments.channels, &reading.channel) {
             return Ok(());
@@ -96,18 +93,18 @@ impl<'a> Recording<'a> {
         self.count += 1;
         self.lost += reading.lost;
         match self.arguments.format {
-            Format::Ndjson => self.write(&String::from_utf8_lossy(line)),
-            Format::Csv => self.write(&csv::row(reading)),
+            Format::Ndjson => self.write(line),
+            Format::Csv => self.write(&csv_row(line)),
         }
     }
 
     /// A daemon that has just found its latency offset sends a second header: the first one stays, for this tape holds the
     /// discharges that the offset was found from.
-    fn tape(&mut self, line: &[u8], header: Header) -> Result<(), CtlError> {
+    fn header(&mut self, line: &str, header: Header) -> Result<(), CtlError> {
         match &self.header {
             None => {
                 self.header = Some(header);
-                self.write(&String::from_utf8_lossy(line))
+                self.write(line)
             }
             Some(first) if *first == (Header { offset_ns: first.offset_ns, ..header }) => Ok(()),
             Some(_) => Err(CtlError::Ended("the configuration of cermd has changed")),
@@ -119,8 +116,34 @@ impl<'a> Recording<'a> {
         let line = format!("{line}\n");
         let written = self.out.write_all(line.as_bytes()).and_then(|()| self.out.flush());
         written.map_err(|source| match &self.arguments.output {
-            Some(path) => CtlError::File { path: path.clone(), source },
+            Some(path) => CtlError::file(path)(source),
             None => CtlError::Output(source),
         })
+    }
+}
+
+/// The fields of a line in the order of the columns, as they were sent; what is not known is empty.
+fn csv_row(line: &str) -> String {
+    let fields: Map<String, Value> = serde_json::from_str(line).unwrap_or_default();
+    let cells = COLUMNS.split(',').map(|key| match fields.get(key) {
+        None => String::new(),
+        Some(Value::String(text)) => text.clone(),
+        Some(number) => number.to_string(),
+    });
+    let mut writer = csv::Writer::from_writer(Vec::new());
+    // Memory takes whatever is written into it.
+    let _ = writer.write_record(cells.map(String::into_bytes));
+    let row = String::from_utf8(writer.into_inner().unwrap_or_default()).unwrap_or_default();
+    row.trim_end_matches('\n').to_owned()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_row_has_a_cell_for_each_column_whatever_is_in_it() {
+        let row = csv_row(r#"{"class":"READING","channel":"a,\"b\"","r_ohm":2841.3,"lost":0,"new":1}"#);
+        assert_eq!(row, format!("\"a,\"\"b\"\"\",,,,,2841.3{}0", ",".repeat(12)));
     }
 }

@@ -1,12 +1,10 @@
-//! Estimating from a tape.
-//!
-//! For: `cermctl estimate`: for every x discharge one line, from the most recent calibration discharges before it.
-//! Must not know: where the lines come from or go to.
+//! Estimating from a tape: for every x discharge one line, from the most recent calibration discharges before it.
 
 use crate::circuit::Kind;
 use crate::estimate::Estimator;
 use crate::estimate::force::Force;
 use crate::estimate::offset::{Offset, SplitCalibration};
+use crate::instrument::settings::OffsetSource;
 use crate::reading::{Branch, Fault, Method, Status};
 use crate::record::CalibrationKind;
 use crate::stream::tape::{Entry, Header, TapeError, TapeForce};
@@ -14,7 +12,7 @@ use crate::units::{Newton, NewtonOhm};
 use serde::Serialize;
 
 /// What is said about one x discharge.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Default, Serialize)]
 pub struct Estimate {
     class: &'static str,
     seq: u64,
@@ -37,17 +35,6 @@ pub struct Estimate {
     r_max_ohm: Option<f64>,
     #[serde(skip_serializing_if = "Option::is_none")]
     f_min_n: Option<f64>,
-}
-
-/// Where d comes from when a tape is estimated.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub enum TapeOffset {
-    /// The header's, or else as [`TapeOffset::Auto`].
-    OfTape,
-    /// From the split discharges on the tape.
-    Auto,
-    /// Given, ns.
-    Given(f64),
 }
 
 /// Why a tape cannot be estimated from.
@@ -77,21 +64,32 @@ pub enum ReplayError {
     Offset(&'static str),
 }
 
-/// The estimates of a whole tape, or the first thing that is wrong with it.
+/// The estimates of a whole tape, or the first thing that is wrong with it. `offset`: where d comes from; `None`: from the
+/// header, or else from the split discharges on the tape.
 ///
 /// # Errors
 /// [`ReplayError`] with the line number, or what to do.
-pub fn estimate(text: &str, method: Method, offset: TapeOffset) -> Result<Vec<Estimate>, ReplayError> {
-    replay(text, method, offset, line)
+pub fn estimate(
+    text: &str,
+    method: Method,
+    offset: Option<OffsetSource>,
+) -> Result<Vec<Estimate>, ReplayError> {
+    let (header, entries) = parse(text)?;
+    replay(&header, &entries, method, offset, line)
 }
 
 /// The estimates of one channel as they are, ohm: no zero taken off, and below 0 too, where a reading says `short`; a
 /// fault for each discharge that gives none.
 ///
 /// # Errors
-/// As [`estimate`].
-pub fn signed_ohm(text: &str, method: Method, id: &str) -> Result<Vec<Result<f64, Fault>>, ReplayError> {
-    let signed = replay(text, method, TapeOffset::OfTape, |estimator, header, channel, entry| {
+/// The method does not belong to the circuit, or d is needed and not known.
+pub(crate) fn signed_ohm(
+    header: &Header,
+    entries: &[Entry],
+    method: Method,
+    id: &str,
+) -> Result<Vec<Result<f64, Fault>>, ReplayError> {
+    let signed = replay(header, entries, method, None, |estimator, header, channel, entry| {
         let is_wanted = header.channels[channel].id == id;
         is_wanted.then(|| estimator.estimate(&entry.record).map(|estimate| estimate.r_ohm.value))
     })?;
@@ -100,28 +98,28 @@ pub fn signed_ohm(text: &str, method: Method, id: &str) -> Result<Vec<Result<f64
 
 /// Calibrates with the calibration discharges of a tape, and asks `each` about those of sensors.
 fn replay<T>(
-    text: &str,
+    header: &Header,
+    entries: &[Entry],
     method: Method,
-    offset: TapeOffset,
+    offset: Option<OffsetSource>,
     mut each: impl FnMut(&Estimator, &Header, usize, &Entry) -> T,
 ) -> Result<Vec<T>, ReplayError> {
-    let (header, entries) = parse(text)?;
     let nodes = nodes_of(method, header.circuit.kind)?;
     let [r1, r2] = header.r_ohm();
     let new = |offset| Estimator::new(method, r1, r2, nodes, offset);
     let offset = match (offset, header.offset_ns) {
-        (TapeOffset::Given(d_ns), _) | (TapeOffset::OfTape, Some(d_ns)) => Offset::given(d_ns),
+        (Some(OffsetSource::Given(d_ns)), _) | (None, Some(d_ns)) => Offset::given(d_ns),
         // It cancels in the equations of these, or is part of what is tracked.
         _ if !method.needs_offset() => Offset::default(),
-        _ => split_offset(new(Offset::default()), [r1, r2], nodes, &entries)
+        _ => split_offset(new(Offset::default()), [r1, r2], nodes, entries)
             .ok_or(ReplayError::Offset(method.as_str()))?,
     };
     let mut estimator =
         if method.is_tracked() { Estimator::tracked(method, r1, r2, nodes) } else { new(offset) };
     let mut estimates = Vec::new();
-    for entry in &entries {
+    for entry in entries {
         match (entry.record.through.channel(), entry.record.switch) {
-            (Some(channel), _) => estimates.push(each(&estimator, &header, channel, entry)),
+            (Some(channel), _) => estimates.push(each(&estimator, header, channel, entry)),
             // The calibration in force stays when a discharge is of no use.
             (None, None) => drop(estimator.calibrate(&entry.record)),
             (None, Some(_)) if method.is_tracked() => drop(estimator.calibrate(&entry.record)),
@@ -185,33 +183,28 @@ fn line(estimator: &Estimator, header: &Header, channel: usize, entry: &Entry) -
     let channel = &header.channels[channel];
     let force = channel.force.as_ref().map(force_of);
     let status = estimator.status(&entry.record, channel.zero_ohm, force.as_ref());
-    let mut line = Estimate {
+    let line = Estimate {
         class: "ESTIMATE",
         seq: entry.seq,
         channel: channel.id.clone(),
         method: estimator.method().as_str(),
         status: status.as_str(),
-        fault: None,
-        branch: None,
-        r_ohm: None,
-        r_u_ohm: None,
-        f_n: None,
-        f_u_n: None,
-        r_max_ohm: None,
-        f_min_n: None,
+        ..Estimate::default()
     };
     match status {
-        Status::Ok { branch, r_ohm, f_n } => {
-            line.branch = Some(Branch::as_str(branch));
-            (line.r_ohm, line.r_u_ohm) = (Some(r_ohm.value), r_ohm.u);
-            (line.f_n, line.f_u_n) = (f_n.map(|f| f.value), f_n.and_then(|f| f.u));
-        }
-        Status::Short { r_max_ohm, f_min_n } => (line.r_max_ohm, line.f_min_n) = (Some(r_max_ohm), f_min_n),
+        Status::Ok { branch, r_ohm, f_n } => Estimate {
+            branch: Some(Branch::as_str(branch)),
+            r_ohm: Some(r_ohm.value),
+            r_u_ohm: r_ohm.u,
+            f_n: f_n.map(|f| f.value),
+            f_u_n: f_n.and_then(|f| f.u),
+            ..line
+        },
+        Status::Short { r_max_ohm, f_min_n } => Estimate { r_max_ohm: Some(r_max_ohm), f_min_n, ..line },
         // A tape does not say how long was waited for a crossing that is not on it, so `open` never comes of it.
-        Status::Open { .. } => line.fault = Some(Fault::MissedEdge.as_str()),
-        Status::Fault(fault) => line.fault = Some(fault.as_str()),
+        Status::Open { .. } => Estimate { fault: Some(Fault::MissedEdge.as_str()), ..line },
+        Status::Fault(fault) => Estimate { fault: Some(fault.as_str()), ..line },
     }
-    line
 }
 
 fn force_of(force: &TapeForce) -> Force {

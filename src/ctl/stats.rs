@@ -1,76 +1,36 @@
 //! `cermctl stats`: what the daemon has counted and learned.
 //!
-//! For: STATS as a table for people. Must not know: which fields there are; names and units are in their keys.
+//! Names and units are in the keys of STATS, so that fields of later releases are shown, too.
 
-use super::stream::{Next, Stream};
+use super::stream::Stream;
 use super::terminal::Terminal;
 use super::text::measured;
 use super::{CtlError, print};
 use crate::ctl::cli;
-use crate::stream::client::ClientError;
-use crate::stream::wire::{Request, ServerMessage, StatsLine};
 use serde_json::{Map, Value};
-use std::path::Path;
-use std::time::{Duration, Instant};
-
-/// The daemon answers well within this.
-const PATIENCE: Duration = Duration::from_secs(2);
 
 /// Prints.
 pub fn run(arguments: &cli::Stats) -> Result<(), CtlError> {
-    let (line, _) = ask(&arguments.connection.socket)?;
+    let (line, _) = Stream::connect(&arguments.connection.socket, &[])?.stats()?;
     if arguments.json {
-        return print(&(String::from_utf8_lossy(&line) + "\n"));
+        return print(&(line + "\n"));
     }
-    // As fields, whatever they are: a later release has more.
-    let mut stats: Map<String, Value> = serde_json::from_slice(&line).unwrap_or_default();
+    let mut stats: Map<String, Value> = serde_json::from_str(&line).unwrap_or_default();
     stats.remove("class");
     print(&table(&stats, Terminal::new().unicode()))
 }
 
-/// The line of STATS as it came, and what it says.
-pub fn ask(socket: &Path) -> Result<(Vec<u8>, StatsLine), CtlError> {
-    let mut stream = Stream::connect(socket, &[])?;
-    stream.request(&Request::Stats)?;
-    let since = Instant::now();
-    loop {
-        match stream.next()? {
-            Next::Line(line, ServerMessage::Stats(stats)) => return Ok((line, *stats)),
-            Next::Line(_, ServerMessage::Error(error)) => return Err(CtlError::Refused(error.message)),
-            Next::Line(..) | Next::Quiet => {}
-            Next::Ended => return Err(ClientError::Closed.into()),
-        }
-        if since.elapsed() > PATIENCE {
-            return Err(ClientError::TimedOut(PATIENCE).into());
-        }
-    }
-}
-
 /// The fields that are known, in the order in which a person asks; later releases have more.
-const ORDER: [&str; 16] = [
-    "backend",
-    "method",
-    "uptime_s",
-    "clients",
-    "published",
-    "lost",
-    "cycles",
-    "readings",
-    "ok",
-    "open",
-    "short",
-    "faults",
-    "retried",
-    "offset_known",
-    "offset_ns",
-    "r_o_ohm",
-];
+const ORDER: &str = "backend method uptime_s clients published lost cycles readings ok open short faults retried \
+                     offset_known offset_ns r_o_ohm";
 
 /// One line for each field that says something.
 fn table(stats: &Map<String, Value>, unicode: bool) -> String {
-    let known = ORDER.into_iter().filter_map(|key| stats.get_key_value(key));
-    let fields = known.chain(stats.iter().filter(|(key, _)| !ORDER.contains(&key.as_str())));
-    let rows: Vec<_> = fields.filter_map(|(key, value)| row(stats, key, value, unicode)).collect();
+    let place = |key: &str| ORDER.split(' ').position(|known| known == key).unwrap_or(usize::MAX);
+    let mut fields: Vec<_> = stats.iter().collect();
+    fields.sort_by_key(|(key, _)| place(key));
+    let rows: Vec<_> =
+        fields.into_iter().filter_map(|(key, value)| row(stats, key, value, unicode)).collect();
     let width = rows.iter().map(|(name, _)| name.len()).max().unwrap_or(0);
     rows.iter().map(|(name, value)| format!("{name:width$}  {value}\n")).collect()
 }

@@ -1,6 +1,4 @@
-//! Numbers as people read them.
-//!
-//! For: values with their uncertainties and units, bars, and sparklines. Must not know: where they are shown.
+//! Numbers as people read them: values with their uncertainties and units, bars, and sparklines.
 
 pub use crate::units::{measured, rough};
 

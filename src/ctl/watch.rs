@@ -1,41 +1,42 @@
 //! `cermctl watch`: readings as they come.
 //!
-//! For: a live line per channel, or the lines of the stream. Must not know: how either is drawn. It outlives the daemon:
-//! when the connection ends, it waits for the next one and says so.
+//! It outlives the daemon: when the connection ends, it says so and waits for the next one.
 
 use super::interrupt::Interrupt;
-use super::panel::Panel;
+use super::limits::RETRY_AFTER;
+use super::screen::Screen;
 use super::stream::{Next, Stream, is_wanted};
-use super::terminal::{Line, Style, Terminal};
 use super::{CtlError, print};
 use crate::ctl::cli;
 use crate::stream::client::ClientError;
-use crate::stream::wire::{ServerMessage, VersionLine};
-use std::time::{Duration, Instant};
-
-/// From one attempt to connect again to the next.
-const RETRY_AFTER: Duration = Duration::from_millis(250);
-/// A live line changes at most so often: faster than the eye, slower than a slow terminal.
-const REDRAW_AFTER: Duration = Duration::from_millis(40);
+use crate::stream::wire::{ChannelInfo, ServerMessage, VersionLine};
+use console::style;
 
 /// Watches until Ctrl-C.
 pub fn run(arguments: &cli::Watch) -> Result<(), CtlError> {
     let interrupt = Interrupt::new()?;
     let mut stream = connect(arguments)?;
-    let mut view = View::new(arguments, stream.version());
+    let mut screen = Screen::new(wanted(arguments, stream.version()));
     loop {
-        view.follow(&mut stream, &interrupt)?;
+        match arguments.json {
+            true => follow_json(arguments, &mut stream, &interrupt)?,
+            false => follow(arguments, &mut screen, &mut stream, &interrupt)?,
+        }
         if interrupt.is_set() {
             return Ok(());
         }
-        view.note("cermd closed the connection; waiting for it to come back")?;
+        note(arguments, &mut screen, "cermd closed the connection; waiting for it to come back")?;
         match reconnect(arguments, &interrupt)? {
             Some(again) => stream = again,
             None => return Ok(()),
         }
-        view.restart(stream.version());
-        view.note("connected again")?;
+        screen.restart(wanted(arguments, stream.version()));
+        note(arguments, &mut screen, "connected again")?;
     }
+}
+
+fn wanted<'a>(arguments: &cli::Watch, version: &'a VersionLine) -> impl Iterator<Item = &'a ChannelInfo> {
+    version.channels.iter().filter(|channel| is_wanted(&arguments.channels, &channel.id))
 }
 
 fn connect(arguments: &cli::Watch) -> Result<Stream, CtlError> {
@@ -64,96 +65,47 @@ fn is_passing(error: &ClientError) -> bool {
     matches!(error, NoSocket(_) | NobodyThere(_) | Closed | TimedOut(_) | Io(_))
 }
 
-/// What is shown of the stream.
-struct View<'a> {
-    arguments: &'a cli::Watch,
-    terminal: Terminal,
-    panel: Panel,
-    drawn: Option<Instant>,
-}
-
-impl<'a> View<'a> {
-    fn new(arguments: &'a cli::Watch, version: &VersionLine) -> View<'a> {
-        let terminal = Terminal::new();
-        let panel = panel(arguments, version, &terminal);
-        View { arguments, terminal, panel, drawn: None }
-    }
-
-    fn restart(&mut self, version: &VersionLine) {
-        self.panel = panel(self.arguments, version, &self.terminal);
-    }
-
-    /// Shows lines until the connection ends.
-    fn follow(&mut self, stream: &mut Stream, interrupt: &Interrupt) -> Result<(), CtlError> {
-        if self.arguments.json {
-            return follow_json(stream, interrupt, self.arguments);
-        }
-        while !interrupt.is_set() {
-            match stream.next()? {
-                Next::Line(_, ServerMessage::Reading(reading)) => {
-                    self.panel.feed(&reading);
-                    if is_wanted(&self.arguments.channels, &reading.channel) {
-                        self.show(&reading.channel)?;
-                    }
-                }
-                // The channels have changed.
-                Next::Line(_, ServerMessage::Version(version)) => self.restart(&version),
-                Next::Line(_, ServerMessage::Error(error)) => {
-                    return Err(CtlError::Refused(error.message));
-                }
-                Next::Line(..) => {}
-                Next::Quiet => self.redraw()?,
-                Next::Ended => break,
-            }
-        }
-        Ok(())
-    }
-
-    fn show(&mut self, channel: &str) -> Result<(), CtlError> {
-        if !self.terminal.is_live() {
-            return self.terminal.say(&self.panel.plain(channel));
-        }
-        if self.drawn.is_none_or(|drawn| drawn.elapsed() >= REDRAW_AFTER) {
-            self.redraw()?;
-        }
-        Ok(())
-    }
-
-    fn redraw(&mut self) -> Result<(), CtlError> {
-        if self.terminal.is_live() {
-            self.drawn = Some(Instant::now());
-            let lines = self.panel.lines(self.terminal.width());
-            self.terminal.draw(&lines)?;
-        }
-        Ok(())
-    }
-
-    /// Where the readings do not go, so that they stay readings.
-    fn note(&mut self, text: &str) -> Result<(), CtlError> {
-        if self.terminal.is_live() && !self.arguments.json {
-            self.terminal.say(&Line::default().add(Style::Notable, format!(" {text}")))
-        } else {
-            eprintln!("cermctl: {text}");
-            Ok(())
-        }
-    }
-}
-
-fn panel(arguments: &cli::Watch, version: &VersionLine, terminal: &Terminal) -> Panel {
-    let wanted = version.channels.iter().filter(|channel| is_wanted(&arguments.channels, &channel.id));
-    Panel::new(wanted, terminal.unicode())
-}
-
-fn follow_json(stream: &mut Stream, interrupt: &Interrupt, arguments: &cli::Watch) -> Result<(), CtlError> {
+/// Shows readings until the connection ends.
+fn follow(
+    arguments: &cli::Watch,
+    screen: &mut Screen,
+    stream: &mut Stream,
+    interrupt: &Interrupt,
+) -> Result<(), CtlError> {
     while !interrupt.is_set() {
         match stream.next()? {
+            Next::Line(_, ServerMessage::Reading(reading)) => screen.feed(&reading)?,
+            // The channels have changed.
+            Next::Line(_, ServerMessage::Version(version)) => screen.restart(wanted(arguments, &version)),
+            Next::Line(..) => {}
+            Next::Quiet => screen.redraw()?,
+            Next::Ended => break,
+        }
+    }
+    Ok(())
+}
+
+/// Prints lines until the connection ends.
+fn follow_json(arguments: &cli::Watch, stream: &mut Stream, interrupt: &Interrupt) -> Result<(), CtlError> {
+    while !interrupt.is_set() {
+        match stream.next_line()? {
             // Measured before the daemon knew what is wanted.
             Next::Line(_, ServerMessage::Reading(reading))
                 if !is_wanted(&arguments.channels, &reading.channel) => {}
-            Next::Line(line, _) => print(&(String::from_utf8_lossy(&line) + "\n"))?,
+            Next::Line(line, _) => print(&(line + "\n"))?,
             Next::Quiet => {}
             Next::Ended => break,
         }
     }
     Ok(())
+}
+
+/// Where the readings do not go, so that they stay readings.
+fn note(arguments: &cli::Watch, screen: &mut Screen, text: &str) -> Result<(), CtlError> {
+    if screen.terminal.is_live() && !arguments.json {
+        screen.terminal.say(&style(format!(" {text}")).yellow().to_string())
+    } else {
+        eprintln!("cermctl: {text}");
+        Ok(())
+    }
 }

@@ -2,7 +2,6 @@
 
 use crate::reading::Measured;
 use crate::units::{Newton, NewtonOhm};
-use std::path::Path;
 
 /// The characteristic of a sensor; `T` is its table, or in a configuration the file that the table is in.
 #[derive(Debug, Clone, PartialEq)]
@@ -82,24 +81,6 @@ pub struct Table {
 /// What is wrong with a force table.
 #[derive(Debug, thiserror::Error)]
 pub enum TableError {
-    /// The file could not be read.
-    #[error("cannot read the force table {path}: {source}")]
-    Read {
-        /// The file.
-        path: String,
-        /// Why.
-        source: std::io::Error,
-    },
-    /// A line is not a pair of positive numbers.
-    #[error(
-        "line {line} of the force table is not a pair of positive numbers: {text:?}; write \"force_n,r_ohm\", e.g. \"1.20,11122\""
-    )]
-    Line {
-        /// Counted from 1.
-        line: usize,
-        /// The line.
-        text: String,
-    },
     /// Too few pairs.
     #[error("the force table has {0} pair(s); it takes at least 2")]
     Few(usize),
@@ -114,38 +95,6 @@ pub enum TableError {
 }
 
 impl Table {
-    /// Reads a CSV file of `force_n,r_ohm` lines.
-    ///
-    /// # Errors
-    /// [`TableError`] with the line and the remedy.
-    pub fn load(path: &Path) -> Result<Table, TableError> {
-        let text = std::fs::read_to_string(path)
-            .map_err(|source| TableError::Read { path: path.display().to_string(), source })?;
-        Table::parse(&text)
-    }
-
-    /// Reads lines of `force_n,r_ohm`. Empty lines, lines that begin with `#` and a line of names before the first pair are passed over.
-    ///
-    /// # Errors
-    /// [`TableError`] with the line and the remedy.
-    pub fn parse(text: &str) -> Result<Table, TableError> {
-        let mut pairs = Vec::new();
-        for (index, line) in text.lines().enumerate() {
-            let line = line.trim();
-            let is_header = pairs.is_empty() && line.starts_with(|c: char| c.is_ascii_alphabetic());
-            if line.is_empty() || line.starts_with('#') || is_header {
-                continue;
-            }
-            let bad = || TableError::Line { line: index + 1, text: line.chars().take(80).collect() };
-            let (force, resistance) = line.split_once(',').ok_or_else(bad)?;
-            let number = |text: &str| {
-                text.trim().parse::<f64>().ok().filter(|value| value.is_finite() && *value > 0.0)
-            };
-            pairs.push((number(resistance).ok_or_else(bad)?, number(force).ok_or_else(bad)?));
-        }
-        Table::from_pairs(pairs)
-    }
-
     /// From pairs (ohm, newton) of positive finite numbers, in any order.
     ///
     /// # Errors
@@ -227,12 +176,8 @@ mod tests {
 
     #[test]
     fn bad_tables_say_where() {
-        let message = |text: &str| Table::parse(text).unwrap_err().to_string();
-        assert!(message("force_n,r_ohm\n1.2,11122\n6.06\n").starts_with("line 3 "));
-        assert!(message("1,NaN\n").starts_with("line 1 "));
-        assert!(message("1,-5\n").starts_with("line 1 "));
-        assert!(message("1,100\n").contains("1 pair(s)"));
-        assert!(message("1,100\n2,200\n").contains("200 ohm"));
-        assert!(Table::parse("# weights\nforce_n,r_ohm\n1.20,11122\n6.06,2200\n").is_ok());
+        let message = |pairs: &[(f64, f64)]| Table::from_pairs(pairs.to_vec()).unwrap_err().to_string();
+        assert!(message(&[(100.0, 1.0)]).contains("1 pair(s)"));
+        assert!(message(&[(100.0, 1.0), (200.0, 2.0)]).contains("200 ohm"));
     }
 }

@@ -7,6 +7,7 @@ use crate::pins::Drives;
 use crate::reading::Method;
 use crate::record::Through;
 use crate::units::Nanos;
+use std::str::FromStr;
 
 /// One sensor.
 #[derive(Debug, Clone, PartialEq)]
@@ -17,6 +18,27 @@ pub struct Channel {
     pub zero_ohm: f64,
     /// Its characteristic, if it is to give forces.
     pub force: Option<Force>,
+}
+
+/// Where the latency offset comes from.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum OffsetSource {
+    /// Split calibration.
+    Auto,
+    /// Given, ns.
+    Given(f64),
+}
+
+impl FromStr for OffsetSource {
+    type Err = String;
+    /// As people write it: `auto`, or a duration such as `8 us`.
+    fn from_str(text: &str) -> Result<OffsetSource, String> {
+        if text == "auto" {
+            return Ok(OffsetSource::Auto);
+        }
+        let d: Nanos = text.parse().map_err(|error| format!("{error}; or \"auto\""))?;
+        Ok(OffsetSource::Given(d.as_ns()))
+    }
 }
 
 /// Everything that the measuring thread needs to know.

@@ -10,7 +10,7 @@ pub use quantity::{
     Ampere, Farad, Hertz, Newton, NewtonOhm, Ohm, ParseQuantityError, Quantity, Seconds, Volt,
 };
 
-use serde::{Deserialize, Deserializer, Serialize, Serializer};
+use serde::Deserialize;
 use std::fmt;
 use std::ops::{Add, Sub};
 use std::str::FromStr;
@@ -19,7 +19,8 @@ use std::str::FromStr;
 ///
 /// The kernel stamps edges in whole nanoseconds; fractions of a nanosecond exist only in the times of a
 /// [`Record`](crate::record::Record), which are `f64` with the suffix `_ns`.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Default)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Default, Deserialize)]
+#[serde(from = "Seconds")]
 pub struct Nanos(pub i64);
 
 impl Nanos {
@@ -75,18 +76,6 @@ impl FromStr for Nanos {
     /// Reads a duration such as `3 ms`, rounded to the nearest nanosecond.
     fn from_str(text: &str) -> Result<Nanos, ParseQuantityError> {
         text.parse::<Seconds>().map(Nanos::from)
-    }
-}
-
-impl Serialize for Nanos {
-    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        Seconds::from(*self).serialize(serializer)
-    }
-}
-
-impl<'de> Deserialize<'de> for Nanos {
-    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Nanos, D::Error> {
-        Seconds::deserialize(deserializer).map(Nanos::from)
     }
 }
 

@@ -7,9 +7,10 @@ mod circuits;
 
 use crate::common::seed;
 use cermd::circuit::Network;
-use cermd::ctl::replay::{self, TapeOffset};
+use cermd::ctl::replay;
 use cermd::estimate::Estimator;
 use cermd::estimate::offset::Offset;
+use cermd::instrument::settings::OffsetSource;
 use cermd::pins::Drives;
 use cermd::pins::sim::Scene;
 use cermd::reading::Method;
@@ -70,7 +71,7 @@ fn tape(case: &Case, offset_ns: Option<f64>, splits: usize) -> String {
 }
 
 /// What `cermctl estimate` prints, as relative error of R_x.
-fn error_from_tape(case: &Case, text: &str, offset: TapeOffset) -> f64 {
+fn error_from_tape(case: &Case, text: &str, offset: Option<OffsetSource>) -> f64 {
     let estimates = replay::estimate(text, case.way.method, offset).unwrap();
     assert_eq!(estimates.len(), 1);
     let line = serde_json::to_value(&estimates[0]).unwrap();
@@ -83,11 +84,11 @@ proptest! {
 
     #[test]
     fn a_tape_gives_the_resistance(case in cases()) {
-        let on_tape = error_from_tape(&case, &tape(&case, Some(case.d_ns), 0), TapeOffset::OfTape);
+        let on_tape = error_from_tape(&case, &tape(&case, Some(case.d_ns), 0), None);
         prop_assert!(on_tape.abs() < 1e-6, "offset on the tape: {on_tape:e}");
-        let given = error_from_tape(&case, &tape(&case, None, 0), TapeOffset::Given(case.d_ns));
+        let given = error_from_tape(&case, &tape(&case, None, 0), Some(OffsetSource::Given(case.d_ns)));
         prop_assert!(given.abs() < 1e-6, "offset given: {given:e}");
-        let found = error_from_tape(&case, &tape(&case, None, 4), TapeOffset::Auto);
+        let found = error_from_tape(&case, &tape(&case, None, 4), Some(OffsetSource::Auto));
         prop_assert!(found.abs() < 1e-6, "offset from split discharges: {found:e}");
     }
 }

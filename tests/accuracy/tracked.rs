@@ -279,3 +279,38 @@ fn light_touches_are_measured_within_a_deadline_of_60_ms() {
     println!("pi4 (simulated)\n{table}");
     assert!(!failed, "seeds 0..{INSTRUMENTS}\n{table}");
 }
+
+/// An untouched force sensor is somewhere above 10 Mohm: a reading is a number only where the conductance is resolved, `open` with
+/// a lower bound that holds elsewhere. What a late stamp makes of a reading is a state, or within ten sigma.
+#[test]
+fn an_untouched_sensor_is_open_and_never_a_number_that_it_is_not() {
+    let mut table = String::new();
+    let mut failed = false;
+    for r_ohm in [1e5, 3e5, 1e6, 3e6, 1e7, 2e7, 1e8, 1e12] {
+        let (mut numbers, mut opens, mut wild, mut unsettled) = (0, 0, 0, 0);
+        for board in 0..4 {
+            let mut instrument = Bench::new("pi4", Method::Tracked, r_ohm, board, "").instrument();
+            settle(&mut instrument);
+            read(&mut instrument, 1000, |reading| match reading.status {
+                Status::Ok { r_ohm: found, .. } => {
+                    numbers += 1;
+                    let sigmas = found.u.map_or(0.0, |u| (found.value - r_ohm).abs() / u);
+                    wild += usize::from(sigmas > 10.0);
+                }
+                Status::Open { r_min_ohm, .. } => {
+                    opens += 1;
+                    // The bound is one of two sigma: half as much is beyond any chance.
+                    wild += usize::from(r_min_ohm > 2.0 * r_ohm);
+                }
+                Status::Fault(fault) => unsettled += usize::from(fault == Fault::Unsettled),
+                Status::Short { .. } => wild += 1,
+            });
+        }
+        let row =
+            format!("{r_ohm:e} ohm: {numbers} numbers, {opens} open, {wild} wild, {unsettled} unsettled");
+        writeln!(table, "{row}").unwrap();
+        failed |= wild > 0 || unsettled > 8 || (r_ohm > 5e7 && numbers > 0) || (r_ohm < 2e6 && opens > 0);
+    }
+    println!("pi4 (simulated)\n{table}");
+    assert!(!failed, "\n{table}");
+}

@@ -75,6 +75,15 @@ fn a_short_circuit_tells_zeros_of_both_signs() {
 }
 
 #[test]
+fn a_zero_is_found_while_every_reading_says_short() {
+    let pins = ("r-o = \"40 ohm\"", "r-o = \"40 ohm\"\nr-o-of = { x0 = \"34 ohm\", x1 = \"34 ohm\" }");
+    let scene = [pins, ("constant = \"100 ohm\"", SHORT), ("constant = \"2 kohm\"", SHORT)];
+    let daemon = Daemon::start_in_scene(&scene);
+    let arguments = ["zero", "--channel", "thumb", "--count", "100", "--yes", "--json"];
+    zero(&stdout(&mut calibrate(&daemon, &arguments)), -6.0);
+}
+
+#[test]
 fn a_reference_is_taken_off() {
     let daemon = daemon("constant = \"10 ohm\"", SHORT);
     let arguments = ["reference", "10 ohm", "--channel", "thumb", "--count", "100", "--json"];

@@ -139,7 +139,7 @@ fn check_says_what_the_library_says() {
         let home = Home::new(&text);
         let output = home.command().arg("--check").stdout(Stdio::piped()).output().unwrap();
         let said = String::from_utf8(output.stdout).unwrap();
-        assert_eq!(said, cermd::config::report(&home.config()).to_string());
+        assert_eq!(said, cermd::ctl::check::check(&home.config()).to_string());
         assert_eq!(output.status.code(), Some(code), "{said}");
         assert!(!home.socket().exists());
     }

@@ -1,28 +1,14 @@
 //! `[[channel]]`: names that clients can tell apart, and characteristics that are physical.
 
 use super::Findings;
-use crate::config::{Channel, Force};
+use crate::config::limits::{ABSURD_ZERO_OHM, EXPONENTS, FORCES, LARGEST_ZERO_OHM, LONGEST_ID};
+use crate::config::{ChannelTable, Force};
 use crate::pins::MAX_CHANNELS;
 use crate::units::Ohm;
 use std::fmt::Display;
-use std::ops::RangeInclusive;
-
-/// The longest name of a channel, bytes: the first line that a client gets has to hold all of them.
-const LONGEST_ID: usize = 64;
-/// Beyond this a zero is neither the difference of two pins nor a resistor that limits the sensor's current, ohm.
-pub const LARGEST_ZERO_OHM: f64 = 500.0;
-
-/// Beyond this it is a slip, ohm.
-const ABSURD_ZERO_OHM: f64 = 1e6;
-
-/// Forces outside these are slips of a prefix, newton.
-const FORCES: RangeInclusive<f64> = 1e-9..=1e9;
-
-/// Exponents outside these are no sensor's.
-const EXPONENTS: RangeInclusive<f64> = 0.01..=100.0;
 
 /// The name of a channel's key: by the channel's id, or by its number (from 1) where the id is unfit to print.
-pub fn key(index: usize, channel: &Channel, name: &str) -> String {
+pub fn key(index: usize, channel: &ChannelTable, name: &str) -> String {
     if is_printable(&channel.id) {
         format!("channel.{}.{name}", channel.id)
     } else {
@@ -35,7 +21,7 @@ fn is_printable(id: &str) -> bool {
 }
 
 /// Whether there are few enough to look at each.
-pub fn number(channels: &[Channel], findings: &mut Findings) -> bool {
+pub fn number(channels: &[ChannelTable], findings: &mut Findings) -> bool {
     if channels.is_empty() {
         findings.error("channel", "there is none", "[[channel]] with id = \"thumb\"");
     }
@@ -49,7 +35,7 @@ pub fn number(channels: &[Channel], findings: &mut Findings) -> bool {
     channels.len() <= MAX_CHANNELS
 }
 
-pub fn check(channels: &[Channel], findings: &mut Findings) {
+pub fn check(channels: &[ChannelTable], findings: &mut Findings) {
     for (index, channel) in channels.iter().enumerate() {
         id(index, channels, findings);
         zero(index, channel, findings);
@@ -59,7 +45,7 @@ pub fn check(channels: &[Channel], findings: &mut Findings) {
     }
 }
 
-fn id(index: usize, channels: &[Channel], findings: &mut Findings) {
+fn id(index: usize, channels: &[ChannelTable], findings: &mut Findings) {
     let channel = &channels[index];
     let key = key(index, channel, "id");
     if !is_printable(&channel.id) {
@@ -75,7 +61,7 @@ fn id(index: usize, channels: &[Channel], findings: &mut Findings) {
     }
 }
 
-fn zero(index: usize, channel: &Channel, findings: &mut Findings) {
+fn zero(index: usize, channel: &ChannelTable, findings: &mut Findings) {
     let key = key(index, channel, "zero-ohm");
     let zero = Ohm(channel.zero_ohm);
     let reason = format!("{zero} is more than pins and a series resistor make up");

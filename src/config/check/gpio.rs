@@ -3,28 +3,62 @@
 use super::Findings;
 use super::channels::key;
 use crate::circuit::Kind;
-use crate::config::{Backend, Config, Gpio, Line};
+use crate::config::{Backend, Config, Gpio, LineName};
 
 pub fn check(config: &Config, findings: &mut Findings) {
     equal_lines(config, findings);
-    if config.gpio.backend == Backend::Mock {
+    let gpio = &config.gpio;
+    if gpio.backend == Backend::Mock {
         return scene(config, findings);
     }
-    if config.gpio.chip.is_none() {
-        findings.error(
-            "gpio.chip",
-            "missing",
-            "the chip's label, such as \"pinctrl-rp1\" (see `cermctl lines`)",
-        );
+    if gpio.chip.is_none() {
+        let remedy = "the chip's label, such as \"pinctrl-rp1\" (see `cermctl lines`)";
+        findings.error("gpio.chip", "missing", remedy);
     }
-    let two_nodes = config.circuit.kind() == Kind::TwoCapacitor;
-    missing_lines(&config.gpio, two_nodes, findings);
-    chargers(&config.gpio, two_nodes, findings);
-    for (index, channel) in config.channels.iter().enumerate() {
-        if channel.sink.is_none() {
-            findings.error(key(index, channel, "sink"), "missing", "the line that the sensor is wired to");
+    let has_node_b = config.circuit.kind() == Kind::TwoCapacitor;
+    for (key, line, need) in lines(gpio) {
+        match (line, need) {
+            (None, Need::Always) => missing(key, findings),
+            (None, Need::NodeB) if has_node_b => missing(key, findings),
+            (Some(_), Need::NodeB | Need::ChargeB) if !has_node_b => findings.warning(
+                key,
+                "not used: this circuit has no node B",
+                "kind = \"two-capacitor\", or without it",
+            ),
+            _ => {}
         }
     }
+    chargers(gpio, has_node_b, findings);
+    for (index, channel) in config.channels.iter().enumerate().filter(|(_, channel)| channel.sink.is_none()) {
+        findings.error(key(index, channel, "sink"), "missing", "the line that the sensor is wired to");
+    }
+}
+
+/// When a line is needed.
+#[derive(Clone, Copy)]
+enum Need {
+    Always,
+    /// With a node B.
+    NodeB,
+    /// With or without the other one: see [`chargers`].
+    ChargeA,
+    ChargeB,
+}
+
+/// Every line that has a key in `[gpio]`.
+fn lines(gpio: &Gpio) -> [(&'static str, Option<&LineName>, Need); 6] {
+    [
+        ("gpio.sense-a", gpio.sense_a.as_ref(), Need::Always),
+        ("gpio.sense-b", gpio.sense_b.as_ref(), Need::NodeB),
+        ("gpio.charge-a", gpio.charge_a.as_ref(), Need::ChargeA),
+        ("gpio.charge-b", gpio.charge_b.as_ref(), Need::ChargeB),
+        ("gpio.sink-c1", gpio.sink_c1.as_ref(), Need::Always),
+        ("gpio.sink-c2", gpio.sink_c2.as_ref(), Need::Always),
+    ]
+}
+
+fn missing(key: &str, findings: &mut Findings) {
+    findings.error(key, "missing", "a line's name such as \"GPIO5\", or its offset");
 }
 
 fn scene(config: &Config, findings: &mut Findings) {
@@ -37,57 +71,29 @@ fn scene(config: &Config, findings: &mut Findings) {
     }
 }
 
-fn missing_lines(gpio: &Gpio, two_nodes: bool, findings: &mut Findings) {
-    for (name, line) in gpio.lines() {
-        let of_node_b = name.ends_with("-b");
-        let needed = !name.starts_with("charge") && (two_nodes || !of_node_b);
-        if needed && line.is_none() {
-            findings.error(
-                format!("gpio.{name}"),
-                "missing",
-                "a line's name such as \"GPIO5\", or its offset",
-            );
+fn chargers(gpio: &Gpio, has_node_b: bool, findings: &mut Findings) {
+    let (key, reason, remedy) = match (&gpio.charge_a, &gpio.charge_b) {
+        (Some(_), None) if has_node_b => {
+            ("gpio.charge-b", "missing, while charge-a is there", "a charger for both nodes, or for none")
         }
-        if of_node_b && !two_nodes && line.is_some() {
-            findings.warning(
-                format!("gpio.{name}"),
-                "not used: this circuit has no node B",
-                "kind = \"two-capacitor\", or without it",
-            );
+        (None, Some(_)) if has_node_b => {
+            ("gpio.charge-a", "missing, while charge-b is there", "a charger for both nodes, or for none")
         }
-    }
-}
-
-fn chargers(gpio: &Gpio, two_nodes: bool, findings: &mut Findings) {
-    match (&gpio.charge_a, &gpio.charge_b) {
-        (Some(_), None) if two_nodes => {
-            findings.error(
-                "gpio.charge-b",
-                "missing, while charge-a is there",
-                "a charger for both nodes, or for none",
-            );
-        }
-        (None, Some(_)) if two_nodes => {
-            findings.error(
-                "gpio.charge-a",
-                "missing, while charge-b is there",
-                "a charger for both nodes, or for none",
-            );
-        }
-        (None, _) if gpio.backend == Backend::ChardevV1 => findings.error(
+        (None, _) if gpio.backend == Backend::ChardevV1 => (
             "gpio.charge-a",
             "missing: this kernel interface cannot turn a sense line into a charger",
             "lines of their own as chargers, or backend = \"chardev\"",
         ),
-        _ => {}
-    }
+        _ => return,
+    };
+    findings.error(key, reason, remedy);
 }
 
 fn equal_lines(config: &Config, findings: &mut Findings) {
-    let own = config.gpio.lines().into_iter().map(|(name, line)| (format!("gpio.{name}"), line));
+    let own = lines(&config.gpio).into_iter().map(|(key, line, _)| (key.to_owned(), line));
     let sinks = config.channels.iter().enumerate().map(|(i, c)| (key(i, c, "sink"), c.sink.as_ref()));
-    let mut seen: Vec<(String, &Line)> = Vec::new();
-    for (key, line) in own.chain(sinks).filter_map(|(key, line)| line.map(|line| (key, line))) {
+    let mut seen: Vec<(String, &LineName)> = Vec::new();
+    for (key, line) in own.chain(sinks).filter_map(|(key, line)| Some((key, line?))) {
         match seen.iter().find(|(_, other)| *other == line) {
             Some((first, _)) => {
                 findings.error(key, format!("{line} is {first} already"), "a line of its own")

@@ -2,15 +2,12 @@
 
 use super::Findings;
 use crate::circuit::Kind;
-use crate::config::{Calibration, Config, Measure, Offset};
+use crate::config::limits::{LARGEST_SWITCH_FRACTION, LONGEST_WAIT};
+use crate::config::{Calibration, Config, Measure};
+use crate::instrument::settings::OffsetSource;
 use crate::reading::Method;
 use crate::record::LONGEST_LATENCY;
 use crate::units::{Nanos, Seconds};
-
-/// A longer wait is a slip of a prefix.
-const LONGEST_WAIT: Nanos = Nanos(60_000_000_000);
-/// Beyond this fraction of T_xA even a late node B has crossed.
-const LARGEST_SWITCH_FRACTION: f64 = 1.3;
 
 pub fn check(config: &Config, findings: &mut Findings) {
     let measure = &config.measure;
@@ -27,13 +24,10 @@ pub fn check(config: &Config, findings: &mut Findings) {
             "20, or without it: as fast as the circuit allows",
         );
     }
-    if let Some(Offset::Fixed(d)) = measure.offset {
-        if d < Nanos::ZERO || d > LONGEST_LATENCY {
-            findings.error(
-                "measure.offset",
-                format!("{} is not between 0 and 1 ms", Seconds::from(d)),
-                "\"auto\", or \"8 us\"",
-            );
+    if let Some(OffsetSource::Given(d_ns)) = measure.offset {
+        if !(0.0..=LONGEST_LATENCY.as_ns()).contains(&d_ns) {
+            let reason = format!("{} is not between 0 and 1 ms", Seconds(d_ns * 1e-9));
+            findings.error("measure.offset", reason, "\"auto\", or \"8 us\"");
         }
     }
     if measure.switch_fraction.is_some_and(|fraction| !(fraction > 0.0 && fraction < LARGEST_SWITCH_FRACTION))
@@ -69,25 +63,21 @@ fn method(method: Option<Method>, kind: Kind, findings: &mut Findings) {
 }
 
 fn durations(measure: &Measure, findings: &mut Findings) {
-    for (name, time) in [("charge-time", measure.charge_time), ("deadline", measure.deadline)] {
-        if time.is_some_and(|time| time <= Nanos::ZERO) {
-            findings.error(format!("measure.{name}"), "not above zero", "without it: it is derived");
-        }
-    }
-    for (name, time) in [("settle-time", measure.settle_time), ("t-l", measure.t_l)] {
-        if time.is_some_and(|time| time < Nanos::ZERO) {
-            findings.error(format!("measure.{name}"), "below zero", "without it: there is a default");
-        }
-    }
-    let waits = [
-        ("charge-time", measure.charge_time),
-        ("settle-time", measure.settle_time),
-        ("deadline", measure.deadline),
-    ];
-    for (name, wait) in waits {
-        if let Some(wait) = wait.filter(|wait| *wait > LONGEST_WAIT) {
-            let reason = format!("{:.3} is longer than a minute", Seconds::from(wait));
-            findings.error(format!("measure.{name}"), reason, "without it: it is derived");
-        }
+    let derived = "without it: it is derived";
+    let default = "without it: there is a default";
+    for (name, time, least, longest, remedy) in [
+        ("charge-time", measure.charge_time, Nanos(1), LONGEST_WAIT, derived),
+        ("deadline", measure.deadline, Nanos(1), LONGEST_WAIT, derived),
+        ("settle-time", measure.settle_time, Nanos::ZERO, LONGEST_WAIT, default),
+        ("t-l", measure.t_l, Nanos::ZERO, Nanos::MAX, default),
+    ] {
+        let Some(time) = time else { continue };
+        let reason = match time {
+            time if time < least && least > Nanos::ZERO => "not above zero".to_owned(),
+            time if time < least => "below zero".to_owned(),
+            time if time > longest => format!("{:.3} is longer than a minute", Seconds::from(time)),
+            _ => continue,
+        };
+        findings.error(format!("measure.{name}"), reason, remedy);
     }
 }

@@ -4,15 +4,12 @@
 
 use super::Findings;
 use crate::circuit::Node;
+use crate::config::Config;
 use crate::config::charge::Remembered;
-use crate::config::{Config, Offset};
+use crate::config::limits::{SHORT_CHARGE, SHORTEST_PART};
 use crate::estimate::method::Switching;
+use crate::instrument::settings::OffsetSource;
 use crate::units::Seconds;
-
-/// A charge shorter than this part of the automatic one changes a reading by more than is planned, however noisy the board.
-const TOO_SHORT: f64 = 0.9;
-/// The parts of a split discharge have to be long against the system calls between them.
-const SHORTEST_PART: Seconds = Seconds(50e-6);
 
 pub fn check(config: &Config, findings: &mut Findings) {
     charge_time(config, findings);
@@ -27,7 +24,7 @@ pub fn check(config: &Config, findings: &mut Findings) {
 
 fn charge_time(config: &Config, findings: &mut Findings) {
     let (charge, shortest) = (Seconds::from(config.charge_time()), config.shortest_charge());
-    if charge.0 < TOO_SHORT * shortest.0 {
+    if charge.0 < SHORT_CHARGE * shortest.0 {
         findings.warning(
             "measure.charge-time",
             format!("{charge:.3} {}", remembers(config)),
@@ -96,7 +93,7 @@ fn switch(config: &Config, findings: &mut Findings) {
 /// The split calibration that finds the offset runs Rc1 up to the switch, and the second resistor from there.
 fn split_calibration(config: &Config, findings: &mut Findings) {
     let circuit = &config.circuit;
-    let (Offset::Auto, Some(g_a), Some(g)) =
+    let (OffsetSource::Auto, Some(g_a), Some(g)) =
         (config.offset(), circuit.g(Node::A), circuit.g(config.last_node()))
     else {
         return;

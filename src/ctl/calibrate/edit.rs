@@ -1,7 +1,6 @@
 //! One value of a configuration file, changed in place.
 //!
-//! For: an edit that leaves every other byte, is checked before it counts, and is undone by the copy that is kept. Must
-//! not know: where the value comes from.
+//! Every other byte stays; the new file is checked before it counts, and the old one is kept.
 
 use super::{CalibrateError, CtlError};
 use crate::ctl::check;
@@ -9,7 +8,7 @@ use crate::estimate::fit::{Fit, Pair};
 use crate::units::{Newton, NewtonOhm, to_places};
 use jiff::Timestamp;
 use std::fs::{self, File};
-use std::io::{self, Write};
+use std::io::Write;
 use std::os::unix::fs::{MetadataExt, chown};
 use std::path::{Path, PathBuf};
 use toml_edit::{DocumentMut, InlineTable, Item, TableLike};
@@ -29,9 +28,9 @@ pub enum Value {
 /// Then the file is as it was.
 pub fn update(path: &Path, id: &str, value: &Value) -> Result<PathBuf, CtlError> {
     // A link stays one.
-    let real = fs::canonicalize(path).map_err(file_error(path))?;
+    let real = fs::canonicalize(path).map_err(CtlError::file(path))?;
     let folder = real.parent().unwrap_or(Path::new("/"));
-    let text = fs::read_to_string(&real).map_err(file_error(&real))?;
+    let text = fs::read_to_string(&real).map_err(CtlError::file(&real))?;
     let stamp = stamp();
     let table_name = format!("force-{}-{stamp}.csv", file_name(id));
     let edited = edit(&text, id, value, &table_name)
@@ -41,8 +40,8 @@ pub fn update(path: &Path, id: &str, value: &Value) -> Result<PathBuf, CtlError>
         _ => None,
     };
     if let Some((path, text)) = &table {
-        let mut file = File::create_new(path).map_err(file_error(path))?;
-        file.write_all(text.as_bytes()).and_then(|()| file.sync_all()).map_err(file_error(path))?;
+        let mut file = File::create_new(path).map_err(CtlError::file(path))?;
+        file.write_all(text.as_bytes()).and_then(|()| file.sync_all()).map_err(CtlError::file(path))?;
     }
     let outcome = replace(&real, &edited, &stamp);
     if let (Err(_), Some((path, _))) = (&outcome, &table) {
@@ -54,18 +53,16 @@ pub fn update(path: &Path, id: &str, value: &Value) -> Result<PathBuf, CtlError>
 /// Writes beside, checks, keeps the old file, renames.
 fn replace(path: &Path, text: &str, stamp: &str) -> Result<PathBuf, CtlError> {
     let folder = path.parent().unwrap_or(Path::new("/"));
-    let failed = file_error(path);
+    let failed = CtlError::file(path);
     let mut new = tempfile::Builder::new()
         .prefix(".cermd-")
         .suffix(".toml")
         .tempfile_in(folder)
-        .map_err(file_error(folder))?;
+        .map_err(CtlError::file(folder))?;
     new.write_all(text.as_bytes()).and_then(|()| new.as_file().sync_all()).map_err(&failed)?;
     let report = check::check(new.path());
     if !report.is_usable() {
-        let text = report.to_string();
-        let errors: Vec<&str> = text.lines().filter(|line| line.starts_with("error:")).collect();
-        return Err(CalibrateError::Unusable(errors.join("\n")).into());
+        return Err(CalibrateError::Unusable(report.errors()).into());
     }
     let old = fs::metadata(path).map_err(&failed)?;
     // Only root can give files away; for others the file becomes their own, as with any editor.
@@ -74,9 +71,9 @@ fn replace(path: &Path, text: &str, stamp: &str) -> Result<PathBuf, CtlError> {
     let mut kept = path.as_os_str().to_owned();
     kept.push(format!(".bak-{stamp}"));
     let kept = PathBuf::from(kept);
-    fs::hard_link(path, &kept).map_err(file_error(&kept))?;
+    fs::hard_link(path, &kept).map_err(CtlError::file(&kept))?;
     new.persist(path).map_err(|error| failed(error.error))?;
-    File::open(folder).and_then(|folder| folder.sync_all()).map_err(file_error(folder))?;
+    File::open(folder).and_then(|folder| folder.sync_all()).map_err(CtlError::file(folder))?;
     Ok(kept)
 }
 
@@ -151,11 +148,6 @@ fn file_name(id: &str) -> String {
 /// Now, as part of a file name: `20261121T034000Z`.
 fn stamp() -> String {
     Timestamp::now().strftime("%Y%m%dT%H%M%SZ").to_string()
-}
-
-fn file_error(path: &Path) -> impl Fn(io::Error) -> CtlError {
-    let path = path.to_owned();
-    move |source| CtlError::File { path: path.clone(), source }
 }
 
 #[cfg(test)]

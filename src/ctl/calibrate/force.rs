@@ -1,20 +1,20 @@
 //! `cermctl calibrate force`: how the resistance of a sensor becomes a force, from weights.
 //!
-//! For: pairs from a file, from the keyboard, or measured while weights lie on the sensor; the fit, and how well it fits.
-//! Must not know: least squares, or how the configuration is changed.
+//! Pairs come from a file, from the keyboard, or are measured while weights lie on the sensor.
 
-use super::pairs::{self, Line};
-use super::zero::until;
-use super::{CalibrateError, CtlError, Target, Value, plot};
+use super::{CalibrateError, CtlError, Target, Value, next_reading, plot};
 use crate::circuit::Circuit;
+use crate::config::{PairsError, pairs};
 use crate::ctl::cli::{Force, Model};
 use crate::ctl::stream::Stream;
 use crate::ctl::text::measured;
 use crate::estimate::fit::{self, Fit, Pair};
-use crate::stream::wire::{ReadingLine, ServerMessage, StatusName};
+use crate::stream::wire::{ReadingLine, StatusName};
+use serde::Serialize;
+use std::collections::BTreeMap;
 use std::fmt::Write;
 use std::fs;
-use std::io::{self, BufRead};
+use std::io::{self, BufRead, IsTerminal};
 
 /// Columns of the bar that stands for the greatest residual, to either side.
 const BAR: usize = 12;
@@ -24,9 +24,8 @@ pub fn run(arguments: &Force) -> Result<(), CtlError> {
     let target = Target::new(&arguments.update)?;
     let pairs = match &arguments.csv {
         Some(path) => {
-            let text =
-                fs::read_to_string(path).map_err(|source| CtlError::File { path: path.clone(), source })?;
-            pairs::of_csv(&text, &path.display().to_string())?
+            let text = fs::read_to_string(path).map_err(CtlError::file(path))?;
+            pairs::of_csv(&text, &path.display().to_string()).map_err(CalibrateError::from)?
         }
         None => typed(&target, arguments)?,
     };
@@ -38,12 +37,11 @@ pub fn run(arguments: &Force) -> Result<(), CtlError> {
     let fit = fit.map_err(CalibrateError::from)?;
     target.say(&report(&fit, &pairs, &target.config.circuit))?;
     if let Some(path) = &arguments.plot {
-        let file_error = |source| CtlError::File { path: path.clone(), source };
-        fs::write(path, plot::svg(&fit, &pairs, &target.id)).map_err(file_error)?;
+        fs::write(path, plot::svg(&fit, &pairs, &target.id)).map_err(CtlError::file(path))?;
         target.say(&format!("plot: {}", path.display()))?;
     }
-    let result = json(&fit, &pairs, &target);
-    target.offer(&Value::Force(fit, pairs), result)
+    let line = ForceLine::new(&fit, &pairs, &target);
+    target.offer(&Value::Force(fit, pairs), line)
 }
 
 /// Pairs from standard input, up to an empty line. Its end without one may be a line that was cut off: no pairs.
@@ -56,64 +54,44 @@ fn typed(target: &Target, arguments: &Force) -> Result<Vec<Pair>, CtlError> {
         let mut text = String::new();
         let read = io::stdin().lock().read_line(&mut text);
         read.map_err(|error| CtlError::System("standard input", error))?;
-        let wrong = |reason: &str| {
+        let wrong = |reason| {
             let origin = "standard input".to_owned();
-            CalibrateError::Pair { origin, line: number, reason: reason.to_owned() }
+            CtlError::from(CalibrateError::from(PairsError::Line { origin, line: number, reason }))
         };
         if !text.ends_with('\n') {
             eprintln!();
-            return Err(wrong("the input ends before the empty line that ends the weights").into());
+            return Err(wrong("the input ends before the empty line that ends the weights".to_owned()));
         }
         if text.trim().is_empty() {
             break;
         }
-        let pair = match pairs::parse(text.trim()) {
-            Ok(Line::Pair(pair)) => pair,
-            Ok(Line::Force(f_n)) => match measure(target, arguments)? {
-                Ok(r_ohm) => Pair { f_n, r_ohm },
-                Err(reason) => {
-                    eprintln!("not taken: {reason}");
-                    continue;
-                }
-            },
+        let pair = match pairs::parse(&text) {
+            Ok((f_n, Some(r_ohm))) => Ok(Pair { f_n, r_ohm }),
+            Ok((f_n, None)) => measure(target, arguments)?.map(|r_ohm| Pair { f_n, r_ohm }),
             // Somebody at the keyboard types it again; a script does not know that it has to.
-            Err(reason) if io::IsTerminal::is_terminal(&io::stdin()) => {
-                eprintln!("not taken: {reason}");
-                continue;
-            }
-            Err(reason) => return Err(wrong(&reason).into()),
+            Err(reason) if !io::stdin().is_terminal() => return Err(wrong(reason)),
+            Err(reason) => Err(reason),
         };
-        pairs.push(pair);
+        match pair {
+            Ok(pair) => pairs.push(pair),
+            Err(reason) => eprintln!("not taken: {reason}"),
+        }
     }
     Ok(pairs)
 }
 
 /// The mean of the next readings, ohm; or why there is none.
 fn measure(target: &Target, arguments: &Force) -> Result<Result<f64, String>, CtlError> {
-    let channels = [target.id.clone()];
     // Anew for each weight: readings that were waiting are of the weight before.
-    let mut stream = Stream::connect(&arguments.connection.socket, &channels)?;
-    let mut numbers = Vec::new();
-    let mut others = 0;
-    let wanted = arguments.count as usize;
-    let mut take = |reading: &ReadingLine| match (reading.status, reading.r_ohm) {
-        (StatusName::Ok, Some(r_ohm)) => {
-            numbers.push(r_ohm);
-            (numbers.len() >= wanted).then_some(Ok(()))
+    let mut stream = Stream::connect(&arguments.connection.socket, std::slice::from_ref(&target.id))?;
+    let (mut numbers, mut others) = (Vec::new(), 0);
+    while (numbers.len() as u64) < arguments.count {
+        let reading = next_reading(&mut stream, &target.id)?;
+        match (reading.status, reading.r_ohm) {
+            (StatusName::Ok, Some(r_ohm)) => numbers.push(r_ohm),
+            _ if others == arguments.count => return Ok(Err(format!("the sensor reads {}", said(&reading)))),
+            _ => others += 1,
         }
-        _ => {
-            others += 1;
-            (others > wanted).then(|| Err(format!("the sensor reads {}", said(reading))))
-        }
-    };
-    let outcome = until(&mut stream, "reading", |message| {
-        Ok(match message {
-            ServerMessage::Reading(reading) if reading.channel == target.id => take(reading),
-            _ => None,
-        })
-    })?;
-    if let Err(reason) = outcome {
-        return Ok(Err(reason));
     }
     let mean = fit::mean(&numbers);
     if let Some(mean) = mean {
@@ -175,32 +153,46 @@ fn report(fit: &Fit, pairs: &[Pair], circuit: &Circuit) -> String {
 }
 
 /// The same for a machine; what is not known is absent.
-fn json(fit: &Fit, pairs: &[Pair], target: &Target) -> serde_json::Value {
-    let rows: Vec<serde_json::Value> = pairs
-        .iter()
-        .map(|&pair| serde_json::json!({ "f_n": pair.f_n, "r_ohm": pair.r_ohm, "residual": fit.residual(pair) }))
-        .collect();
-    let mut result = serde_json::json!({
-        "class": "FORCE", "channel": target.id, "relative_rms": fit.relative_rms(pairs), "pairs": rows,
-    });
-    let [fc1_n, fc2_n] = at_resistors(fit, &target.config.circuit);
-    let mut fields = vec![("fc1_n", fc1_n), ("fc2_n", fc2_n)];
-    match fit {
-        Fit::Alpha { alpha } => {
-            fields.extend([("alpha_n_ohm", Some(alpha.value)), ("alpha_u_n_ohm", alpha.u)]);
+#[derive(Serialize)]
+struct ForceLine {
+    class: &'static str,
+    channel: String,
+    relative_rms: f64,
+    pairs: Vec<PairLine>,
+    #[serde(flatten)]
+    numbers: BTreeMap<&'static str, f64>,
+}
+
+#[derive(Serialize)]
+struct PairLine {
+    f_n: f64,
+    r_ohm: f64,
+    residual: f64,
+}
+
+impl ForceLine {
+    fn new(fit: &Fit, pairs: &[Pair], target: &Target) -> ForceLine {
+        let [fc1_n, fc2_n] = at_resistors(fit, &target.config.circuit);
+        let mut numbers = vec![("fc1_n", fc1_n), ("fc2_n", fc2_n)];
+        match fit {
+            Fit::Alpha { alpha } => {
+                numbers.extend([("alpha_n_ohm", Some(alpha.value)), ("alpha_u_n_ohm", alpha.u)]);
+            }
+            Fit::Power { at_1_kohm, exponent } => numbers.extend([
+                ("at_1_kohm_n", Some(at_1_kohm.value)),
+                ("at_1_kohm_u_n", at_1_kohm.u),
+                ("exponent", Some(exponent.value)),
+                ("exponent_u", exponent.u),
+            ]),
+            Fit::Table(_) => {}
         }
-        Fit::Power { at_1_kohm, exponent } => fields.extend([
-            ("at_1_kohm_n", Some(at_1_kohm.value)),
-            ("at_1_kohm_u_n", at_1_kohm.u),
-            ("exponent", Some(exponent.value)),
-            ("exponent_u", exponent.u),
-        ]),
-        Fit::Table(_) => {}
-    }
-    for (key, value) in fields {
-        if let Some(value) = value {
-            result[key] = value.into();
+        let line = |pair: &Pair| PairLine { f_n: pair.f_n, r_ohm: pair.r_ohm, residual: fit.residual(*pair) };
+        ForceLine {
+            class: "FORCE",
+            channel: target.id.clone(),
+            relative_rms: fit.relative_rms(pairs),
+            pairs: pairs.iter().map(line).collect(),
+            numbers: numbers.into_iter().filter_map(|(key, value)| Some((key, value?))).collect(),
         }
     }
-    result
 }

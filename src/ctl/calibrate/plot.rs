@@ -1,6 +1,4 @@
-//! Pairs, fit and residuals as a drawing.
-//!
-//! For: an SVG that is legible on white and on black. Must not know: where it goes.
+//! Pairs, fit and residuals as a drawing: an SVG that is legible on white and on black.
 
 use crate::estimate::fit::{Fit, Pair};
 use std::fmt::Write;

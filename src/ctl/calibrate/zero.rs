@@ -1,23 +1,33 @@
 //! `cermctl calibrate zero` and `reference`: what the instrument reads with a known resistor in the sensor's place.
 //!
-//! For: a zero with its uncertainty. Must not know: how it gets into the configuration.
-//!
 //! A reading that cannot be told from a short circuit has no number, and a zero may be negative. So what is averaged are
 //! estimates from the timings of the discharges, which keep their sign, by the method of the daemon.
 
-use super::{CalibrateError, CtlError, Target, Value};
+use super::{CalibrateError, CtlError, Target, Value, silent};
 use crate::config::LARGEST_ZERO_OHM;
 use crate::ctl::cli::Zero;
+use crate::ctl::limits::NEXT_READING;
 use crate::ctl::replay;
-use crate::ctl::stream::{Next, Stream};
+use crate::ctl::stream::Stream;
 use crate::ctl::text::measured;
 use crate::estimate::fit;
 use crate::reading::{Fault, Method};
+use crate::record::Through;
+use crate::stream::tape::{Entry, Header};
 use crate::stream::wire::ServerMessage;
-use std::time::{Duration, Instant};
+use serde::Serialize;
 
-/// How long to wait for the next discharge or reading.
-const PATIENCE: Duration = Duration::from_secs(10);
+/// The result for a machine.
+#[derive(Serialize)]
+struct ZeroLine<'a> {
+    class: &'static str,
+    channel: &'a str,
+    zero_ohm: f64,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    zero_u_ohm: Option<f64>,
+    reference_ohm: f64,
+    discharges: usize,
+}
 
 /// Measures with `reference_ohm` in the sensor's place.
 pub fn run(arguments: &Zero, reference_ohm: f64) -> Result<(), CtlError> {
@@ -31,10 +41,14 @@ pub fn run(arguments: &Zero, reference_ohm: f64) -> Result<(), CtlError> {
     }
     let text = measured(zero_ohm, mean.u, "ohm", false);
     target.say(&format!("{}: zero {text}, from {} discharges", target.id, numbers.len()))?;
-    let result = serde_json::json!({
-        "class": "ZERO", "channel": target.id, "zero_ohm": zero_ohm, "zero_u_ohm": mean.u,
-        "reference_ohm": reference_ohm, "discharges": numbers.len(),
-    });
+    let result = ZeroLine {
+        class: "ZERO",
+        channel: &target.id,
+        zero_ohm,
+        zero_u_ohm: mean.u,
+        reference_ohm,
+        discharges: numbers.len(),
+    };
     target.offer(&Value::ZeroOhm(zero_ohm), result)
 }
 
@@ -47,8 +61,13 @@ fn take(target: &Target, arguments: &Zero, part: &'static str) -> Result<Vec<f64
         return Err(CalibrateError::Tracked.into());
     }
     stream.watch(&channels, None, true)?;
-    let tape = tape(&mut stream, arguments.count)?;
-    let estimates = replay::signed_ohm(&tape, method, &target.id)
+    let mut tape = Tape::default();
+    while tape.of_sensor < arguments.count {
+        let next = stream.wait_for(NEXT_READING, |_, message| tape.take(message));
+        next.map_err(silent("discharge"))?;
+    }
+    let Some(header) = tape.header else { return Err(CalibrateError::Silent("discharge").into()) };
+    let estimates = replay::signed_ohm(&header, &tape.entries, method, &target.id)
         .map_err(|source| CtlError::Tape { path: arguments.connection.socket.clone(), source })?;
     let discharges = estimates.len();
     let fault = estimates.iter().rev().find_map(|estimate| estimate.err()).map(Fault::as_str);
@@ -59,89 +78,44 @@ fn take(target: &Target, arguments: &Zero, part: &'static str) -> Result<Vec<f64
     Ok(numbers)
 }
 
-/// The method of the daemon, which a reading tells.
+/// The method of the daemon.
 fn method(stream: &mut Stream) -> Result<Method, CtlError> {
-    until(stream, "reading", |message| match message {
-        ServerMessage::Reading(reading) => {
-            let name = reading.method.as_deref();
-            Ok(Method::ALL.into_iter().find(|method| Some(method.as_str()) == name))
-        }
-        _ => Ok(None),
-    })
+    let (_, stats) = stream.stats()?;
+    let known = Method::ALL.into_iter().find(|method| method.as_str() == stats.instrument.method);
+    known.ok_or_else(|| CalibrateError::Silent("method that this release knows").into())
 }
 
-/// A header, calibration discharges, and then so many discharges of the sensor.
-fn tape(stream: &mut Stream, count: u64) -> Result<String, CtlError> {
-    let (mut lines, mut header) = (String::new(), None);
-    let (mut is_calibrated, mut of_sensor) = ([false; 2], 0);
-    let mut since = Instant::now();
-    while of_sensor < count {
-        let (line, message) = next(stream, &mut since, "discharge")?;
-        refuse(&message)?;
-        match (message, &header) {
+/// A header, both calibration discharges, and then discharges of the sensor among others.
+#[derive(Default)]
+struct Tape {
+    header: Option<Header>,
+    entries: Vec<Entry>,
+    is_calibrated: [bool; 2],
+    of_sensor: u64,
+}
+
+impl Tape {
+    /// Takes a line; `None` if it is of no use.
+    fn take(&mut self, message: ServerMessage) -> Option<()> {
+        let entry = match message {
             // A later one tells an offset that was found meanwhile: what is before it does not count.
-            (ServerMessage::Tape(found), _) => {
-                header = Some(found);
-                (lines, is_calibrated, of_sensor) = (String::new(), [false; 2], 0);
+            ServerMessage::Tape(header) => {
+                *self = Tape { header: Some(*header), ..Tape::default() };
+                return Some(());
             }
-            (ServerMessage::Discharge(discharge), Some(header)) => {
-                let Ok(entry) = header.entry(&discharge) else { continue };
-                match (entry.record.through.channel(), entry.record.switch) {
-                    (Some(_), _) if is_calibrated != [true; 2] => continue,
-                    (Some(_), _) => of_sensor += 1,
-                    (None, None) => {
-                        let is_first = entry.record.through == crate::record::Through::C1;
-                        is_calibrated[usize::from(!is_first)] = true;
-                    }
-                    (None, Some(_)) => {}
-                }
+            ServerMessage::Discharge(line) => self.header.as_ref()?.entry(&line).ok()?,
+            _ => return None,
+        };
+        let Entry { record, .. } = entry;
+        if record.through.channel().is_some() {
+            if self.is_calibrated != [true; 2] {
+                return None;
             }
-            _ => continue,
+            self.of_sensor += 1;
+        } else if record.switch.is_none() {
+            self.is_calibrated[usize::from(record.through != Through::C1)] = true;
         }
-        since = Instant::now();
-        lines.push_str(&String::from_utf8_lossy(&line));
-        lines.push('\n');
-    }
-    Ok(lines)
-}
-
-/// The next line; waits for it while there has been `what` in time.
-fn next(
-    stream: &mut Stream,
-    since: &mut Instant,
-    what: &'static str,
-) -> Result<(Vec<u8>, ServerMessage), CtlError> {
-    loop {
-        if since.elapsed() > PATIENCE {
-            return Err(CalibrateError::Silent(what).into());
-        }
-        match stream.next()? {
-            Next::Line(line, message) => return Ok((line, message)),
-            Next::Quiet => {}
-            Next::Ended => return Err(crate::stream::client::ClientError::Closed.into()),
-        }
-    }
-}
-
-fn refuse(message: &ServerMessage) -> Result<(), CtlError> {
-    match message {
-        ServerMessage::Error(error) => Err(CtlError::Refused(error.message.clone())),
-        _ => Ok(()),
-    }
-}
-
-/// Waits for the message that `found` recognises.
-pub fn until<T>(
-    stream: &mut Stream,
-    what: &'static str,
-    mut found: impl FnMut(&ServerMessage) -> Result<Option<T>, CtlError>,
-) -> Result<T, CtlError> {
-    let mut since = Instant::now();
-    loop {
-        let (_, message) = next(stream, &mut since, what)?;
-        refuse(&message)?;
-        if let Some(found) = found(&message)? {
-            return Ok(found);
-        }
+        self.entries.push(entry);
+        Some(())
     }
 }

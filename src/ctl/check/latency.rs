@@ -1,24 +1,18 @@
-//! How late things come on this machine: wake-ups, and the stamps of crossings.
-//!
-//! For: a histogram as text, from some hundred waits and discharges. Must not know: which backend the pins belong to.
+//! How late things come on this machine: wake-ups, and the stamps of crossings, as histograms.
 
 use crate::circuit::Node;
 use crate::config::Config;
+use crate::ctl::limits::{DISCHARGES, SLEEP, WAKE_UPS};
 use crate::instrument::discharge::{self, Plan};
 use crate::pins::{Pins, PinsError};
 use crate::record::Through;
 use std::fmt;
 use std::thread;
-use std::time::{Duration, Instant};
+use std::time::Instant;
 
 /// Upper ends of the columns; the last one has none.
 const UPTO_US: [f64; 9] = [1.0, 2.0, 5.0, 10.0, 20.0, 50.0, 100.0, 200.0, 500.0];
 const COLUMNS: usize = UPTO_US.len() + 1;
-/// How many wake-ups are timed, and after which sleep.
-const WAKE_UPS: usize = 300;
-const SLEEP: Duration = Duration::from_millis(1);
-/// How many discharges are timed.
-const DISCHARGES: usize = 50;
 /// The longest bar, in characters.
 const WIDTH: usize = 40;
 
@@ -74,7 +68,7 @@ pub fn wake_ups() -> Histogram {
 ///
 /// # Errors
 /// If the pins cannot be used.
-pub fn stamps<P: Pins>(pins: &mut P, config: &Config) -> Result<Histogram, PinsError> {
+pub fn stamps<P: Pins + ?Sized>(pins: &mut P, config: &Config) -> Result<Histogram, PinsError> {
     let plan = Plan {
         settle: config.settle_time(),
         ..Plan::full(Through::C1, config.last_node(), config.charge_time(), config.deadline())

@@ -3,7 +3,6 @@
 //! What the discharges through known resistors say of the board is judged by the rules of the running instrument,
 //! [`Board`]; only here a node is watched while nothing drives, and times are held against the printed values.
 
-use super::info;
 use crate::circuit::{Kind, Node};
 use crate::config::{Config, Finding};
 use crate::estimate::{leak, limits};
@@ -32,7 +31,7 @@ const PATIENCE: f64 = 5.0;
 ///
 /// # Errors
 /// If the pins cannot be used.
-pub fn test<P: Pins>(pins: &mut P, config: &Config) -> Result<Vec<Finding>, PinsError> {
+pub fn test<P: Pins + ?Sized>(pins: &mut P, config: &Config) -> Result<Vec<Finding>, PinsError> {
     let mut bench = Bench { pins, config, findings: Vec::new() };
     bench.run()?;
     bench.pins.drive(Drives::NONE)?;
@@ -40,20 +39,20 @@ pub fn test<P: Pins>(pins: &mut P, config: &Config) -> Result<Vec<Finding>, Pins
 }
 
 fn error(key: impl Into<String>, reason: impl Into<String>, remedy: impl Into<String>) -> Finding {
-    super::error(key, reason).try_this(remedy)
+    Finding::error(key, reason).try_this(remedy)
 }
 
 fn warning(key: impl Into<String>, reason: impl Into<String>, remedy: impl Into<String>) -> Finding {
-    super::warning(key, reason).try_this(remedy)
+    Finding::warning(key, reason).try_this(remedy)
 }
 
-struct Bench<'a, P> {
+struct Bench<'a, P: ?Sized> {
     pins: &'a mut P,
     config: &'a Config,
     findings: Vec<Finding>,
 }
 
-impl<P: Pins> Bench<'_, P> {
+impl<P: Pins + ?Sized> Bench<'_, P> {
     fn run(&mut self) -> Result<(), PinsError> {
         self.drain()?;
         if !self.charges()? || !self.holds(true)? {
@@ -274,7 +273,7 @@ impl<P: Pins> Bench<'_, P> {
             ));
         }
         let [first, second] = [c1, c2].map(times);
-        self.findings.push(info(
+        self.findings.push(Finding::info(
             "wiring",
             format!("the nodes charge, hold, and fall in order: {first} through Rc1, {second} through Rc2"),
         ));
@@ -295,7 +294,7 @@ impl<P: Pins> Bench<'_, P> {
             (Ok(_), (Some(t1), Some(t2), Some(x))) => {
                 let span = circuit.r_second().0 - circuit.r_c1.0;
                 let r = Ohm((circuit.r_c1.0 + span * (x - t1) / (t2 - t1)).max(0.0));
-                info(key, format!("the sensor is there and reads about {r:.3}"))
+                Finding::info(key, format!("the sensor is there and reads about {r:.3}"))
             }
             _ => warning(
                 key,

@@ -1,10 +1,9 @@
-//! The board of the demo: a scene, a configuration that fits it, and the truth about it.
-//!
-//! For: everything that only the one who imagines a circuit can know. Must not know: what was measured.
+//! The board of the demo: a scene, a configuration that fits it, and the truth, which only the one who imagines a circuit
+//! can know.
 
 use super::super::CtlError;
 use crate::circuit::{Circuit, NOMINAL_R_CHARGE, Network};
-use crate::config::{Channel, Config, Force, Gpio, Measure, Mock, Mode, Server};
+use crate::config::{ChannelTable, Config, Force, Gpio, Measure, Mock, Mode, Server};
 use crate::ctl::cli;
 use crate::pins::Drives;
 use crate::pins::sim::network::line_index;
@@ -79,7 +78,7 @@ fn hand() -> Sensor {
 }
 
 fn config(scene: &Scene, arguments: &cli::Demo, socket: &Path) -> Config {
-    let channel = |index: usize| Channel {
+    let channel = |index: usize| ChannelTable {
         id: FINGERS.get(index).map_or_else(|| format!("x{index}"), |name| (*name).to_owned()),
         sink: None,
         zero_ohm: 0.0,

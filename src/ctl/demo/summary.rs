@@ -1,14 +1,12 @@
-//! What the demo has shown, in a few lines.
-//!
-//! For: counts, what the instrument has found out about itself, and, because the circuit is simulated, the truth beside
-//! it. Must not know: how either came about.
+//! What the demo has shown, in a few lines: counts, what the instrument has found out about itself, and, because the
+//! circuit is simulated, the truth beside it.
 
-use super::super::terminal::{Line, Style};
 use super::super::text::{measured, rough};
 use super::board::Board;
 use crate::pins::sim::SimPins;
 use crate::stream::wire::{ReadingLine, StatsLine, StatusName};
 use crate::units::Nanos;
+use console::{Style, style};
 use std::collections::BTreeMap;
 
 /// What to do next.
@@ -68,71 +66,63 @@ impl Tally {
     }
 
     /// The last lines of the demo.
-    pub fn summary(&self, board: &Board, stats: &StatsLine, unicode: bool) -> Vec<Line> {
+    pub fn summary(&self, board: &Board, stats: &StatsLine, unicode: bool) -> Vec<String> {
         let stats = &stats.instrument;
-        let is_sought = !stats.offset_known;
-        let mut lines = vec![Line::default(), self.counts()];
+        let found = Found { is_sought: !stats.offset_known, unicode };
+        let mut lines = vec![String::new(), self.counts()];
         lines.extend(self.fault_names());
-        lines.extend(found(
+        let latency_ns = board.latency_ns();
+        lines.extend(found.row(
             "latency offset",
-            is_sought,
             [stats.offset_ns, stats.offset_u_ns],
-            1e-3,
-            "us",
-            board.latency_ns(),
-            unicode,
+            (1e-3, "us"),
+            latency_ns,
         ));
-        lines.extend(found(
+        lines.extend(found.row(
             "pin resistance",
-            is_sought,
             [stats.r_o_ohm, stats.r_o_u_ohm],
-            1.0,
-            "ohm",
+            (1.0, "ohm"),
             board.r_o_ohm(),
-            unicode,
         ));
-        lines.push(self.honesty(board));
-        lines.push(Line::default());
-        lines.extend(HINTS.map(|(command, what)| {
-            Line::default().add(Style::Bold, format!(" {command:<36}")).add(Style::Plain, what)
-        }));
+        lines.extend([self.honesty(board), String::new()]);
+        lines.extend(
+            HINTS.map(|(command, what)| format!(" {}{what}", style(format!("{command:<36}")).bold())),
+        );
         lines
     }
 
-    fn counts(&self) -> Line {
-        let count = self.numbers.len() + self.open + self.short + self.faults.values().sum::<usize>();
+    fn counts(&self) -> String {
+        let (numbers, faults) = (self.numbers.len(), self.faults.values().sum::<usize>());
+        let count = numbers + self.open + self.short + faults;
         let seconds = self.first.map_or(0.0, |first| (self.last - first).as_seconds());
-        let text =
-            format!("{count} readings in {seconds:.1} s: {} numbers, {} open", self.numbers.len(), self.open);
         let short = if self.short > 0 { format!(", {} short", self.short) } else { String::new() };
-        let faults = format!(", {} faults", self.faults.values().sum::<usize>());
-        Line::default().add(Style::Notable, " simulated  ").add(Style::Bold, text + &short + &faults)
+        let open = self.open;
+        let text = format!(
+            "{count} readings in {seconds:.1} s: {numbers} numbers, {open} open{short}, {faults} faults"
+        );
+        format!(" {}  {}", style("simulated").yellow(), style(text).bold())
     }
 
-    fn fault_names(&self) -> Option<Line> {
+    fn fault_names(&self) -> Option<String> {
         let names: Vec<String> = self.faults.iter().map(|(name, count)| format!("{count} {name}")).collect();
         let why = if self.faults.contains_key("unsettled") { " (unsettled: the hand moved)" } else { "" };
-        let line = row("faults").add(Style::Plain, names.join(", ")).add(Style::Dim, why);
-        (!names.is_empty()).then_some(line)
+        (!names.is_empty()).then(|| row("faults", &format!("{}{}", names.join(", "), style(why).dim())))
     }
 
     /// Whether the uncertainties are true: a stated 1 sigma must hold what it promises.
-    fn honesty(&self, board: &Board) -> Line {
+    fn honesty(&self, board: &Board) -> String {
         let mut simulation = board.simulation();
         let errors = self.numbers.iter().filter_map(|number| number.error(&mut simulation, board));
         let errors: Vec<f64> = errors.collect();
-        let row = row("error of ohms");
         if errors.is_empty() {
-            return row.add(Style::Plain, "too few readings at rest to tell; try --seconds 20");
+            return row("error of ohms", "too few readings at rest to tell; try --seconds 20");
         }
         let count = errors.len() as f64;
         let spread = (errors.iter().map(|error| error * error).sum::<f64>() / count).sqrt();
-        let within = |u: f64| 100.0 * errors.iter().filter(|error| error.abs() <= u).count() as f64 / count;
-        row.add(Style::Plain, format!("{spread:.2} u rms"))
-            .add(Style::Dim, " (1 is honest)")
-            .add(Style::Plain, format!(", {:.0} % within 2 u", within(2.0)))
-            .add(Style::Dim, " (95)")
-            .add(Style::Plain, format!(", {count} at rest"))
+        let within = 100.0 * errors.iter().filter(|error| error.abs() <= 2.0).count() as f64 / count;
+        let [one, two] = ["(1 is honest)", "(95)"].map(|text| Style::new().dim().apply_to(text));
+        let text = format!("{spread:.2} u rms {one}, {within:.0} % within 2 u {two}, {count} at rest");
+        row("error of ohms", &text)
     }
 }
 
@@ -149,24 +139,33 @@ impl Number {
     }
 }
 
-fn row(name: &str) -> Line {
-    Line::default().add(Style::Plain, format!("   {name:<16}"))
+fn row(name: &str, text: &str) -> String {
+    format!("   {name:<16}{text}")
 }
 
-/// What the instrument has found, and the truth; nothing for a method that does not look for it.
-fn found(
-    name: &str,
+/// What the instrument has found.
+struct Found {
+    /// Not everything yet.
     is_sought: bool,
-    [value, u]: [Option<f64>; 2],
-    scale: f64,
-    unit: &str,
-    truth: f64,
     unicode: bool,
-) -> Option<Line> {
-    let truth = rough(truth * scale, unit);
-    if let (Some(value), Some(u)) = (value, u) {
-        let found = measured(value * scale, Some(u * scale), unit, unicode);
-        return Some(row(name).add(Style::Plain, found).add(Style::Dim, format!(" found, {truth} true")));
+}
+
+impl Found {
+    /// A value with its uncertainty, and the truth; nothing for a method that does not look for it.
+    fn row(
+        &self,
+        name: &str,
+        found: [Option<f64>; 2],
+        (scale, unit): (f64, &str),
+        truth: f64,
+    ) -> Option<String> {
+        let [value, u] = found.map(|number| number.map(|number| number * scale));
+        let truth = rough(truth * scale, unit);
+        if let (Some(value), Some(_)) = (value, u) {
+            let found = measured(value, u, unit, self.unicode);
+            return Some(row(name, &format!("{found}{}", style(format!(" found, {truth} true")).dim())));
+        }
+        let text = style(format!("still being looked for; {truth} true")).dim();
+        self.is_sought.then(|| row(name, &text.to_string()))
     }
-    is_sought.then(|| row(name).add(Style::Dim, format!("still being looked for; {truth} true")))
 }

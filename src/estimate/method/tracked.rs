@@ -66,8 +66,11 @@ pub struct Solution {
 /// # Errors
 /// [`Fault::Implausible`] if no resistance fits.
 pub fn solve(tracker: &Tracker, observed: &Observed) -> Result<Solution, Fault> {
-    let fit = Fit::new(tracker, observed).ok_or(Fault::Implausible)?;
-    fit.solution(tracker.state()[R_O]).ok_or(Fault::Implausible)
+    let solve = || {
+        let fit = Fit::new(tracker, observed)?;
+        Some(Solution { variance: fit.variance()?, ..fit.solution(tracker.state()[R_O])? })
+    };
+    solve().ok_or(Fault::Implausible)
 }
 
 /// The variance to be expected of a sensor of `r_ohm`, switched (or not) as given; `None` if that cannot be.
@@ -90,7 +93,7 @@ pub fn beyond(tracker: &Tracker, observed: &Observed) -> Option<f64> {
     let fit = Fit::new(tracker, observed)?;
     let highest = fit.siemens.max(0.0) + COVERAGE * fit.u_siemens;
     let r_min_ohm = 1.0 / highest - tracker.state()[R_O];
-    let is_open = fit.siemens <= RESOLVED * fit.u_siemens;
+    let is_open = fit.siemens <= RESOLVED * fit.u_siemens && !fit.evidence.contradicts;
     (is_open && r_min_ohm > 0.0 && r_min_ohm.is_finite()).then_some(r_min_ohm)
 }
 
@@ -216,8 +219,11 @@ impl Fit {
         let y = weights[0] * missing[0] + weights[1] * missing[1];
         let left = [0, 1].map(|node| missing[node] - through[node] * y);
         let misfit = inverse.of(left[0], left[1]);
-        // A late stamp that the other node is too noisy to refute is doubted as far as it may be one.
-        let doubt = if misfit > DOUBT * DOUBT { misfit } else { 1.0 };
+        let contradicts = misfit > BEYOND_NOISE * BEYOND_NOISE;
+        // A late stamp that the other node is too noisy to refute is doubted as far as it may be one. Over two stretches of the
+        // discharge a sensor that moves looks the same: that is for `motion` to tell.
+        let is_one_stretch = through[0] == through[1];
+        let doubt = if is_one_stretch && !contradicts && misfit > DOUBT * DOUBT { misfit } else { 1.0 };
         let evidence = match nodes {
             [Some(a), Some(b)] => {
                 let u_siemens = all.of(1.0 / a.through_ns, -1.0 / b.through_ns).sqrt();
@@ -231,27 +237,29 @@ impl Fit {
             bound_siemens: (1.0 / own.of(through[0], through[1])).sqrt(),
             by_state: std::array::from_fn(|i| weights[0] * rows[0][i] + weights[1] * rows[1][i]),
             branch,
-            evidence: evidence.contradicting(misfit > BEYOND_NOISE * BEYOND_NOISE),
+            evidence: evidence.contradicting(contradicts),
         };
         (y.is_finite() && fit.u_siemens.is_finite()).then_some(fit)
     }
 
-    /// R_x = 1/y - Ro. 2 u stand for the interval of y +- 2 sigma, which 1/y makes longer: half of its length.
+    /// R_x = 1/y - Ro, to the first order.
     fn solution(&self, r_o_ohm: f64) -> Option<Solution> {
         let Fit { siemens: y, u_siemens: u, bound_siemens, by_state, branch, evidence } = *self;
-        let square = y * y - (COVERAGE * u).powi(2);
-        if y <= 0.0 || square <= 0.0 {
-            return None;
-        }
         let solution = Solution {
             r_ohm: 1.0 / y - r_o_ohm,
-            variance: (u / square).powi(2),
+            variance: (u / (y * y)).powi(2),
             bound: (bound_siemens / (y * y)).powi(2),
             by_state: by_state.map(|by| -by / (y * y)),
             branch,
             evidence,
         };
-        (solution.r_ohm.is_finite() && solution.variance.is_finite()).then_some(solution)
+        (y > 0.0 && solution.r_ohm.is_finite() && solution.variance.is_finite()).then_some(solution)
+    }
+
+    /// 2 u stand for the interval of y +- 2 sigma, which 1/y makes longer: half of its length, ohm².
+    fn variance(&self) -> Option<f64> {
+        let square = self.siemens.powi(2) - (COVERAGE * self.u_siemens).powi(2);
+        (square > 0.0).then(|| (self.u_siemens / square).powi(2))
     }
 }
 

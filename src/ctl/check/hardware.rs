@@ -1,15 +1,12 @@
 //! The part of `cermctl check` that touches hardware: the kernel, the rights, the lines, the circuit, the latencies.
-//!
-//! For: findings about the machine in the form of those about the file. Must not know: how lines are requested or timed.
 
-use super::CtlError;
-use super::stats;
+use super::{latency, wiring};
 use crate::config::backend::{self, CONSUMER, OpenError};
 use crate::config::{Backend, Config, Finding};
-use crate::ctl::check::{error, info, latency, warning, wiring};
-use crate::pins::Pins;
+use crate::ctl::CtlError;
+use crate::ctl::stream::Stream;
 use crate::pins::realtime::{Realtime, Right};
-use std::fmt::Write;
+use crate::pins::{Pins, PinsError};
 
 /// The first kernel with GPIO uAPI v2.
 const FIRST_V2: (u32, u32) = (5, 10);
@@ -21,43 +18,37 @@ pub fn check(config: &Config, findings: &mut Vec<Finding>) -> String {
     }
     findings.push(kernel(config.gpio.backend));
     let realtime = Realtime::request(&config.realtime);
-    match backend::open(config, crate::daemon::monotonic()) {
+    match backend::open(config, crate::pins::monotonic()) {
         Ok(mut pins) => {
             findings.extend(rights(&realtime));
-            findings.push(info("gpio", "the chip is there, and every line can be had"));
+            findings.push(Finding::info("gpio", "the chip is there, and every line can be had"));
             let spots = pins.particulars().blind_spots.to_vec();
-            findings.extend(spots.into_iter().map(|spot| info("gpio.backend", spot)));
-            measure(&mut pins, config, findings).unwrap_or_else(|failed| {
-                findings.push(error("gpio", failed.to_string()));
+            findings.extend(spots.into_iter().map(|spot| Finding::info("gpio.backend", spot)));
+            measure(&mut *pins, config, findings).unwrap_or_else(|failed| {
+                findings.push(Finding::error("gpio", failed.to_string()));
                 String::new()
             })
         }
         Err(refusal) if is_held_by_cermd(&refusal) => {
             findings.push(ask_the_daemon(config).unwrap_or_else(|silence| {
-                error("gpio", format!("{refusal}; and at its socket: {silence}"))
+                Finding::error("gpio", format!("{refusal}; and at its socket: {silence}"))
                     .try_this("`systemctl stop cermd`, then this again")
             }));
             String::new()
         }
         Err(refusal) => {
-            findings.push(error("gpio", refusal.to_string()));
+            findings.push(Finding::error("gpio", refusal.to_string()));
             String::new()
         }
     }
 }
 
-fn measure(
-    pins: &mut impl Pins,
-    config: &Config,
-    findings: &mut Vec<Finding>,
-) -> Result<String, crate::pins::PinsError> {
+fn measure(pins: &mut dyn Pins, config: &Config, findings: &mut Vec<Finding>) -> Result<String, PinsError> {
     findings.extend(wiring::test(pins, config)?);
-    let mut text = String::new();
-    // Writing to a string cannot fail.
-    let _ = write!(text, "\nHow late a sleep of 1 ms ends:\n{}", latency::wake_ups());
-    let stamps = latency::stamps(pins, config)?;
-    let _ = write!(text, "How late equal crossings are stamped, after the earliest of them:\n{stamps}");
-    Ok(text)
+    let (wake_ups, stamps) = (latency::wake_ups(), latency::stamps(pins, config)?);
+    Ok(format!(
+        "\nHow late a sleep of 1 ms ends:\n{wake_ups}How late equal crossings are stamped, after the earliest of them:\n{stamps}"
+    ))
 }
 
 fn kernel(backend: Backend) -> Finding {
@@ -65,16 +56,18 @@ fn kernel(backend: Backend) -> Finding {
     let release = release.unwrap_or_default();
     let has_v2 = version(&release).is_none_or(|version| version >= FIRST_V2);
     match (backend, has_v2) {
-        (Backend::Chardev, false) => {
-            error("gpio.backend", format!("Linux {release} has no GPIO uAPI v2, which came with 5.10"))
-                .try_this("backend = \"chardev-v1\", or a newer kernel")
-        }
-        (Backend::ChardevV1, true) => {
-            warning("gpio.backend", format!("Linux {release} has GPIO uAPI v2, which notices more than v1"))
-                .try_this("backend = \"chardev\"")
-        }
-        (_, true) => info("kernel", format!("Linux {release}, GPIO uAPI v2")),
-        (_, false) => info("kernel", format!("Linux {release}, GPIO uAPI v1")),
+        (Backend::Chardev, false) => Finding::error(
+            "gpio.backend",
+            format!("Linux {release} has no GPIO uAPI v2, which came with 5.10"),
+        )
+        .try_this("backend = \"chardev-v1\", or a newer kernel"),
+        (Backend::ChardevV1, true) => Finding::warning(
+            "gpio.backend",
+            format!("Linux {release} has GPIO uAPI v2, which notices more than v1"),
+        )
+        .try_this("backend = \"chardev\""),
+        (_, true) => Finding::info("kernel", format!("Linux {release}, GPIO uAPI v2")),
+        (_, false) => Finding::info("kernel", format!("Linux {release}, GPIO uAPI v1")),
     }
 }
 
@@ -87,10 +80,15 @@ fn version(release: &str) -> Option<(u32, u32)> {
 fn rights(realtime: &Realtime) -> Vec<Finding> {
     let finding = |(key, outcome): (&str, Right)| match outcome {
         Right::NotAsked => None,
-        Right::Granted => Some(info(format!("realtime.{key}"), "granted to this program as this user")),
+        Right::Granted => {
+            Some(Finding::info(format!("realtime.{key}"), "granted to this program as this user"))
+        }
         Right::Denied(why) => Some(
-            warning(format!("realtime.{key}"), format!("denied to this program as this user: {why}"))
-                .try_this("cermd's own log, or `cermctl stats`: its unit grants more"),
+            Finding::warning(
+                format!("realtime.{key}"),
+                format!("denied to this program as this user: {why}"),
+            )
+            .try_this("cermd's own log, or `cermctl stats`: its unit grants more"),
         ),
     };
     realtime.rights.clone().into_iter().filter_map(finding).collect()
@@ -102,13 +100,14 @@ fn is_held_by_cermd(refusal: &OpenError) -> bool {
 
 /// The daemon holds the lines: it tells how it fares.
 fn ask_the_daemon(config: &Config) -> Result<Finding, CtlError> {
-    let (_, stats) = stats::ask(&config.server.socket)?;
+    let (_, stats) = Stream::connect(&config.server.socket, &[])?.stats()?;
     let readings = stats.instrument.readings;
     let faults: u64 = stats.instrument.faults.values().sum();
     let reason = format!(
         "cermd holds the lines and measures: {readings} readings, {faults} of them faults; the circuit was not tested"
     );
-    Ok(info("gpio", reason).try_this("`cermctl stats` for more, or `systemctl stop cermd`, then this again"))
+    Ok(Finding::info("gpio", reason)
+        .try_this("`cermctl stats` for more, or `systemctl stop cermd`, then this again"))
 }
 
 #[cfg(test)]
@@ -126,7 +125,7 @@ mod tests {
 
     #[test]
     fn a_simulated_circuit_has_no_hardware() {
-        let config = Config::parse(include_str!("../../hw/cermd.toml"), "test").unwrap();
+        let config = Config::parse(include_str!("../../../hw/cermd.toml"), "test").unwrap();
         let mut findings = Vec::new();
         let mock = Config { gpio: crate::config::Gpio::default(), ..config.clone() };
         assert_eq!(check(&mock, &mut findings), "");

@@ -1,0 +1,67 @@
+//! The constants of judgement of this room.
+//!
+//! | constant | value | unit | range or reason | source |
+//! |---|---|---|---|---|
+//! | `CAPACITORS`, `RESISTORS`, `SUPPLIES` | | F, ohm, V | what is sold; outside is a slip of a prefix | judgement |
+//! | `PIN_LIMIT_A` | 0.016 | A | what a pin may carry | Raspberry Pi, strongest drive |
+//! | `B_MARGIN` | 0.05 | V_DD | below it node B crosses late and unsteadily | judgement |
+//! | `CALIBRATION_RATIO` | 1.5 | | below it the difference of two times is mostly noise | judgement |
+//! | `LONGEST_WAIT` | 60 | s | a longer one is a slip of a prefix | judgement |
+//! | `LARGEST_SWITCH_FRACTION` | 1.3 | T_xA | beyond it even a late node B has crossed | judgement |
+//! | `LONGEST_ID` | 64 | bytes | the first line of the stream has to hold all names | stream, 64 KiB a line |
+//! | `LARGEST_ZERO_OHM` | 500 | ohm | pins and a series resistor make up less | tests/programs/calibrate.rs |
+//! | `ABSURD_ZERO_OHM` | 1e6 | ohm | a slip | judgement |
+//! | `FORCES` | | N | outside is a slip of a prefix | judgement |
+//! | `EXPONENTS` | 0.01 to 100 | | no sensor's outside | judgement |
+//! | `LONGEST_SOCKET` | 107 | bytes | `sun_path` has 108 with its final zero | include/uapi/linux/un.h |
+//! | `PRIORITIES` | 1 to 99 | | SCHED_FIFO | sched(7) |
+//! | `PROCESSORS` | 1024 | | what the kernel's set of processors holds here | CPU_SET(3) |
+//! | `WEIGHTS_N`, `UNDER_WEIGHTS_OHM` | | N, ohm | outside is a slip; squares and reciprocals inside are finite | judgement |
+//! | `SHORT_CHARGE` | 0.9 | automatic charge | a shorter one changes a reading by more than planned | charge.rs |
+//! | `SHORTEST_PART` | 50 | us | a part of a split discharge has to be long against the system calls between them | judgement |
+//! | `DEADLINE` | 5 | discharges of R_2 | the derived deadline: sensors up to about five times R_2 | judgement |
+//! | `DRAIN` | 1.2 | discharges of R_1 | the tolerance of the capacitors | judgement |
+//! | `SWITCH_FRACTION` | 0.9 | T_xA | where the switch comes unless it is given | judgement |
+//! | `CHARGE_SHARE` | 0.1 | sigma | error of an incomplete charge: a hundred readings have to be averaged to see it | tests/accuracy/charging.rs |
+//! | `LEAST_TAUS` | 4 | time constants | below it the first order of charge.rs does not hold | charge.rs |
+//! | `JITTER_S` | 0.5e-6 | s | of a crossing: less than any board is known to have, so that the error stays small on each | judgement |
+//! | `NOISE_V` | 0.25e-3 | V | of a node | board of the paper |
+//! | `SWITCH_S` | 0.1e-6 | s | scatter of a switch | judgement |
+//! | `LATENESS_S` | 20e-6 | s | scatter of the end of a charge, which is rested until, not spun: with 2.2 uF it is 2 % of tau and adds an eighth to what depths differ by anyway; where it adds more, one tau more of charge costs less than spinning | judgement |
+//! | `PER_DECADE`, `RESISTANCES` | 6, 30 | | resistances that are looked at, down from what the deadline resolves | five decades |
+
+use crate::units::{Farad, Nanos, Ohm, Seconds, Volt};
+use std::ops::RangeInclusive;
+
+pub const CAPACITORS: RangeInclusive<Farad> = Farad(10e-12)..=Farad(1e-3);
+pub const RESISTORS: RangeInclusive<Ohm> = Ohm(1.0)..=Ohm(100e6);
+pub const SUPPLIES: RangeInclusive<Volt> = Volt(0.5)..=Volt(30.0);
+pub const PIN_LIMIT_A: f64 = 0.016;
+pub const B_MARGIN: f64 = 0.05;
+pub const CALIBRATION_RATIO: f64 = 1.5;
+pub const LONGEST_WAIT: Nanos = Nanos(60_000_000_000);
+pub const LARGEST_SWITCH_FRACTION: f64 = 1.3;
+pub const LONGEST_ID: usize = 64;
+/// Beyond this a zero is neither the difference of two pins nor a resistor that limits the current of the sensor, ohm.
+pub const LARGEST_ZERO_OHM: f64 = 500.0;
+pub const ABSURD_ZERO_OHM: f64 = 1e6;
+pub const FORCES: RangeInclusive<f64> = 1e-9..=1e9;
+pub const EXPONENTS: RangeInclusive<f64> = 0.01..=100.0;
+pub const LONGEST_SOCKET: usize = 107;
+pub const PRIORITIES: RangeInclusive<u8> = 1..=99;
+pub const PROCESSORS: usize = nix::sched::CpuSet::count();
+pub const SHORT_CHARGE: f64 = 0.9;
+pub const SHORTEST_PART: Seconds = Seconds(50e-6);
+pub const DEADLINE: f64 = 5.0;
+pub const DRAIN: f64 = 1.2;
+pub const SWITCH_FRACTION: f64 = 0.9;
+pub const WEIGHTS_N: RangeInclusive<f64> = 1e-6..=1e6;
+pub const UNDER_WEIGHTS_OHM: RangeInclusive<f64> = 1e-6..=1e9;
+pub const CHARGE_SHARE: f64 = 0.1;
+pub const LEAST_TAUS: f64 = 4.0;
+pub const JITTER_S: f64 = 0.5e-6;
+pub const NOISE_V: f64 = 0.25e-3;
+pub const SWITCH_S: f64 = 0.1e-6;
+pub const LATENESS_S: f64 = 20e-6;
+pub const PER_DECADE: f64 = 6.0;
+pub const RESISTANCES: u32 = 30;

@@ -1,0 +1,144 @@
+//! Pairs of force and resistance as people write them: `1.20,11122`, `1.2 N, 11.122 kohm`, `120 g` alone.
+
+use super::limits::{UNDER_WEIGHTS_OHM, WEIGHTS_N};
+use crate::estimate::fit::Pair;
+use crate::estimate::force::{Table, TableError};
+use crate::units::{Newton, Ohm};
+use csv::{ReaderBuilder, StringRecord, Trim};
+use std::path::Path;
+
+/// Standard gravity, m/s^2: what a mass weighs (CGPM 1901).
+const GRAVITY: f64 = 9.80665;
+const EXAMPLE: &str = "write \"force_n,r_ohm\", such as \"1.20,11122\"";
+
+/// Why pairs cannot be read.
+#[derive(Debug, thiserror::Error)]
+pub enum PairsError {
+    /// The file cannot be read.
+    #[error("cannot read the force table {path}: {source}")]
+    Read {
+        /// The file.
+        path: String,
+        /// Why.
+        source: std::io::Error,
+    },
+    /// A line is no pair.
+    #[error("{origin}, line {line}: {reason}")]
+    Line {
+        /// The file, or standard input.
+        origin: String,
+        /// Counted from 1.
+        line: usize,
+        /// What, and what to do.
+        reason: String,
+    },
+    /// The pairs make no table.
+    #[error(transparent)]
+    Table(#[from] TableError),
+}
+
+/// The table that the pairs of a file make: see [`of_csv`].
+///
+/// # Errors
+/// What is wrong with the file, with the line and the remedy.
+pub fn load_table(path: &Path) -> Result<Table, PairsError> {
+    let origin = path.display().to_string();
+    let text =
+        std::fs::read_to_string(path).map_err(|source| PairsError::Read { path: origin.clone(), source })?;
+    let pairs = of_csv(&text, &origin)?;
+    Ok(Table::from_pairs(pairs.iter().map(|pair| (pair.r_ohm, pair.f_n)).collect())?)
+}
+
+/// The pairs of a CSV file. Empty lines, lines that begin with `#` and a line of names before the first pair are passed
+/// over.
+///
+/// # Errors
+/// [`PairsError::Line`].
+pub fn of_csv(text: &str, origin: &str) -> Result<Vec<Pair>, PairsError> {
+    let mut pairs = Vec::new();
+    // Line by line: the reader of a whole file does not count those that it passes over.
+    for (index, line) in text.lines().enumerate() {
+        let is_names = pairs.is_empty()
+            && line.trim_start_matches(|c| " \t\"".contains(c)).starts_with(char::is_alphabetic);
+        if line.trim().is_empty() || line.trim().starts_with('#') || is_names {
+            continue;
+        }
+        let pair = parse(line).and_then(|(f_n, r_ohm)| match r_ohm {
+            Some(r_ohm) => Ok(Pair { f_n, r_ohm }),
+            None => Err(format!("{line:?} has no resistance: {EXAMPLE}")),
+        });
+        let wrong = |reason| PairsError::Line { origin: origin.to_owned(), line: index + 1, reason };
+        pairs.push(pair.map_err(wrong)?);
+    }
+    Ok(pairs)
+}
+
+/// One line: newton, and ohm if it is there.
+///
+/// # Errors
+/// What is wrong with it, and how it is written.
+pub fn parse(line: &str) -> Result<(f64, Option<f64>), String> {
+    let reader = ReaderBuilder::new().has_headers(false).trim(Trim::All).from_reader(line.as_bytes());
+    let cells: StringRecord = reader.into_records().next().and_then(Result::ok).unwrap_or_default();
+    let mut cells = cells.iter();
+    let left = cells.next().unwrap_or_default();
+    let f_n = force(left)
+        .ok_or_else(|| format!("{left:?} is no weight: write \"1.2 N\", \"120 g\" or \"0.12 kg\""))?;
+    match (cells.next(), cells.next()) {
+        (None, _) => Ok((f_n, None)),
+        (Some(right), None) => match ohm(right) {
+            Some(r_ohm) => Ok((f_n, Some(r_ohm))),
+            None => Err(format!("{right:?} is no resistance: {EXAMPLE}")),
+        },
+        (Some(_), Some(_)) => Err(format!("{line:?} has more than two numbers: {EXAMPLE}")),
+    }
+}
+
+/// Newton; a number alone is in newton.
+fn force(text: &str) -> Option<f64> {
+    let weight = |unit, kilograms| {
+        let mass = text.strip_suffix(unit)?.trim().parse::<f64>().ok()?;
+        Some(mass * kilograms * GRAVITY)
+    };
+    let newton = || text.parse().ok().or_else(|| text.parse::<Newton>().ok().map(|newton| newton.0));
+    let f_n = weight("kg", 1.0).or_else(|| weight("g", 1e-3)).or_else(newton);
+    f_n.filter(|f_n| WEIGHTS_N.contains(f_n))
+}
+
+/// A number alone is in ohm.
+fn ohm(text: &str) -> Option<f64> {
+    let r_ohm = text.parse().ok().or_else(|| text.parse::<Ohm>().ok().map(|ohm| ohm.0));
+    r_ohm.filter(|r_ohm| UNDER_WEIGHTS_OHM.contains(r_ohm))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn weights_are_forces() {
+        let force = |text: &str| match parse(text).unwrap() {
+            (f_n, None) => f_n,
+            other => panic!("{other:?}"),
+        };
+        assert_eq!((force("1.2 N"), force("1.2"), force("1200 mN")), (1.2, 1.2, 1.2));
+        assert!((force("500 g") - 4.903325).abs() < 1e-12 && force("0.5kg") == force("500g"));
+        let pair = (1.2, Some(11_122.0));
+        assert_eq!((parse("1.20,11122"), parse("1.2 N, 11.122 kohm")), (Ok(pair), Ok(pair)));
+        for wrong in
+            ["", "heavy", "-1", "0", "NaN", "inf", "1 ohm", "1,", "1,0", "1,-5", "1,2,3", "1,NaN", "g"]
+        {
+            assert!(parse(wrong).is_err(), "{wrong}");
+        }
+    }
+
+    #[test]
+    fn a_wrong_line_is_named() {
+        let good = of_csv("force_n,r_ohm\n# light\n1.20,11122\n\n6.06,2200\n", "w.csv").unwrap();
+        assert_eq!(good.len(), 2);
+        for (text, line) in [("1,2\nforce_n,r_ohm\n", 2), ("# a\n\n1.2\n", 3), ("1,2\n1,x\n", 2)] {
+            let error = of_csv(text, "w.csv").unwrap_err().to_string();
+            assert!(error.starts_with(&format!("w.csv, line {line}: ")), "{error}");
+        }
+    }
+}

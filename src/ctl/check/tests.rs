@@ -1,0 +1,116 @@
+//! The reports on a configuration that is wrong in one way or another.
+
+use super::*;
+use std::fs;
+
+const FULL: &str = r#"
+[circuit]
+kind = "two-capacitor"
+c-a = "2.2 uF"
+c-b = "680 nF"
+r-c1 = "2.32 kohm"
+r-c2 = "12.7 kohm"
+v-dd = "5 V"
+v-th = "2 V"
+r-charge = "330 ohm"
+
+[gpio]
+backend = "chardev"
+chip = "pinctrl-rp1"
+sense-a = "GPIO5"
+sense-b = 6
+charge-a = "GPIO13"
+charge-b = "GPIO19"
+sink-c1 = "20"
+sink-c2 = "GPIO21"
+
+[measure]
+method = "cerm"
+rate-hz = 20
+charge-time = "3 ms"
+settle-time = "50 us"
+deadline = "50 ms"
+offset = "auto"
+t-l = "616 us"
+switch-fraction = 0.8
+
+[[channel]]
+id = "thumb"
+sink = "GPIO16"
+zero-ohm = 1.5
+force = { fc1 = "5.75 N", fc2 = "1.05 N" }
+
+[[channel]]
+id = "index"
+force = { table = "index.csv" }
+
+[server]
+socket = "/tmp/s"
+mode = "0600"
+
+[mock]
+scene = "pi4"
+seed = 7
+"#;
+
+#[test]
+fn a_file_that_is_not_there_gets_a_hint() {
+    let report = check(Path::new("/nonexistent/cermd.toml"));
+    assert!(!report.is_usable());
+    insta::assert_snapshot!(report, @"error: /nonexistent/cermd.toml: No such file or directory (os error 2); name a file with --config, or try `cermctl demo`");
+}
+
+/// The report on FULL, changed a little, with the file's folder left out.
+fn rendered(change: (&str, &str)) -> (String, bool) {
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("cermd.toml");
+    fs::write(&file, FULL.replace(change.0, change.1)).unwrap();
+    fs::write(folder.path().join("index.csv"), "1.2,11122\n6.06,2200\n").unwrap();
+    let report = check(&file);
+    (report.to_string().replace(&format!("{}/", folder.path().display()), ""), report.is_usable())
+}
+
+#[test]
+fn a_report_of_errors() {
+    let (text, usable) = rendered(("\"12.7 kohm\"", "\"1.27 kohm\""));
+    assert!(!usable);
+    insta::assert_snapshot!(text, @r#"
+    error: circuit.r-c1: 2.32 kohm is not below r-c2 = 1.27 kohm; try the lower resistor as r-c1
+    error: channel.index.sink: missing; try the line that the sensor is wired to
+    cermd.toml: not usable: 2 error(s), 0 warning(s)
+    "#);
+}
+
+#[test]
+fn a_report_of_warnings() {
+    let (text, usable) = rendered(("id = \"index\"\n", "id = \"index\"\nsink = 17\n"));
+    assert!(usable);
+    insta::assert_snapshot!(text, @r#"
+    warning: measure.charge-time: 3 ms is 1.9 time constants: the discharge before changes a reading by up to 32.93 of its u (at 62 kohm); try at least "12 ms", or without it
+    info: circuit.r-c1: through Rc1, node A after 1.12 ms, node B after 1.89 ms
+    info: circuit.r-c2: through Rc2, node A after 6.06 ms, node B after 10.2 ms
+    info: measure.charge-time: 3 ms, as given, is 1.9 time constants: the discharge before changes a reading by up to 32.93 of its u (at 62 kohm)
+    info: measure.deadline: 50 ms, enough for a sensor of 62.5 kohm
+    info: measure.rate-hz: a cycle takes 44.6 ms (22.4 Hz) with the sensor at Rc2, 124 ms at most
+    cermd.toml: usable: 0 error(s), 1 warning(s)
+    "#);
+}
+
+#[test]
+fn a_report_of_a_refusal() {
+    let (text, usable) = rendered(("rate-hz", "rate"));
+    assert!(!usable);
+    insta::assert_snapshot!(text, @r#"
+    error: cermd.toml: TOML parse error at line 24, column 1
+       |
+    24 | rate = 20
+       | ^^^^
+    unknown field `rate`, expected one of `method`, `rate-hz`, `charge-time`, `settle-time`, `deadline`, `offset`, `resolution`, `calibration`, `t-l`, `switch-fraction`
+    "#);
+}
+
+#[test]
+fn the_shipped_configuration_is_good() {
+    let report = check(&Path::new(env!("CARGO_MANIFEST_DIR")).join("hw/cermd.toml"));
+    assert!(report.findings().iter().all(|finding| finding.severity == Severity::Info), "{report}");
+}
