@@ -134,7 +134,7 @@ impl Chip {
         let cause = match Cause::of(&source, &self.path) {
             Cause::Held(_) => {
                 let lines = offsets.iter().filter_map(|offset| self.line(*offset).ok());
-                Cause::Held(lines.filter_map(Holder::of).collect())
+                Cause::Held(lines.filter_map(LineListing::holder).collect())
             }
             Cause::Gone { .. } => Cause::Gone { present: Some(titles(&all(Path::new(DEV)))) },
             other => other,
@@ -215,6 +215,14 @@ fn as_v2(info: v1::LineInfo) -> v2::LineInfo {
     v2::LineInfo { offset, name, consumer, flags, ..Default::default() }
 }
 
+impl LineListing {
+    /// `None` for a line that is free.
+    fn holder(self) -> Option<Holder> {
+        let line = self.name.unwrap_or_else(|| format!("line {}", self.offset));
+        self.used.then_some(Holder { line, consumer: self.consumer })
+    }
+}
+
 impl From<v2::LineInfo> for LineListing {
     fn from(info: v2::LineInfo) -> LineListing {
         use v2::LineFlags as F;
@@ -284,8 +292,8 @@ mod tests {
         let line = LineListing::from(info);
         assert!(line.output && line.used);
         assert_eq!(line.flags, ["open-drain"]);
-        assert_eq!(Holder::of(line).unwrap().to_string(), "GPIO20 (\"cermd\")");
-        assert_eq!(Holder::of(LineListing::default()), None);
+        assert_eq!(line.holder().unwrap().to_string(), "GPIO20 (\"cermd\")");
+        assert_eq!(LineListing::default().holder(), None);
     }
 
     #[test]

@@ -1,6 +1,5 @@
 //! What a refusal of the kernel means to the person at the board: which call, which line, the likely cause.
 
-use super::chips::LineListing;
 use gpiocdev_uapi::v2;
 use nix::errno::Errno;
 use nix::unistd::{Gid, Group};
@@ -138,14 +137,6 @@ pub struct Holder {
     pub line: String,
     /// As which consumer; `None`: it gave no name.
     pub consumer: Option<String>,
-}
-
-impl Holder {
-    /// `None` for a line that is free.
-    pub(super) fn of(line: LineListing) -> Option<Holder> {
-        let name = line.name.unwrap_or_else(|| format!("line {}", line.offset));
-        line.used.then_some(Holder { line: name, consumer: line.consumer })
-    }
 }
 
 impl fmt::Display for Holder {
