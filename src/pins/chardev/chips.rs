@@ -216,8 +216,8 @@ fn as_v2(info: v1::LineInfo) -> v2::LineInfo {
 }
 
 impl LineListing {
-    /// Who holds the line; `None` for a line that is free.
-    pub(super) fn holder(self) -> Option<Holder> {
+    /// `None` for a line that is free.
+    fn holder(self) -> Option<Holder> {
         let line = self.name.unwrap_or_else(|| format!("line {}", self.offset));
         self.used.then_some(Holder { line, consumer: self.consumer })
     }
