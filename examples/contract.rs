@@ -83,7 +83,6 @@ fn wiring(options: &Options) -> Wiring {
         sink_c2: "GPIO21".to_string(),
         sinks_x: vec!["GPIO16".to_string()],
         consumer: "contract".to_string(),
-        event_buffer: None,
     }
 }
 

@@ -4,7 +4,7 @@
 //! was estimated, or how it is sent.
 
 use crate::circuit::Node;
-use crate::units::Nanos;
+use crate::units::{Nanos, named};
 use serde::Deserialize;
 use std::fmt;
 
@@ -15,34 +15,6 @@ pub struct Measured {
     pub value: f64,
     /// 1 sigma; `None` while too little has been seen to know the noise.
     pub u: Option<f64>,
-}
-
-/// An enum whose variants have names.
-macro_rules! named {
-    ($(#[$meta:meta])* $Enum:ident { $($(#[$doc:meta])* $Variant:ident = $name:literal,)+ }) => {
-        $(#[$meta])*
-        pub enum $Enum {
-            $($(#[$doc])* $Variant,)+
-        }
-
-        impl $Enum {
-            /// All of them.
-            pub const ALL: [$Enum; [$($name),+].len()] = [$($Enum::$Variant),+];
-
-            /// The name in configuration, stream and command line.
-            pub fn as_str(self) -> &'static str {
-                match self {
-                    $($Enum::$Variant => $name,)+
-                }
-            }
-        }
-
-        impl fmt::Display for $Enum {
-            fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-                f.write_str(self.as_str())
-            }
-        }
-    };
 }
 
 named! {
@@ -138,24 +110,6 @@ pub enum Suspect {
 }
 
 impl Suspect {
-    /// Every suspect.
-    pub const ALL: [Suspect; 14] = [
-        Suspect::Uncharged(Node::A),
-        Suspect::Uncharged(Node::B),
-        Suspect::FirstOpen,
-        Suspect::SecondOpen,
-        Suspect::BothOpen,
-        Suspect::StaysHigh(Node::A),
-        Suspect::StaysHigh(Node::B),
-        Suspect::NodesSwapped,
-        Suspect::ResistorsSwapped,
-        Suspect::NoCA,
-        Suspect::NoCB,
-        Suspect::NoCapacitor,
-        Suspect::Leak,
-        Suspect::Pull,
-    ];
-
     /// What was seen.
     pub fn seen(self) -> &'static str {
         self.texts().0

@@ -97,6 +97,22 @@ impl Record {
         [self.a_ns, self.b_ns]
     }
 
+    /// The crossings in a circuit with so many nodes, if all of them were seen; B is 0 where there is no B.
+    pub fn complete(&self, nodes: usize) -> Option<[f64; 2]> {
+        Some([self.a_ns?, if nodes == 2 { self.b_ns? } else { 0.0 }])
+    }
+
+    /// Which calibration discharge it is, if it is one.
+    pub fn calibration_kind(&self) -> Option<CalibrationKind> {
+        let to = self.switch.map(|switch| switch.to);
+        match (self.through, to) {
+            (Through::C1, None) => Some(CalibrationKind::First),
+            (Through::C2 | Through::C12, None) => Some(CalibrationKind::Second),
+            (Through::C1, Some(Through::C2 | Through::C12)) => Some(CalibrationKind::Split),
+            _ => None,
+        }
+    }
+
     /// The crossing of a node, ns.
     pub fn crossing(&self, node: Node) -> Option<f64> {
         self.crossings()[node.index()]

@@ -1,33 +1,24 @@
 //! The three wirings.
 
 use super::{Network, Node};
+use crate::units::named;
 use serde::{Deserialize, Serialize};
 
-/// How capacitors and calibration resistors are wired.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum Kind {
-    /// Two capacitors in series, Fig. 1(c).
-    TwoCapacitor,
-    /// One capacitor, Fig. 1(a).
-    OneCapacitor,
-    /// One capacitor, Rc2 in series with Rc1, Fig. 1(b).
-    SeriesCalibration,
+named! {
+    /// How capacitors and calibration resistors are wired.
+    #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
+    #[serde(rename_all = "kebab-case")]
+    Kind {
+        /// Two capacitors in series, Fig. 1(c).
+        TwoCapacitor = "two-capacitor",
+        /// One capacitor, Fig. 1(a).
+        OneCapacitor = "one-capacitor",
+        /// One capacitor, Rc2 in series with Rc1, Fig. 1(b).
+        SeriesCalibration = "series-calibration",
+    }
 }
 
 impl Kind {
-    /// Every kind.
-    pub const ALL: [Kind; 3] = [Kind::TwoCapacitor, Kind::OneCapacitor, Kind::SeriesCalibration];
-
-    /// The name in configuration and tape.
-    pub fn as_str(self) -> &'static str {
-        match self {
-            Kind::TwoCapacitor => "two-capacitor",
-            Kind::OneCapacitor => "one-capacitor",
-            Kind::SeriesCalibration => "series-calibration",
-        }
-    }
-
     /// Its nodes, in the order in which a discharge crosses them.
     pub fn nodes(self) -> &'static [Node] {
         match self {

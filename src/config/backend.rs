@@ -86,7 +86,6 @@ pub fn wiring(config: &Config) -> Result<Wiring, OpenError> {
         sink_c2: needed("sink-c2", &gpio.sink_c2)?,
         sinks_x: sinks_x.collect::<Result<_, _>>()?,
         consumer: CONSUMER.to_owned(),
-        event_buffer: None,
     })
 }
 

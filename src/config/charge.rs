@@ -109,9 +109,9 @@ impl Budget {
     fn sigmas(&self, r: Ohm) -> f64 {
         let r = r.0 + self.r_o;
         let (rules, theta) = (self.method.rules(), self.fraction * self.g[0]);
-        let equation = match rules.switching() {
+        let equation = match rules.switching {
             Switching::Never => self.plain(r),
-            Switching::AtFraction if rules.sinks_beside() => {
+            Switching::AtFraction if rules.sinks_beside => {
                 self.finished(r, theta / (1.0 + r / self.known[1]))
             }
             Switching::AtFraction => self.plain(r).or(self.finished(r, theta)),

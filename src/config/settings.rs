@@ -44,7 +44,10 @@ impl Config {
             settle: self.settle_time(),
             deadline: self.deadline(),
             period: self.measure.rate_hz.map(|hertz| Nanos::from_seconds(1.0 / hertz)),
-            offset: self.offset(),
+            offset_ns: match self.offset() {
+                OffsetSource::Auto => None,
+                OffsetSource::Given(d_ns) => Some(d_ns),
+            },
             resolution: self.measure.resolution.unwrap_or(Nanos(1)),
             tracked: self.is_tracked(),
             t_l: self.measure.t_l,
@@ -63,10 +66,7 @@ pub fn tape_header(settings: &Settings, found_ns: Option<f64>) -> Header {
         zero_ohm: channel.zero_ohm,
         force: channel.force.as_ref().and_then(tape_force),
     };
-    let offset_ns = match settings.offset {
-        OffsetSource::Given(d_ns) => Some(d_ns),
-        OffsetSource::Auto => found_ns,
-    };
+    let offset_ns = settings.offset_ns.or(found_ns);
     let circuit = TapeCircuit { kind: settings.kind, r_c1_ohm, r_c2_ohm };
     Header::new(circuit, offset_ns, settings.channels.iter().map(channel).collect())
 }

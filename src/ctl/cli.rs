@@ -1,9 +1,9 @@
 //! The command lines of both programs: arguments and their help texts, from which the manual pages are made, too.
 #![expect(missing_docs, reason = "a text at a flattened group would replace that of its verb")]
 
-use crate::estimate::offset;
 use crate::instrument::settings::OffsetSource;
 use crate::reading::Method;
+use crate::record::LONGEST_LATENCY;
 use crate::units::Ohm;
 use clap::builder::PossibleValue;
 use clap::{Args, Parser, Subcommand, ValueEnum};
@@ -313,7 +313,7 @@ fn positive(text: &str) -> Option<f64> {
 
 fn offset(text: &str) -> Result<OffsetSource, String> {
     match text.parse()? {
-        OffsetSource::Given(d_ns) if d_ns.abs() >= offset::LONGEST.as_ns() => {
+        OffsetSource::Given(d_ns) if d_ns.abs() >= LONGEST_LATENCY.as_ns() => {
             Err("a latency is below 1 ms, such as 8 us".to_owned())
         }
         source => Ok(source),

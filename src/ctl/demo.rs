@@ -11,7 +11,8 @@ use super::limits::{HISTORY_S, SAY_AFTER};
 use super::screen::Screen;
 use super::stream::{Next, Stream};
 use crate::ctl::cli;
-use crate::daemon::{Daemon, DaemonError, Loaded, Signals, StopHandle, monotonic};
+use crate::daemon::{Daemon, DaemonError, Loaded, Signals, StopHandle};
+use crate::pins::monotonic;
 use crate::pins::sim::SimPins;
 use crate::stream::client::ClientError;
 use crate::stream::wire::ServerMessage;
@@ -83,7 +84,7 @@ impl Running {
             Signals::from_handle().map_err(|error| CtlError::System("socketpair", error))?;
         let loaded = Loaded::new(board.config.clone(), Path::new("the demo"))?;
         // Here, so that the socket is there when the client comes.
-        let mut daemon = Daemon::start_with(loaded, signals, |_| Ok(Box::new(pins)))?;
+        let mut daemon = Daemon::start(loaded, signals, |_| Ok(Box::new(pins)))?;
         let thread = thread::Builder::new().name("cermd".to_owned()).spawn(move || daemon.serve(None));
         Ok(Running { handle, thread: thread.map_err(|error| CtlError::System("thread", error))? })
     }

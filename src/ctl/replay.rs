@@ -6,7 +6,7 @@ use crate::estimate::force::Force;
 use crate::estimate::offset::{Offset, SplitCalibration};
 use crate::instrument::settings::OffsetSource;
 use crate::reading::{Branch, Fault, Method, Status};
-use crate::record::Through;
+use crate::record::CalibrationKind;
 use crate::stream::tape::{Entry, Header, TapeChannel, TapeError, TapeForce};
 use crate::units::{Newton, NewtonOhm};
 use serde::Serialize;
@@ -139,7 +139,7 @@ fn parse(text: &str) -> Result<(Header, Vec<Entry>), ReplayError> {
 
 fn nodes_of(method: Method, kind: Kind) -> Result<usize, ReplayError> {
     let rules = method.rules();
-    if rules.circuits().contains(&kind) {
+    if rules.circuits.contains(&kind) {
         return Ok(rules.last(kind).index() + 1);
     }
     let names: Vec<&str> = Method::on(kind).map(Method::as_str).collect();
@@ -157,16 +157,13 @@ fn split_offset(
 ) -> Option<Offset> {
     let mut split = SplitCalibration::new(r1, r2, nodes, entries.len());
     for Entry { record, .. } in entries.iter().filter(|entry| entry.record.through.channel().is_none()) {
-        match record.switch {
-            None => drop(estimator.calibrate(record)),
-            Some(switch)
-                if record.through == Through::C1 && matches!(switch.to, Through::C2 | Through::C12) =>
-            {
+        match record.calibration_kind() {
+            Some(CalibrationKind::Split) => {
                 if let Some((c1, c2)) = estimator.calibration() {
                     split.add(c1, c2, record, estimator.noise());
                 }
             }
-            Some(_) => {}
+            _ => drop(estimator.calibrate(record)),
         }
     }
     split.result()

@@ -16,7 +16,7 @@ use crate::config::backend::{self, AnyPins, OpenError};
 use crate::config::{Backend, Config, ConfigError, Findings, Severity};
 use crate::config::{SettingsError, tape_header};
 use crate::instrument::settings::Settings;
-use crate::pins::Pins;
+use crate::pins::{clock, monotonic};
 use crate::stream::server::{Limits, ListenError, Listener, Server};
 use crate::stream::tape::Header;
 use crate::units::Nanos;
@@ -24,7 +24,7 @@ use heartbeat::Heartbeat;
 use limits::LOOK_AFTER;
 use measuring::Measuring;
 use nix::poll::{PollFd, PollFlags, PollTimeout, poll};
-use nix::time::{ClockId, clock_gettime};
+use nix::time::ClockId;
 use publish::Known;
 use sd_notify::NotifyState;
 pub use signals::{Signals, StopHandle};
@@ -76,16 +76,6 @@ fn system(call: &'static str) -> impl Fn(io::Error) -> DaemonError {
     move |source| DaemonError::System { call, source }
 }
 
-/// `CLOCK_MONOTONIC` now.
-pub fn monotonic() -> Nanos {
-    clock(ClockId::CLOCK_MONOTONIC)
-}
-
-fn clock(id: ClockId) -> Nanos {
-    // These two clocks exist on every Linux; the call cannot fail with a valid buffer.
-    clock_gettime(id).map_or(Nanos::ZERO, |time| Nanos(time.tv_sec() * 1_000_000_000 + time.tv_nsec()))
-}
-
 /// A configuration that has passed its check, with every file that it names.
 #[derive(Debug, Clone)]
 pub struct Loaded {
@@ -122,11 +112,6 @@ impl Loaded {
         let settings = config.settings()?;
         Ok(Loaded { tape_header: tape_header(&settings, None), settings, config })
     }
-
-    /// The configuration.
-    pub fn config(&self) -> &Config {
-        &self.config
-    }
 }
 
 /// Runs until SIGTERM or SIGINT; SIGHUP reads the file again.
@@ -136,8 +121,7 @@ impl Loaded {
 pub fn run(path: &Path) -> Result<(), DaemonError> {
     let signals = Signals::new().map_err(system("signals"))?;
     let loaded = Loaded::load(path)?;
-    let mut daemon = Daemon::start(loaded, signals)?;
-    daemon.serve(Some(path))
+    Daemon::start(loaded, signals, open)?.serve(Some(path))
 }
 
 /// The parts of a running daemon.
@@ -156,22 +140,15 @@ pub struct Daemon {
 }
 
 impl Daemon {
-    /// Opens pins and socket, starts to measure, and tells the service manager that it is ready.
+    /// Binds the socket, has the pins opened by `open`, starts to measure, and tells the service manager that it is
+    /// ready.
     ///
     /// # Errors
     /// What is missing.
-    pub fn start(loaded: Loaded, signals: Signals) -> Result<Daemon, DaemonError> {
-        Daemon::start_with(loaded, signals, |config| backend::open(config, monotonic()))
-    }
-
-    /// The same with pins that `open` opens, after the socket, in the place of those that the configuration names.
-    ///
-    /// # Errors
-    /// What is missing.
-    pub fn start_with(
+    pub fn start(
         loaded: Loaded,
         signals: Signals,
-        open: impl FnOnce(&Config) -> Result<AnyPins, OpenError>,
+        open: impl FnOnce(&Loaded) -> Result<AnyPins, OpenError>,
     ) -> Result<Daemon, DaemonError> {
         let config = &loaded.config;
         let (listener, place) = match Listener::from_systemd()? {
@@ -184,7 +161,7 @@ impl Daemon {
         let mut server = Server::new(listener, &publish::channels(&loaded.settings), Limits::default())
             .map_err(system("epoll"))?;
         server.set_tape_header(&loaded.tape_header);
-        let measuring = start_measuring(Some(open(config)?), &loaded)?;
+        let measuring = start_measuring(Some(open(&loaded)?), &loaded)?;
         log::info!("serving {} channel(s) on {place}", config.channels.len());
         let watchdog = sd_notify::watchdog_enabled();
         notify(&[NotifyState::Ready, NotifyState::Status("measuring")]);
@@ -260,8 +237,7 @@ impl Daemon {
             log::warn!(
                 "{readings} readings and {discharges} discharges were lost: this process gets too little time"
             );
-            self.server.miss_readings(readings);
-            self.server.miss_raw(discharges);
+            self.server.miss(readings, discharges);
         }
         let found = self.known.stats;
         let is_found = found.offset_is_known && !before.offset_is_known;

@@ -32,20 +32,14 @@ pub struct Known {
     pub realtime: Option<realtime::Rights>,
     /// The GPIO lines cannot be used, and are tried again.
     pub is_away: bool,
-    /// What the log has about the board.
-    logged: Logged,
-}
-
-/// What was said about the board, so that it is said once and not with each reading.
-#[derive(Debug, Default)]
-struct Logged {
-    /// The last suspect, and when a fault pointed to it last.
+    /// The suspect that the log has named last, and when a fault pointed to it last: named once, not with each reading.
     suspect: Option<(Suspect, Nanos)>,
+    /// Whether the log has named a leak.
     leak: bool,
 }
 
-impl Logged {
-    fn reading(&mut self, reading: &Reading) {
+impl Known {
+    fn log_suspect(&mut self, reading: &Reading) {
         match (reading.status, reading.suspect, self.suspect) {
             (Status::Fault(fault), Some(suspect), before) => {
                 if before.is_none_or(|(before, _)| before != suspect) {
@@ -61,7 +55,7 @@ impl Logged {
         }
     }
 
-    fn stats(&mut self, stats: &Stats) {
+    fn log_leak(&mut self, stats: &Stats) {
         if let (Some(siemens), false) = (stats.leak_siemens, self.leak) {
             self.leak = true;
             log::warn!(
@@ -77,7 +71,7 @@ impl Logged {
 pub fn publish(server: &mut Server, known: &mut Known, loaded: &Loaded, update: Update, to_wall: Nanos) {
     match update {
         Update::Message(Message::Reading(reading)) => {
-            known.logged.reading(&reading);
+            known.log_suspect(&reading);
             server.publish_reading(&reading, wall_time(reading.at + to_wall));
         }
         Update::Message(Message::Discharge { seq, record }) => {
@@ -86,7 +80,7 @@ pub fn publish(server: &mut Server, known: &mut Known, loaded: &Loaded, update: 
             }
         }
         Update::Stats(stats) => {
-            known.logged.stats(&stats);
+            known.log_leak(&stats);
             known.stats = stats;
         }
         Update::Realtime(report) => {

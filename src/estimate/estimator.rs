@@ -4,11 +4,11 @@ use crate::circuit::Node;
 use crate::estimate::method::tracked::{self, Observed, Solution};
 use crate::estimate::method::{Scale, Switched, Switching, Times, dual};
 use crate::estimate::motion::Evidence;
-use crate::estimate::noise::{Covariance, Judgement, Noise};
+use crate::estimate::noise::{Covariance, Noise};
 use crate::estimate::offset::Offset;
 use crate::estimate::tracker::Tracker;
 use crate::reading::{Branch, Fault, Measured, Method};
-use crate::record::{Record, Switch, Through, UNLIKE_CALLS};
+use crate::record::{CalibrationKind, Record, Switch, Through, UNLIKE_CALLS};
 use crate::units::Nanos;
 use covariances::Covariances;
 use dual::Dual;
@@ -110,17 +110,9 @@ impl Estimator {
         self.method
     }
 
-    /// R_2, ohm.
-    pub fn r2(&self) -> f64 {
-        self.r2_ohm
-    }
-
     /// The offset in force.
     pub fn offset(&self) -> Offset {
-        let Some(tracker) = self.tracker() else { return self.offset };
-        let (d_ns, u_d_ns) = tracker.d_ns();
-        let r_o_ohm = Some(tracker.r_o_ohm());
-        Offset { d_ns, u_d_ns, r_o_ohm, switch_ns: tracker.switch_ns(), ..Offset::default() }
+        self.tracker().map_or(self.offset, Tracker::offset)
     }
 
     /// Puts another offset in force.
@@ -152,26 +144,22 @@ impl Estimator {
     pub fn calibrate(&mut self, record: &Record) -> Result<(), Fault> {
         if let Some(tracker) = &mut self.tracker {
             tracker.add(record)?;
-            if tracker.is_ready() || record.switch.is_some() {
+            if tracker.is_ready() {
                 return Ok(());
             }
         }
-        let times = self.crossings(record).ok_or(Fault::NoCalibration)?;
-        let (slot, judgement) = match record.through {
-            Through::C1 => (&mut self.c1, self.noise.add_c1(times, [0.0; 2])),
-            Through::C2 | Through::C12 => (&mut self.c2, self.noise.add_c2(times, [0.0; 2])),
-            Through::X(_) | Through::XWithC12(_) => return Err(Fault::NoCalibration),
-        };
-        if judgement == Judgement::Outlier && self.tracker.is_none() {
-            return Err(Fault::LatencyOutlier);
+        let kind = record.calibration_kind().ok_or(Fault::NoCalibration)?;
+        let times = record.complete(self.nodes).ok_or(Fault::NoCalibration)?;
+        let judged = self.noise.add(kind, times, [0.0; 2]);
+        if self.tracker.is_none() {
+            judged?;
         }
-        *slot = Some(times);
+        match kind {
+            CalibrationKind::First => self.c1 = Some(times),
+            CalibrationKind::Second => self.c2 = Some(times),
+            CalibrationKind::Split => {}
+        }
         Ok(())
-    }
-
-    /// Both crossings of a discharge that must have all of them; B is 0 where there is no B.
-    fn crossings(&self, record: &Record) -> Option<[f64; 2]> {
-        Some([record.a_ns?, if self.nodes == 2 { record.b_ns? } else { 0.0 }])
     }
 
     /// The node whose crossing ends a discharge.
@@ -244,7 +232,7 @@ impl Estimator {
         let (d, last) = (self.offset().d_ns, record.crossing(self.last()).ok_or(Fault::MissedEdge)?);
         let switch = record.switch.filter(|switch| last - d > switch.on_ns);
         let branch = if switch.is_some() { Branch::Inferred } else { Branch::Direct };
-        match (switch, self.method.rules().switching()) {
+        match (switch, self.method.rules().switching) {
             // Of a switched discharge nothing is known before there is a tracked calibration.
             (Some(_), Switching::WhereBest) => return Err(Fault::NoCalibration),
             (Some(_), Switching::Never) => return Err(Fault::Implausible),
@@ -274,9 +262,9 @@ impl Estimator {
         let covariances = self.covariances(late.map(|crossing| crossing.unwrap_or(0.0)), u_switch_ns);
         let u = |of: &Dual| covariances.as_ref().map(|covariances| covariances.of(&of.by).sqrt());
         let (rules, variables) = (self.method.rules(), dual::variables(times));
-        let ratio = rules.ratio(&variables, branch)?;
+        let ratio = (rules.ratio)(&variables, branch)?;
         let scale = Scale { r_ohm: [self.r1_ohm, self.r2_ohm], u: &u };
-        let evidence = rules.evidence(&variables, branch, &scale)?;
+        let evidence = (rules.evidence)(&variables, branch, &scale)?;
         Some((Measured { value: ratio.value, u: u(&ratio) }, evidence))
     }
 
@@ -325,7 +313,7 @@ impl Estimator {
         let variance = |x: [Option<f64>; 2], switch, late: [Option<f64>; 2], branch| {
             let times = dual::variables(&Times { c1, c2, x, switch, beside: None, d });
             let covariances = self.covariances(late.map(|crossing| crossing.unwrap_or(0.0)), u_switch_ns)?;
-            let by = rules.ratio(&times, branch)?.by;
+            let by = (rules.ratio)(&times, branch)?.by;
             Some((covariances.of(&by), covariances.of_offset(&by)))
         };
         let (direct, _) = variance(direct, None, direct, Branch::Direct)?;
@@ -337,7 +325,7 @@ impl Estimator {
     /// When a node crosses in an x discharge of this method, given the crossing `x_ns` through the sensor alone; d included in
     /// both.
     pub fn x_discharge_ns(&self, x_ns: f64, node: usize) -> Option<f64> {
-        if !self.method.rules().sinks_beside() {
+        if !self.method.rules().sinks_beside {
             return Some(x_ns);
         }
         let (_, c2) = self.calibration()?;

@@ -3,6 +3,7 @@
 //! The force is taken as exact, the scatter as that of the resistance.
 
 use crate::estimate::force::{Force, Table, TableError};
+use crate::estimate::scatter;
 use crate::reading::Measured;
 use crate::units::{Newton, NewtonOhm};
 
@@ -159,28 +160,15 @@ impl Fit {
 /// shared, too, so the greater of both scatters counts.
 pub fn mean(readings: &[f64]) -> Option<Measured> {
     const BLOCKS: usize = 10;
-    let (value, u) = mean_and_u(readings)?;
+    let Measured { value, u } = scatter::mean(readings.iter().copied())?;
     let length = readings.len() / BLOCKS;
     if length < 2 {
         return Some(Measured { value, u });
     }
-    let blocks: Vec<f64> = readings
-        .chunks_exact(length)
-        .take(BLOCKS)
-        .map(|block| block.iter().sum::<f64>() / length as f64)
-        .collect();
-    let of_blocks = mean_and_u(&blocks).and_then(|(_, u)| u);
+    let blocks = readings.chunks_exact(length).take(BLOCKS);
+    let means = blocks.map(|block| block.iter().sum::<f64>() / length as f64);
+    let of_blocks = scatter::mean(means).and_then(|mean| mean.u);
     Some(Measured { value, u: u.zip(of_blocks).map(|(a, b)| a.max(b)) })
-}
-
-fn mean_and_u(values: &[f64]) -> Option<(f64, Option<f64>)> {
-    if values.is_empty() {
-        return None;
-    }
-    let n = values.len() as f64;
-    let mean = values.iter().sum::<f64>() / n;
-    let squares: f64 = values.iter().map(|value| (value - mean).powi(2)).sum();
-    Some((mean, (values.len() > 1).then(|| (squares / (n - 1.0) / n).sqrt())))
 }
 
 #[cfg(test)]

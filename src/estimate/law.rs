@@ -33,8 +33,6 @@ pub struct Crossing {
     pub ns: f64,
     /// By the state.
     pub by_state: State,
-    /// By the first resistor, ns/ohm.
-    pub by_first: f64,
     /// By the instant of the switch (both its ends), without a unit.
     pub by_switch: f64,
 }
@@ -52,18 +50,12 @@ impl Route {
                 let done = switch.at_ns / first;
                 by_state[node] = next;
                 by_state[R_O] = g - done + done * next / first;
-                let by_first = done * next / first;
-                Crossing {
-                    ns: d + switch.on_ns + (g - done) * next,
-                    by_state,
-                    by_first,
-                    by_switch: 1.0 - next / first,
-                }
+                Crossing { ns: d + switch.on_ns + (g - done) * next, by_state, by_switch: 1.0 - next / first }
             }
             _ => {
                 by_state[node] = first;
                 by_state[R_O] = g;
-                Crossing { ns: d + g * first, by_state, by_first: g, by_switch: 0.0 }
+                Crossing { ns: d + g * first, by_state, by_switch: 0.0 }
             }
         }
     }
@@ -119,8 +111,6 @@ mod tests {
                 let close = (found - crossing.by_state[index]).abs() < 1e-5 * (1.0 + found.abs()) + rounding;
                 prop_assert!(close, "{index}: {found} {crossing:?}");
             }
-            let by_first = slope(&|by| Route { first_ohm: first_ohm + by, switch }.crossing(&state, node).ns, first_ohm);
-            prop_assert!((by_first - crossing.by_first).abs() < 1e-5 * (1.0 + by_first.abs()));
             let by_switch = slope(&|by| {
                 let switch = switch.map(|(s, next)| (Switch { at_ns: s.at_ns + by, on_ns: s.on_ns + by, ..s }, next));
                 Route { first_ohm, switch }.crossing(&state, node).ns

@@ -11,6 +11,7 @@
 use crate::estimate::limits::{
     LEAK_EVERY, LEAK_FIRST, LEAK_HOLD, LEAK_REMEMBERED, LEAK_SHOWS, LEAK_SURPRISE,
 };
+use crate::estimate::scatter::median;
 use crate::units::Nanos;
 
 /// The held discharges so far.
@@ -44,7 +45,9 @@ impl LeakTest {
         self.siemens[self.taken % LEAK_REMEMBERED] = siemens_by(lost_ns, r_ohm);
         self.variance = siemens_by(variance.sqrt(), r_ohm).powi(2);
         self.taken += 1;
-        self.median = self.find_median();
+        // A spike is no leak, so it is not the mean.
+        let mut remembered = self.siemens;
+        self.median = median(&mut remembered[..self.taken.min(LEAK_REMEMBERED)]);
         let away = self.siemens[(self.taken - 1) % LEAK_REMEMBERED] - self.median;
         self.is_surprised = away.abs() > LEAK_SURPRISE * self.variance.sqrt();
     }
@@ -74,16 +77,6 @@ impl LeakTest {
     /// The likely leak, siemens, whether it shows or not: nobody has seen that there is none.
     pub fn likely_siemens(&self) -> f64 {
         if self.taken < LEAK_FIRST { 0.0 } else { self.median.max(0.0) }
-    }
-
-    /// A spike is no leak, so it is not the mean.
-    fn find_median(&self) -> f64 {
-        let count = self.taken.min(LEAK_REMEMBERED);
-        let mut sorted = self.siemens;
-        let sorted = &mut sorted[..count];
-        sorted.sort_unstable_by(f64::total_cmp);
-        let middle = |index: usize| sorted.get(index).copied().unwrap_or(0.0);
-        (middle(count.saturating_sub(1) / 2) + middle(count / 2)) / 2.0
     }
 }
 

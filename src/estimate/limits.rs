@@ -74,3 +74,33 @@ pub const SUDDEN: f64 = 3.0;
 pub const OPEN_LN: f64 = 0.7;
 /// Stretches that differ by a smaller share of the longer one tell no slope.
 pub const APART: f64 = 0.2;
+
+// Split calibration.
+/// The split comes after this part of node A's time through R_1: late, since the difference grows with it, and before any
+/// node crosses.
+pub const SPLIT_FRACTION: f64 = 0.9;
+/// Rounds of a split calibration of which there is a result.
+pub const FEWEST_ROUNDS: usize = 4;
+/// Switches that their scatter is the mean of, at the least and at the most.
+pub const SCATTER_OF: [f64; 2] = [8.0, 4096.0];
+
+// The tracked calibration; found with tests/accuracy, tracked.
+/// Rounds (R_1, R_2, split) from which the first state is found.
+pub const FIRST_ROUNDS: usize = 32;
+/// From so many of these rounds the filter tries to begin.
+pub const BEGINNINGS: usize = 8;
+/// One in so many of the first discharges may be rejected.
+pub const MOST_REJECTED: usize = 8;
+/// An innovation beyond so many sigma is rejected.
+pub const INNOVATION_GATE: f64 = 4.0;
+/// So many rejections in a row are a step.
+pub const REJECTED_OF_A_STEP: u32 = 3;
+/// How fast Ro walks, ohm per root second: the temperature of a board changes in minutes.
+pub const WALK_R_O: f64 = 0.02;
+/// How fast d walks, per root second, in parts of its jitter: what makes the latency jitter makes its mean wander.
+pub const WALK_D: f64 = 0.02;
+/// How slowly and how fast g may walk, relative, per root second. Never slower than a drift by 1 % in a minute takes it
+/// in a second: a walk that was learned in quiet times lags behind a drift that begins.
+pub const WALK_G: [f64; 2] = [2e-4, 2e-3];
+/// How much one innovation changes the speed of the walk.
+pub const LEARN_WALK: f64 = 0.05;

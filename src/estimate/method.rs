@@ -1,6 +1,6 @@
 //! What each method decides, one file each: its circuits, its equation, how its discharges are planned.
 //!
-//! A sixth method is a file that implements [`Rules`], a name in [`Method`] and a line in [`Method::rules`]; whoever needs an
+//! A sixth method is a file with its [`Rules`], a name in [`Method`] and a line in [`Method::rules`]; whoever needs an
 //! answer of a method asks here.
 //!
 //! Every method answers the same quantity, the **ratio**
@@ -32,43 +32,47 @@ use dual::Dual;
 use std::ops::{Add, Div, Mul, Sub};
 
 /// All that a method decides.
-pub trait Rules: Sync {
+pub struct Rules {
     /// The circuits that it works on.
-    fn circuits(&self) -> &'static [Kind];
+    pub circuits: &'static [Kind],
+    /// Whether it looks at node A alone, whatever the circuit has.
+    pub only_a: bool,
+    /// How its x discharges are switched.
+    pub switching: Switching,
+    /// Whether R_2 sinks beside the sensor from the start of an x discharge on.
+    pub sinks_beside: bool,
+    /// Whether the time limit T_L of eq. (19) is one of its settings.
+    pub has_time_limit: bool,
+    /// Its equation; `None` if a time that it needs was not seen.
+    pub ratio: fn(&Times<Dual>, Branch) -> Option<Dual>,
+    /// Which stretches of the x discharge that rests on, and whether they agree; `None` as for the ratio.
+    pub evidence: fn(&Times<Dual>, Branch, &Scale<'_>) -> Option<Evidence>,
+    /// Of the crossing that ended an x discharge and of that through R_2, ns, and the variance of either: if the x discharge
+    /// may have ended there without a sensor, too, the crossing before which it would certainly not.
+    pub certain_ns: fn(f64, f64, f64) -> Option<f64>,
+}
+
+impl Rules {
+    /// Those of most methods: full discharges through the sensor alone, to the last node of the circuit.
+    const USUAL: Rules = Rules {
+        circuits: &[Kind::TwoCapacitor],
+        only_a: false,
+        switching: Switching::Never,
+        sinks_beside: false,
+        has_time_limit: false,
+        ratio: |times, _| tcdic::ratio(times),
+        evidence: |times, _, scale| tcdic::evidence(times, scale),
+        certain_ns: |_, _, _| None,
+    };
 
     /// The node whose crossing ends its discharges.
-    fn last(&self, kind: Kind) -> Node {
-        kind.last()
-    }
-
-    /// How its x discharges are switched.
-    fn switching(&self) -> Switching;
-
-    /// Whether R_2 sinks beside the sensor from the start of an x discharge on.
-    fn sinks_beside(&self) -> bool {
-        false
-    }
-
-    /// Whether the time limit T_L of eq. (19) is one of its settings.
-    fn has_time_limit(&self) -> bool {
-        false
-    }
-
-    /// Its equation; `None` if a time that it needs was not seen.
-    fn ratio(&self, times: &Times<Dual>, branch: Branch) -> Option<Dual>;
-
-    /// Which stretches of the x discharge that rests on, and whether they agree; `None` as [`Rules::ratio`].
-    fn evidence(&self, times: &Times<Dual>, branch: Branch, scale: &Scale<'_>) -> Option<Evidence>;
-
-    /// If a discharge that ended at `crossing_ns` may have ended there without a sensor, too: the crossing before which it
-    /// would certainly not. `c2_ns`, `late_ns2`: the crossing through R_2 and its variance.
-    fn certain_ns(&self, _crossing_ns: f64, _c2_ns: f64, _late_ns2: f64) -> Option<f64> {
-        None
+    pub fn last(&self, kind: Kind) -> Node {
+        if self.only_a { Node::A } else { kind.last() }
     }
 
     /// What its x discharges start through.
-    fn sensor(&self, channel: usize) -> Through {
-        if self.sinks_beside() { Through::XWithC12(channel) } else { Through::X(channel) }
+    pub fn sensor(&self, channel: usize) -> Through {
+        if self.sinks_beside { Through::XWithC12(channel) } else { Through::X(channel) }
     }
 }
 
@@ -87,13 +91,13 @@ pub enum Switching {
 
 impl Method {
     /// All that it decides.
-    pub fn rules(self) -> &'static dyn Rules {
+    pub fn rules(self) -> &'static Rules {
         match self {
-            Method::Tpcm => &tpcm::Tpcm,
-            Method::Qerm => &qerm::Qerm,
-            Method::Tcdic => &tcdic::Tcdic,
-            Method::Cerm => &cerm::Cerm,
-            Method::Tracked => &tracked::Tracked,
+            Method::Tpcm => &tpcm::RULES,
+            Method::Qerm => &qerm::RULES,
+            Method::Tcdic => &Rules::USUAL,
+            Method::Cerm => &cerm::RULES,
+            Method::Tracked => &tracked::RULES,
         }
     }
 
@@ -108,17 +112,17 @@ impl Method {
 
     /// Those that work on a circuit.
     pub fn on(kind: Kind) -> impl Iterator<Item = Method> {
-        Method::ALL.into_iter().filter(move |method| method.rules().circuits().contains(&kind))
+        Method::ALL.into_iter().filter(move |method| method.rules().circuits.contains(&kind))
     }
 
     /// Whether its calibration is always tracked.
     pub fn is_tracked(self) -> bool {
-        self.rules().switching() == Switching::WhereBest
+        self.rules().switching == Switching::WhereBest
     }
 
     /// Whether its equation contains the latency offset.
     pub fn needs_offset(self) -> bool {
-        self.rules().switching() == Switching::AtFraction
+        self.rules().switching == Switching::AtFraction
     }
 }
 

@@ -16,6 +16,9 @@ mod gate;
 use crate::estimate::limits::{
     BEYOND_NOISE, NOISE_MEMORY, NOISE_WARM_UP, OUTLIERS_OF_A_STEP, PROPORTIONAL_SHOWS, SHARED_VARIANCE,
 };
+use crate::estimate::scatter::{MEDIAN_DEVIATION, median};
+use crate::reading::Fault;
+use crate::record::CalibrationKind;
 pub use gate::Gate;
 
 /// Covariance of the crossings of A and B in one discharge, ns².
@@ -60,7 +63,8 @@ impl Covariance {
         Covariance { aa: self.aa.max(variance), bb: self.bb.max(variance), ab: self.ab }
     }
 
-    fn add_outer(&mut self, d: [f64; 2]) {
+    /// Adds what a common cause does, which moves the crossings by `d`.
+    pub fn add_outer(&mut self, d: [f64; 2]) {
         self.aa += d[0] * d[0];
         self.bb += d[1] * d[1];
         self.ab += d[0] * d[1];
@@ -69,15 +73,6 @@ impl Covariance {
     fn scaled(&self, by: f64) -> Covariance {
         Covariance { aa: self.aa * by, bb: self.bb * by, ab: self.ab * by }
     }
-}
-
-/// What a new calibration discharge is, compared with the ones before it.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Judgement {
-    /// In the family.
-    Regular,
-    /// Too far from the others: a latency spike. Its times have not been used.
-    Outlier,
 }
 
 /// The spread of the crossings of one calibration resistor.
@@ -109,7 +104,7 @@ impl Spread {
         outliers_in_row: 0,
     };
 
-    fn add(&mut self, times: [f64; 2], expected: [f64; 2], quantisation: f64) -> Judgement {
+    fn add(&mut self, times: [f64; 2], expected: [f64; 2], quantisation: f64) -> Result<(), Fault> {
         let away = [times[0] - expected[0], times[1] - expected[1]];
         if self.seen < NOISE_WARM_UP {
             self.warm_up[self.seen] = away;
@@ -117,13 +112,13 @@ impl Spread {
             if self.seen == NOISE_WARM_UP {
                 self.begin();
             }
-            return Judgement::Regular;
+            return Ok(());
         }
         let sigmas = self.sigmas(away, quantisation);
         if !self.gate.admits(sigmas) {
             self.outliers_in_row += 1;
             if self.outliers_in_row < OUTLIERS_OF_A_STEP {
-                return Judgement::Outlier;
+                return Err(Fault::LatencyOutlier);
             }
             self.mean = away;
             self.last = away;
@@ -141,7 +136,7 @@ impl Spread {
             self.mean[node] += (away - self.mean[node]) / NOISE_WARM_UP as f64;
         }
         self.last = away;
-        Judgement::Regular
+        Ok(())
     }
 
     /// From now on something else is expected, namely what comes.
@@ -157,9 +152,7 @@ impl Spread {
             for (step, pair) in steps.iter_mut().zip(self.warm_up.windows(2)) {
                 *step = (pair[1][node] - pair[0][node]).abs();
             }
-            steps.sort_by(f64::total_cmp);
-            // The median absolute deviation of a normal distribution is 0.6745 sigma.
-            *limit = BEYOND_NOISE * (steps[NOISE_WARM_UP / 2 - 1] / 0.6745).max(1.0);
+            *limit = BEYOND_NOISE * (median(&mut steps) / MEDIAN_DEVIATION).max(1.0);
         }
         for pair in self.warm_up.windows(2) {
             let step = [pair[1][0] - pair[0][0], pair[1][1] - pair[0][1]];
@@ -169,9 +162,7 @@ impl Spread {
             }
         }
         for node in 0..2 {
-            let mut times = self.warm_up.map(|pair| pair[node]);
-            times.sort_by(f64::total_cmp);
-            self.mean[node] = (times[NOISE_WARM_UP / 2 - 1] + times[NOISE_WARM_UP / 2]) / 2.0;
+            self.mean[node] = median(&mut self.warm_up.map(|pair| pair[node]));
             self.last[node] = self.mean[node];
         }
         self.time = self.mean;
@@ -218,8 +209,6 @@ struct Learned {
     shared: Shared,
     /// The greatest correlation of two crossings.
     correlated: f64,
-    /// Degrees of freedom of the lesser known variance.
-    freedom: f64,
 }
 
 impl Noise {
@@ -230,19 +219,20 @@ impl Noise {
         Noise { c1: Spread::NEW, c2: Spread::NEW, quantisation, learned: None }
     }
 
-    /// Takes the crossings of a discharge through the lower calibration resistor, ns. `expected`: what is known to
+    /// Takes the crossings of a calibration discharge, ns; those of a split one tell nothing. `expected`: what is known to
     /// change in them; only the rest is looked at.
-    pub fn add_c1(&mut self, times: [f64; 2], expected: [f64; 2]) -> Judgement {
-        let judgement = self.c1.add(times, expected, self.quantisation);
+    ///
+    /// # Errors
+    /// [`Fault::LatencyOutlier`] if they are too far from the others: a spike, which has not been used.
+    pub fn add(&mut self, kind: CalibrationKind, times: [f64; 2], expected: [f64; 2]) -> Result<(), Fault> {
+        let spread = match kind {
+            CalibrationKind::First => &mut self.c1,
+            CalibrationKind::Second => &mut self.c2,
+            CalibrationKind::Split => return Ok(()),
+        };
+        let judged = spread.add(times, expected, self.quantisation);
         self.learn();
-        judgement
-    }
-
-    /// The same for the higher one.
-    pub fn add_c2(&mut self, times: [f64; 2], expected: [f64; 2]) -> Judgement {
-        let judgement = self.c2.add(times, expected, self.quantisation);
-        self.learn();
-        judgement
+        judged
     }
 
     /// From now on, `expected` is what the crossings are on average.
@@ -262,19 +252,12 @@ impl Noise {
             shared: Shared::through([(self.c1.time, v1), (self.c2.time, v2)], freedom),
             // Too much would make a combination of two crossings look exact: it takes many discharges to believe that.
             correlated: 1.0 - 1.0 / freedom.sqrt(),
-            freedom,
         });
     }
 
     /// Whether enough discharges have been seen.
     pub fn is_known(&self) -> bool {
         self.learned.is_some()
-    }
-
-    /// By how much the variance of a mean of both nodes is greater than it seems when they are weighted by what has been learned:
-    /// the weights follow chance (least squares with a covariance of so many degrees of freedom, to the first order).
-    pub fn of_learned_weights(&self) -> f64 {
-        self.learned.map_or(1.0, |learned| 1.0 + 2.0 / learned.freedom)
     }
 
     /// The covariance of the crossings of a discharge whose nodes cross at `times` ns; `None` until known.
@@ -284,7 +267,7 @@ impl Noise {
 
     /// The same for several discharges.
     pub fn covariances<const N: usize>(&self, discharges: [[f64; 2]; N]) -> Option<[Covariance; N]> {
-        let Learned { nodes: [law_a, law_b], shared, correlated, .. } = self.learned?;
+        let Learned { nodes: [law_a, law_b], shared, correlated } = self.learned?;
         Some(discharges.map(|[a_ns, b_ns]| {
             let (aa, bb) = (law_a.at(a_ns), law_b.at(b_ns));
             let most = if shared.proportional > 0.0 {

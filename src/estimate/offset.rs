@@ -1,7 +1,5 @@
 //! The latency offset d and the pins' resistance Ro, by split calibration.
 //!
-//! For: finding d from discharges of the two calibration resistors alone. Must not know: the sensor, the method.
-//!
 //! One round is three discharges: R_1 in full, R_2 in full, and a split one that runs through R_1 for the time s and
 //! then through R_2 for the time c until a node crosses. The progress g of a node is the same in all of them, and d
 //! cancels in D = T_c2 - c (both are crossings), so
@@ -17,11 +15,11 @@
 //! spoilt are left out. What the scatter does not show is an error of s that is the same each time: the line that starts
 //! the discharge is sunk, the one that ends s is released ([`UNLIKE_CALLS`], type B).
 
+use crate::estimate::limits::{BEYOND_NOISE, FEWEST_ROUNDS};
 use crate::estimate::noise::{Covariance, Noise};
-use crate::estimate::scatter::SwitchScatter;
+use crate::estimate::scatter::{MEDIAN_DEVIATION, SwitchScatter, mean, median};
+use crate::reading::Measured;
 use crate::record::{Record, UNLIKE_CALLS};
-
-pub use crate::record::LONGEST_LATENCY as LONGEST;
 
 /// What the split calibration found; each uncertainty is 1 sigma.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -82,10 +80,6 @@ pub struct SplitCalibration {
 }
 
 impl SplitCalibration {
-    /// The split comes after this part of node A's time through R_1: late, since D grows with it, and before any node
-    /// crosses.
-    pub const FRACTION: f64 = 0.9;
-
     /// For calibration resistors `r1_ohm` < `r2_ohm` and a circuit with one or two nodes; remembers `window` rounds.
     pub fn new(r1_ohm: f64, r2_ohm: f64, nodes: usize, window: usize) -> SplitCalibration {
         let (rounds, scratch) = (Vec::with_capacity(window), Vec::with_capacity(window));
@@ -119,7 +113,7 @@ impl SplitCalibration {
 
     fn round(&self, c1: [f64; 2], c2: [f64; 2], split: &Record, noise: &Noise) -> Option<Round> {
         let switch = split.switch?;
-        let crossings = [split.a_ns?, if self.nodes == 2 { split.b_ns? } else { 0.0 }];
+        let crossings = split.complete(self.nodes)?;
         let covariance = noise.covariance(c2);
         let weights = self.weights(covariance);
         let weighted =
@@ -150,26 +144,29 @@ impl SplitCalibration {
     /// The scatter of switch instants is what remains of the scatter of D, given s, when the noise of its crossings is
     /// taken away, and as much more as that cannot tell.
     pub fn result(&mut self) -> Option<Offset> {
-        if self.rounds.len() < 4 {
+        if self.rounds.len() < FEWEST_ROUNDS {
             return None;
         }
         self.scratch.clear();
         self.scratch.extend(self.rounds.iter().map(|round| round.d_ns));
-        let (middle, limit) = median_and_limit(&mut self.scratch);
+        let middle = median(&mut self.scratch);
+        self.scratch.iter_mut().for_each(|d_ns| *d_ns = (*d_ns - middle).abs());
+        let limit = BEYOND_NOISE * median(&mut self.scratch) / MEDIAN_DEVIATION;
         let kept = self.rounds.iter().filter(|round| (round.d_ns - middle).abs() <= limit);
-        let mean = |of: fn(&Round) -> f64| mean_and_uncertainty(kept.clone().map(of));
-        let (d, r_o) = (mean(|round| round.d_ns)?, mean(|round| round.r_o_ohm)?);
-        let (s, difference_ns) = (mean(|round| round.s_ns)?.0, mean(|round| round.difference_ns)?.0);
+        let mean_of =
+            |of: fn(&Round) -> f64| mean(kept.clone().map(of)).and_then(|mean| Some((mean.value, mean.u?)));
+        let (d, r_o) = (mean_of(|round| round.d_ns)?, mean_of(|round| round.r_o_ohm)?);
+        let (s, difference_ns) = (mean_of(|round| round.s_ns)?.0, mean_of(|round| round.difference_ns)?.0);
         let r_o_by_switch = difference_ns * (self.r2_ohm - self.r1_ohm) / (difference_ns - s).powi(2);
-        let by_switch = -mean(|round| round.g)?.0 * r_o_by_switch;
-        let u_common_ns = UNLIKE_CALLS * mean(|round| round.u_switch_ns)?.0;
+        let by_switch = -mean_of(|round| round.g)?.0 * r_o_by_switch;
+        let u_common_ns = UNLIKE_CALLS * mean_of(|round| round.u_switch_ns)?.0;
 
         let slope = (self.r2_ohm + r_o.0) / (self.r1_ohm + r_o.0);
         let known =
             kept.filter_map(|round| Some((round.difference_ns - slope * round.s_ns, round.variance?)));
         let mut scatter = SwitchScatter::default();
-        if let Some((mean, _)) = mean_and_uncertainty(known.clone().map(|(misfit, _)| misfit)) {
-            known.for_each(|(misfit, variance)| scatter.add(misfit - mean, variance, slope));
+        if let Some(Measured { value, .. }) = mean(known.clone().map(|(misfit, _)| misfit)) {
+            known.for_each(|(misfit, variance)| scatter.add(misfit - value, variance, slope));
         }
         Some(Offset {
             d_ns: d.0,
@@ -179,28 +176,4 @@ impl SplitCalibration {
             by_switch,
         })
     }
-}
-
-/// The median, and five sigma as told by the median absolute deviation. Leaves the deviations in `values`.
-fn median_and_limit(values: &mut [f64]) -> (f64, f64) {
-    let middle = median(values);
-    values.iter_mut().for_each(|value| *value = (*value - middle).abs());
-    (middle, 5.0 * median(values) / 0.6745)
-}
-
-fn median(values: &mut [f64]) -> f64 {
-    let is_odd = values.len() % 2 == 1;
-    let (below, middle, _) = values.select_nth_unstable_by(values.len() / 2, f64::total_cmp);
-    let before = if is_odd { *middle } else { below.iter().copied().fold(f64::MIN, f64::max) };
-    (before + *middle) / 2.0
-}
-
-fn mean_and_uncertainty(values: impl Iterator<Item = f64> + Clone) -> Option<(f64, f64)> {
-    let count = values.clone().count() as f64;
-    if count < 2.0 {
-        return None;
-    }
-    let mean = values.clone().sum::<f64>() / count;
-    let square = values.map(|value| (value - mean).powi(2)).sum::<f64>() / (count - 1.0);
-    Some((mean, (square / count).sqrt()))
 }

@@ -1,45 +1,25 @@
 //! The calibration followed while measuring: g_A, g_B, Ro and d in a small Kalman filter.
 //!
-//! For: what is known of the state, how well, and which calibration discharge would teach most. Must not know: the
-//! sensor, the order of discharges, or the method.
-//!
 //! The state walks at random (process noise per root second) and is observed by plain and split calibration discharges
 //! through the [law](crate::estimate::law). Innovations beyond the gate are rejected and counted; several in a row are a step, and
 //! everything is found again from the beginning. The noise of crossings is learned from the calibration discharges themselves
 //! ([`Noise`]); how fast g drifts is learned from the innovations: their normalised square is 1 on average when the walk is
 //! as fast as the state.
 
-use crate::estimate::law::{D, R_O, Route, State};
-use crate::estimate::noise::{Covariance, Judgement, Noise};
-use crate::estimate::offset::SplitCalibration;
-use crate::reading::Fault;
-use crate::record::{CalibrationKind, Record, Through};
-use crate::units::Nanos;
-
-mod gain;
-
+use crate::estimate::law::{Crossing, D, R_O, Route, State};
+use crate::estimate::limits::{
+    BEGINNINGS, FIRST_ROUNDS, INNOVATION_GATE, LEARN_WALK, MOST_REJECTED, REJECTED_OF_A_STEP, SPLIT_FRACTION,
+    WALK_D, WALK_G, WALK_R_O,
+};
+use crate::estimate::noise::{Covariance, Noise};
+use crate::estimate::offset::{Offset, SplitCalibration};
 use crate::estimate::scatter::SwitchScatter;
+use crate::reading::Fault;
+use crate::record::{CalibrationKind, Record, Switch, Through};
+use crate::units::Nanos;
 use gain::Gain;
 
-/// Rounds (R_1, R_2, split) from which the first state is found.
-pub const FIRST_ROUNDS: usize = 32;
-/// From so many of these rounds the filter tries to begin.
-const BEGINNINGS: usize = 8;
-/// One in so many of the first discharges may be rejected.
-const MOST_REJECTED: usize = 8;
-/// An innovation beyond so many sigma is rejected.
-const GATE: f64 = 4.0;
-/// So many rejections in a row are a step.
-const STEP: u32 = 3;
-/// How fast Ro walks, ohm per root second: the temperature of a board changes in minutes.
-const WALK_R_O: f64 = 0.02;
-/// How fast d walks, per root second, in parts of its jitter: what makes the latency jitter makes its mean wander.
-const WALK_D: f64 = 0.02;
-/// How slowly and how fast g may walk, relative, per root second. Never slower than a drift by 1 % in a minute takes it
-/// in a second: a walk that was learned in quiet times lags behind a drift that begins.
-const WALK_G: [f64; 2] = [2e-4, 2e-3];
-/// How much one innovation changes the speed of the walk.
-const LEARN: f64 = 0.05;
+mod gain;
 
 /// A symmetric 4 x 4 covariance.
 pub type Matrix = [[f64; 4]; 4];
@@ -154,11 +134,6 @@ impl Tracker {
         self.rejected_in_row > 0
     }
 
-    /// An upper bound of the scatter of a switch's instant, ns; `None` until there is one.
-    pub fn switch_ns(&self) -> Option<f64> {
-        self.scatter.bound_ns()
-    }
-
     /// Uncertainty of a switch's instant, ns: what has been learned of it, at most what the calls' duration says.
     pub fn u_switch_ns(&self, bracket_ns: f64) -> f64 {
         self.scatter.bound_ns().map_or(bracket_ns, |bound| bound.min(bracket_ns))
@@ -170,15 +145,12 @@ impl Tracker {
     /// [`Fault::NoCalibration`] if a crossing is missing, [`Fault::LatencyOutlier`] if it is rejected,
     /// [`Fault::CalibrationStep`] if it is the one after which the filter opens again.
     pub fn add(&mut self, record: &Record) -> Result<(), Fault> {
-        let kind = kind_of(record).ok_or(Fault::NoCalibration)?;
-        let times = self.times(record).ok_or(Fault::NoCalibration)?;
+        let kind = record.calibration_kind().ok_or(Fault::NoCalibration)?;
+        let times = record.complete(self.nodes).ok_or(Fault::NoCalibration)?;
         if self.ready {
             return self.update(kind, record, times);
         }
-        let judgement = self.learn_noise(kind, times, [0.0; 2]);
-        if judgement == Judgement::Outlier {
-            return Err(Fault::LatencyOutlier);
-        }
+        self.noise.add(kind, times, [0.0; 2])?;
         self.round[kind as usize] = Some(*record);
         if let [Some(first), Some(second), Some(split)] = self.round {
             self.round = [None; 3];
@@ -190,18 +162,6 @@ impl Tracker {
         Ok(())
     }
 
-    fn times(&self, record: &Record) -> Option<[f64; 2]> {
-        Some([record.a_ns?, if self.nodes == 2 { record.b_ns? } else { 0.0 }])
-    }
-
-    fn learn_noise(&mut self, kind: CalibrationKind, times: [f64; 2], expected: [f64; 2]) -> Judgement {
-        match kind {
-            CalibrationKind::First => self.noise.add_c1(times, expected),
-            CalibrationKind::Second => self.noise.add_c2(times, expected),
-            CalibrationKind::Split => Judgement::Regular,
-        }
-    }
-
     /// The first state by closed form from the mean of the first rounds; its covariance by letting the filter see them
     /// all, starting from almost no knowledge.
     fn begin(&mut self) {
@@ -209,7 +169,9 @@ impl Tracker {
         let rounds = std::mem::take(&mut self.rounds);
         let mut slope = [0.0; 2];
         for [first, second, split] in &rounds {
-            let (Some(c1), Some(c2)) = (self.times(first), self.times(second)) else { continue };
+            let (Some(c1), Some(c2)) = (first.complete(self.nodes), second.complete(self.nodes)) else {
+                continue;
+            };
             self.split.add(c1, c2, split, &self.noise);
             for node in 0..2 {
                 slope[node] += (c2[node] - c1[node]) / (r2 - r1) / rounds.len() as f64;
@@ -238,7 +200,7 @@ impl Tracker {
         for record in rounds.iter().flatten() {
             self.advance(record.start);
             // One that the gate rejects is one less.
-            let used = self.times(record).and_then(|times| self.correct(record, times));
+            let used = record.complete(self.nodes).and_then(|times| self.correct(record, times));
             rejected += usize::from(used.is_none());
         }
         rejected * MOST_REJECTED <= 3 * rounds.len()
@@ -258,8 +220,10 @@ impl Tracker {
         let route = self.route(record).ok_or(Fault::NoCalibration)?;
         let expected = [0, 1].map(|node| route.crossing(&self.state, node).ns);
         if let Some(normalised) = self.correct(record, times) {
-            self.learn_noise(kind, times, expected);
-            let faster = (LEARN * (normalised / self.nodes as f64 - 1.0)).clamp(-LEARN, 4.0 * LEARN);
+            // What the filter takes is no spike, whatever the spread says.
+            let _ = self.noise.add(kind, times, expected);
+            let faster =
+                (LEARN_WALK * (normalised / self.nodes as f64 - 1.0)).clamp(-LEARN_WALK, 4.0 * LEARN_WALK);
             self.walk_g = (self.walk_g * faster.exp()).clamp(WALK_G[0], WALK_G[1]);
             self.rejected_in_row = 0;
             self.counts.used += 1;
@@ -267,7 +231,7 @@ impl Tracker {
         }
         self.counts.rejected += 1;
         self.rejected_in_row += 1;
-        if self.rejected_in_row < STEP {
+        if self.rejected_in_row < REJECTED_OF_A_STEP {
             return Err(Fault::LatencyOutlier);
         }
         self.begin_anew();
@@ -298,16 +262,15 @@ impl Tracker {
 
     /// The resistors of a calibration discharge.
     fn route(&self, record: &Record) -> Option<Route> {
-        let ohm = |through| match through {
-            Through::C1 => Some(self.r_ohm[0]),
-            Through::C2 | Through::C12 => Some(self.r_ohm[1]),
-            Through::X(_) | Through::XWithC12(_) => None,
-        };
-        let switch = match record.switch {
-            Some(switch) => Some((switch, ohm(switch.to)?)),
-            None => None,
-        };
-        Some(Route { first_ohm: ohm(record.through)?, switch })
+        let kind = record.calibration_kind()?;
+        Some(Route {
+            first_ohm: self.first_ohm(kind),
+            switch: record.switch.map(|switch| (switch, self.r_ohm[1])),
+        })
+    }
+
+    fn first_ohm(&self, kind: CalibrationKind) -> f64 {
+        self.r_ohm[usize::from(kind == CalibrationKind::Second)]
     }
 
     /// Which nodes there are.
@@ -320,9 +283,7 @@ impl Tracker {
         let mut noise = self.noise.covariance(route.late_ns(&self.state))?;
         let u_switch = self.u_switch_ns(u_switch_ns);
         let by = [0, 1].map(|node| route.crossing(&self.state, node).by_switch * u_switch);
-        noise.aa += by[0] * by[0];
-        noise.bb += by[1] * by[1];
-        noise.ab += by[0] * by[1];
+        noise.add_outer(by);
         Some(noise)
     }
 
@@ -339,7 +300,7 @@ impl Tracker {
             self.seen(),
         )?;
         let normalised = gain.normalised(innovation);
-        if normalised > GATE * GATE * self.nodes as f64 {
+        if normalised > INNOVATION_GATE * INNOVATION_GATE * self.nodes as f64 {
             return None;
         }
         if rows[0].by_switch != 0.0 {
@@ -364,50 +325,26 @@ impl Tracker {
 
     /// What a calibration discharge of this kind runs through.
     pub fn planned(&self, kind: CalibrationKind) -> Route {
-        let [r1, r2] = self.r_ohm;
-        let at_ns = SplitCalibration::FRACTION * self.state[0] * (r1 + self.state[R_O]);
-        match kind {
-            CalibrationKind::First => Route { first_ohm: r1, switch: None },
-            CalibrationKind::Second => Route { first_ohm: r2, switch: None },
-            CalibrationKind::Split => {
-                let switch = crate::record::Switch { at_ns, on_ns: at_ns, to: Through::C2 };
-                Route { first_ohm: r1, switch: Some((switch, r2)) }
-            }
-        }
+        let at_ns = SPLIT_FRACTION * self.state[0] * (self.r_ohm[0] + self.state[R_O]);
+        let switch = Switch { at_ns, on_ns: at_ns, to: Through::C2 };
+        let switch = (kind == CalibrationKind::Split).then_some((switch, self.r_ohm[1]));
+        Route { first_ohm: self.first_ohm(kind), switch }
     }
 
     /// The crossings of the calibration discharges as they would be now, and their derivatives by the state.
-    pub fn calibration(&self) -> [[crate::estimate::law::Crossing; 2]; 2] {
+    pub fn calibration(&self) -> [[Crossing; 2]; 2] {
         self.r_ohm.map(|first_ohm| {
             let route = Route { first_ohm, switch: None };
             [0, 1].map(|node| route.crossing(&self.state, node))
         })
     }
 
-    /// How fast g walks now, relative, per root second.
-    pub fn walk_g(&self) -> f64 {
-        self.walk_g
-    }
-
-    /// d and its uncertainty, ns.
-    pub fn d_ns(&self) -> (f64, f64) {
-        (self.state[D], self.covariance[D][D].sqrt())
-    }
-
-    /// Ro and its uncertainty, ohm.
-    pub fn r_o_ohm(&self) -> (f64, f64) {
-        (self.state[R_O], self.covariance[R_O][R_O].sqrt())
-    }
-}
-
-fn kind_of(record: &Record) -> Option<CalibrationKind> {
-    match (record.through, record.switch) {
-        (Through::C1, None) => Some(CalibrationKind::First),
-        (Through::C2 | Through::C12, None) => Some(CalibrationKind::Second),
-        (Through::C1, Some(switch)) if matches!(switch.to, Through::C2 | Through::C12) => {
-            Some(CalibrationKind::Split)
-        }
-        _ => None,
+    /// d and Ro, and what has been learned of switches.
+    pub fn offset(&self) -> Offset {
+        let known = |index: usize| (self.state[index], self.covariance[index][index].sqrt());
+        let (d_ns, u_d_ns) = known(D);
+        let (r_o_ohm, switch_ns) = (Some(known(R_O)), self.scatter.bound_ns());
+        Offset { d_ns, u_d_ns, r_o_ohm, switch_ns, ..Offset::default() }
     }
 }
 

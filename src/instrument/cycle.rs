@@ -23,7 +23,7 @@ use crate::instrument::discharge::{Outcome, Plan};
 use crate::instrument::limits::{
     CALIBRATIONS_PER_CYCLE, FOLLOW_EVERY, MOST_CALIBRATIONS, MOST_OF_SENSOR, RETRIES, ROUNDS, WINDOW,
 };
-use crate::instrument::settings::{OffsetSource, Settings};
+use crate::instrument::settings::Settings;
 use crate::instrument::stats::Stats;
 use crate::reading::{Branch, Fault, Reading, Status};
 use crate::record::CalibrationKind;
@@ -87,14 +87,13 @@ impl Cycle {
     /// A cycle that has learned nothing yet.
     pub fn new(settings: Settings) -> Cycle {
         let ([r1, r2], nodes, method) = (settings.r_ohm(), settings.nodes(), settings.method);
-        let (estimator, split) = match settings.offset {
-            _ if settings.tracked => (Estimator::tracked(method, r1, r2, nodes), None),
-            OffsetSource::Given(d_ns) => (Estimator::new(method, r1, r2, nodes, Offset::given(d_ns)), None),
-            OffsetSource::Auto => (
-                Estimator::new(method, r1, r2, nodes, Offset::default()),
-                Some(SplitCalibration::new(r1, r2, nodes, WINDOW)),
-            ),
+        let estimator = if settings.tracked {
+            Estimator::tracked(method, r1, r2, nodes)
+        } else {
+            Estimator::new(method, r1, r2, nodes, Offset::given(settings.offset_ns.unwrap_or(0.0)))
         };
+        let finds_offset = !settings.tracked && settings.offset_ns.is_none();
+        let split = finds_offset.then(|| SplitCalibration::new(r1, r2, nodes, WINDOW));
         Cycle {
             estimator: estimator.with_resolution(settings.resolution.as_ns()),
             split,

@@ -70,11 +70,6 @@ impl<P: Pins> Instrument<P> {
         &self.cycle
     }
 
-    /// Gives the pins back.
-    pub fn into_pins(self) -> P {
-        self.pins
-    }
-
     /// Does the next thing: sleeps towards the next cycle, takes one discharge, or reports a reading.
     ///
     /// # Errors

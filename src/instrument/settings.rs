@@ -62,8 +62,8 @@ pub struct Settings {
     pub deadline: Nanos,
     /// From the start of one cycle to the next; `None`: at once.
     pub period: Option<Nanos>,
-    /// The latency offset, where the calibration is not tracked.
-    pub offset: OffsetSource,
+    /// The latency offset, ns, where the calibration is not tracked; `None`: found by split calibration.
+    pub offset_ns: Option<f64>,
     /// Period of the clock that stamps crossings.
     pub resolution: Nanos,
     /// The calibration is followed over many readings instead of taken anew for each.

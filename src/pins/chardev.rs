@@ -13,11 +13,10 @@ use self::chips::Chip;
 use self::edges::EdgeBuffer;
 use self::error::as_io;
 use self::held::{HeldChip, SENSE_LINES};
-use self::request::{Switching, charging, drive_request, inputs, released, sense_request, watching};
-use self::wait::monotonic;
+use self::request::{charging, drive_request, inputs, released, sense_request, switching, watching};
 use self::wiring::{Lines, titles};
 use super::limits::MOST_STALE_READS;
-use super::{Armed, Bracket, Drives, Edge, Levels, Particulars, Pins, PinsError};
+use super::{Armed, Bracket, Drives, Edge, Levels, Particulars, Pins, PinsError, monotonic};
 use crate::units::Nanos;
 use gpiocdev_uapi::v2::{self, LineConfig, LineValues};
 use nix::fcntl::{FcntlArg, OFlag, fcntl};
@@ -32,11 +31,11 @@ pub(super) mod held;
 mod names;
 pub(super) mod release;
 mod request;
-pub(super) mod wait;
+mod wait;
 pub(super) mod wiring;
 
 pub use chips::{ChipListing, LineListing, Listing, list};
-pub use error::{Cause, ChardevError, ChipTitles, Holder, Instead};
+pub use error::{Cause, ChardevError, Holder};
 pub use release::release_lines;
 pub use wiring::Wiring;
 
@@ -72,7 +71,7 @@ impl Chardev {
         let drive_titles = titles(lines.drives.iter().map(|drive| &drive.line));
         let drive_file = get_line(drive_request(&lines, &wiring.consumer), drive_titles)?;
         let sense_titles = titles(&lines.sense);
-        let sense_file = get_line(sense_request(&lines, wiring), sense_titles.clone())?;
+        let sense_file = get_line(sense_request(&lines, &wiring.consumer), sense_titles.clone())?;
         fcntl(&sense_file, FcntlArg::F_SETFL(OFlag::O_NONBLOCK))
             .map_err(|errno| chip.refusal("F_SETFL", sense_titles, &[], errno.into()))?;
         Ok(Chardev {
@@ -111,8 +110,8 @@ impl Chardev {
         if !charge.contains(charged) {
             self.configure_sense(charging(charged.only(charge)))?;
         }
-        for values in Switching::plan(&self.lines, from, to).calls() {
-            self.set_values(values)?;
+        for values in switching(&self.lines, from, to) {
+            self.set_values(&values)?;
         }
         if !charged.contains(charge) {
             self.configure_sense(charging(charge))?;
@@ -187,13 +186,13 @@ impl Pins for Chardev {
             reads += 1;
         }
         self.edges.forget();
-        let (seqno, line_seqno) = self.edges.last_numbers();
+        let EdgeBuffer { seqno, line_seqno, .. } = self.edges;
         Ok(Armed { levels: self.levels()?, seqno, line_seqno })
     }
 
     fn edge(&mut self, until: Nanos) -> Result<Option<Edge>, PinsError> {
         loop {
-            if let Some(edge) = self.edges.take(&self.lines) {
+            if let Some(edge) = self.edges.take() {
                 return Ok(Some(edge));
             }
             // Before the look: an edge of the last moment counts.

@@ -17,10 +17,9 @@ use super::chardev::error::{Cause, ChardevError};
 use super::chardev::held::HeldChip;
 use super::chardev::release::each_line;
 use super::chardev::to_be_driven;
-use super::chardev::wait::monotonic;
 use super::chardev::wiring::{DriveLine, WiredLine, Wiring};
 use super::limits::MOST_STALE_EDGES;
-use super::{Armed, Bracket, Drives, Edge, Levels, Node, Particulars, Pins, PinsError};
+use super::{Armed, Bracket, Drives, Edge, Levels, Node, Particulars, Pins, PinsError, monotonic};
 use crate::units::Nanos;
 use gpio_cdev::{EventRequestFlags, LineHandle, LineRequestFlags};
 use linux_embedded_hal::CdevPin;
@@ -79,7 +78,7 @@ impl ChardevV1 {
         blind_spots.extend((stamped_by == ClockId::CLOCK_REALTIME).then_some(WALL_CLOCK));
         Ok(ChardevV1 {
             chip: HeldChip::new(chip.title()),
-            wired: switches.wired(),
+            wired: lines.wired(),
             switches,
             sense,
             seqno: 0,
@@ -87,25 +86,19 @@ impl ChardevV1 {
         })
     }
 
-    /// The sense line whose next edge is the earliest that is there.
-    fn earliest(&mut self) -> Result<Option<usize>, PinsError> {
-        let mut earliest: Option<(usize, Nanos)> = None;
-        for (index, line) in self.sense.iter_mut().enumerate() {
+    /// Takes the earliest edge that is there.
+    fn next(&mut self) -> Result<Option<Edge>, PinsError> {
+        let mut earliest: Option<(Nanos, &mut SenseLine)> = None;
+        for line in &mut self.sense {
             let at = line.peek().map_err(|error| self.chip.failed("read", &line.title, error))?;
-            earliest = match (earliest, at) {
-                (Some((_, first)), Some(at)) if at >= first => earliest,
-                (_, Some(at)) => Some((index, at)),
-                (_, None) => earliest,
-            };
+            if let Some(at) = at.filter(|at| earliest.as_ref().is_none_or(|(first, _)| at < first)) {
+                earliest = Some((at, line));
+            }
         }
-        Ok(earliest.map(|(index, _)| index))
-    }
-
-    fn take(&mut self, index: usize) -> Option<Edge> {
-        let line = self.sense.get_mut(index)?;
-        let at = line.take()?;
+        let Some((at, line)) = earliest else { return Ok(None) };
+        line.take();
         self.seqno = self.seqno.wrapping_add(1);
-        Some(Edge { node: line.node, at, seqno: self.seqno, line_seqno: line.line_seqno })
+        Ok(Some(Edge { node: line.node, at, seqno: self.seqno, line_seqno: line.line_seqno }))
     }
 
     fn poll(&self, until: Nanos) -> Result<(), PinsError> {
@@ -138,8 +131,9 @@ impl Pins for ChardevV1 {
     fn arm(&mut self) -> Result<Armed, PinsError> {
         // Not for ever: on a line that catches a radio, edges may come faster than they are read.
         for _ in 0..MOST_STALE_EDGES {
-            let Some(index) = self.earliest()? else { break };
-            self.take(index);
+            if self.next()?.is_none() {
+                break;
+            }
         }
         let mut line_seqno = [0; 2];
         for line in &self.sense {
@@ -150,8 +144,8 @@ impl Pins for ChardevV1 {
 
     fn edge(&mut self, until: Nanos) -> Result<Option<Edge>, PinsError> {
         loop {
-            if let Some(index) = self.earliest()? {
-                return Ok(self.take(index));
+            if let Some(edge) = self.next()? {
+                return Ok(Some(edge));
             }
             if monotonic() >= until {
                 return Ok(None);

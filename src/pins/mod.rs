@@ -47,6 +47,8 @@
 
 use crate::circuit::Node;
 use crate::units::Nanos;
+use nix::sys::time::TimeValLike;
+use nix::time::{ClockId, clock_gettime};
 use std::fmt;
 
 pub mod chardev;
@@ -199,6 +201,16 @@ pub struct Edge {
     pub line_seqno: u32,
 }
 
+/// `CLOCK_MONOTONIC` now; through the vDSO, without entering the kernel.
+pub fn monotonic() -> Nanos {
+    clock(ClockId::CLOCK_MONOTONIC)
+}
+
+/// Reads a clock. One that Linux always has: it cannot fail.
+pub(crate) fn clock(id: ClockId) -> Nanos {
+    clock_gettime(id).map_or(Nanos::ZERO, |time| Nanos(time.num_nanoseconds()))
+}
+
 /// The later of two numbers that wrap.
 pub(crate) fn later(seqno: u32, other: u32) -> u32 {
     if other.wrapping_sub(seqno) as i32 > 0 { other } else { seqno }
@@ -304,34 +316,4 @@ pub trait Pins {
 
     /// What the backend knows about itself.
     fn particulars(&self) -> Particulars<'_>;
-}
-
-impl<P: Pins + ?Sized> Pins for Box<P> {
-    fn now(&mut self) -> Nanos {
-        (**self).now()
-    }
-    fn drive(&mut self, on: Drives) -> Result<Bracket, PinsError> {
-        (**self).drive(on)
-    }
-    fn arm(&mut self) -> Result<Armed, PinsError> {
-        (**self).arm()
-    }
-    fn edge(&mut self, until: Nanos) -> Result<Option<Edge>, PinsError> {
-        (**self).edge(until)
-    }
-    fn sleep_until(&mut self, at: Nanos) -> Result<(), PinsError> {
-        (**self).sleep_until(at)
-    }
-    fn rest_until(&mut self, at: Nanos) -> Result<(), PinsError> {
-        (**self).rest_until(at)
-    }
-    fn rest_before_edge(&mut self, at: Nanos) -> Result<(), PinsError> {
-        (**self).rest_before_edge(at)
-    }
-    fn levels(&mut self) -> Result<Levels, PinsError> {
-        (**self).levels()
-    }
-    fn particulars(&self) -> Particulars<'_> {
-        (**self).particulars()
-    }
 }

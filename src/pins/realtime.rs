@@ -84,11 +84,12 @@ impl Realtime {
     /// threads without real-time scheduling, prctl(2)) is always taken to 1 ns, for which no right is needed.
     pub fn request(wishes: &Wishes) -> Realtime {
         let _ = set_timerslack(1);
-        let (latency_bound, idle) = match wishes.no_deep_idle.then(hold_latency_at_zero) {
-            Some(Ok(file)) => (Some(file), Some(Ok(()))),
-            Some(Err(error)) => (None, Some(Err(latency_refused(&error)))),
-            None => (None, None),
-        };
+        let mut latency_bound = None;
+        let idle = wishes.no_deep_idle.then(|| {
+            let held = hold_latency_at_zero().map_err(|error| latency_refused(&error))?;
+            latency_bound = Some(held);
+            Ok(())
+        });
         Realtime {
             rights: [
                 ("priority", Right::of(wishes.fifo_priority.map(set_fifo))),

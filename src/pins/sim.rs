@@ -15,7 +15,7 @@ use analog::{Analog, Fall};
 use kernel::{Events, next_edge};
 use latency::whole_ns;
 use rand_chacha::ChaCha8Rng;
-use scene::{CallsScene, DelayScene, ReadsScene};
+use scene::{CallsScene, DelayScene};
 use std::time::{Duration, Instant};
 
 mod analog;
@@ -51,15 +51,10 @@ pub struct SimPins {
     pace: Option<Pace>,
     analog: Analog,
     events: Events,
-    calls: Option<CallsScene>,
-    wake: Option<DelayScene>,
-    sleep: Option<DelayScene>,
-    reads: ReadsScene,
-    clock_ns: Option<i64>,
+    scene: Scene,
     armed: bool,
     conflicts: u64,
     truth: Truth,
-    seed: u64,
     rng: ChaCha8Rng,
 }
 
@@ -167,7 +162,7 @@ impl SimPins {
 impl Pins for SimPins {
     fn now(&mut self) -> Nanos {
         let now = self.stamp(self.now_ns);
-        self.spend(self.reads.clock);
+        self.spend(self.scene.reads.clock);
         now
     }
 
@@ -176,11 +171,11 @@ impl Pins for SimPins {
             self.conflicts += 1;
             return Err(PinsError::Conflict(on));
         }
-        if let Some(period) = self.clock_ns {
-            self.go_on_to(next_edge(self.now_ns, period));
+        if let Some(period) = self.scene.clock_period {
+            self.go_on_to(next_edge(self.now_ns, whole_ns(period)));
         }
         let before = self.now();
-        match self.calls {
+        match self.scene.calls {
             Some(calls) => self.switch_slowly(calls, on),
             None => self.switch(on, self.now_ns),
         }
@@ -188,7 +183,7 @@ impl Pins for SimPins {
     }
 
     fn arm(&mut self) -> Result<Armed, PinsError> {
-        self.spend(self.reads.arm);
+        self.spend(self.scene.reads.arm);
         self.catch_up(self.now_ns);
         self.armed = true;
         self.truth.clear();
@@ -204,7 +199,7 @@ impl Pins for SimPins {
             if let Some(stamp_ns) = self.events.next_stamp_ns().filter(|ns| *ns <= until_ns.max(self.now_ns))
             {
                 if stamp_ns > self.now_ns {
-                    self.end_late(stamp_ns, self.wake);
+                    self.end_late(stamp_ns, self.scene.wake);
                     // What comes meanwhile may push it out of the buffer.
                     self.catch_up(self.now_ns);
                     if self.events.next_stamp_ns().is_some_and(|ns| ns > self.now_ns) {
@@ -226,13 +221,13 @@ impl Pins for SimPins {
     fn sleep_until(&mut self, at: Nanos) -> Result<(), PinsError> {
         let at_ns = (at - self.epoch).0;
         if at_ns > self.now_ns {
-            self.end_late(at_ns, self.sleep);
+            self.end_late(at_ns, self.scene.sleep);
         }
         Ok(())
     }
 
     fn levels(&mut self) -> Result<Levels, PinsError> {
-        self.spend(self.reads.levels);
+        self.spend(self.scene.reads.levels);
         self.catch_up(self.now_ns);
         Ok(self.analog.levels(self.now_ns))
     }

@@ -10,7 +10,7 @@ pub use quantity::{
     Ampere, Farad, Hertz, Newton, NewtonOhm, Ohm, ParseQuantityError, Quantity, Seconds, Volt,
 };
 
-use serde::{Deserialize, Deserializer, Serialize, Serializer};
+use serde::Deserialize;
 use std::fmt;
 use std::ops::{Add, Sub};
 use std::str::FromStr;
@@ -19,7 +19,8 @@ use std::str::FromStr;
 ///
 /// The kernel stamps edges in whole nanoseconds; fractions of a nanosecond exist only in the times of a
 /// [`Record`](crate::record::Record), which are `f64` with the suffix `_ns`.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Default)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Default, Deserialize)]
+#[serde(from = "Seconds")]
 pub struct Nanos(pub i64);
 
 impl Nanos {
@@ -78,20 +79,38 @@ impl FromStr for Nanos {
     }
 }
 
-impl Serialize for Nanos {
-    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        Seconds::from(*self).serialize(serializer)
-    }
-}
-
-impl<'de> Deserialize<'de> for Nanos {
-    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Nanos, D::Error> {
-        Seconds::deserialize(deserializer).map(Nanos::from)
-    }
-}
-
 impl fmt::Display for Nanos {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "{} ns", self.0)
     }
 }
+
+/// An enum whose variants have names.
+macro_rules! named {
+    ($(#[$meta:meta])* $Enum:ident { $($(#[$doc:meta])* $Variant:ident = $name:literal,)+ }) => {
+        $(#[$meta])*
+        pub enum $Enum {
+            $($(#[$doc])* $Variant,)+
+        }
+
+        impl $Enum {
+            /// All of them.
+            pub const ALL: [$Enum; [$($name),+].len()] = [$($Enum::$Variant),+];
+
+            /// The name in configuration, stream and command line.
+            pub fn as_str(self) -> &'static str {
+                match self {
+                    $($Enum::$Variant => $name,)+
+                }
+            }
+        }
+
+        impl ::std::fmt::Display for $Enum {
+            fn fmt(&self, f: &mut ::std::fmt::Formatter<'_>) -> ::std::fmt::Result {
+                f.write_str(self.as_str())
+            }
+        }
+    };
+}
+
+pub(crate) use named;

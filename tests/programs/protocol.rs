@@ -263,8 +263,7 @@ fn what_a_filter_drops_is_not_lost() {
 fn what_the_instrument_loses_is_told_to_everybody() {
     let mut bench = Bench::new();
     let mut peer = bench.connect();
-    bench.server.miss_readings(3);
-    bench.server.miss_raw(100);
+    bench.server.miss(3, 100);
     bench.publish(2);
     assert_eq!(received(&bench.lines(&mut peer)), (vec![1, 2], 3));
 }

@@ -4,22 +4,22 @@ use crate::circuit::Kind;
 use crate::config::Findings;
 use crate::config::limits::{LARGEST_SWITCH_FRACTION, LONGEST_WAIT, RESOLUTIONS};
 use crate::config::{Calibration, Config, Measure};
-use crate::estimate::offset;
 use crate::instrument::settings::OffsetSource;
 use crate::reading::Method;
+use crate::record::LONGEST_LATENCY;
 use crate::units::{Nanos, Seconds};
 
 pub fn check(config: &Config, findings: &mut Findings) {
     let measure = &config.measure;
     method(measure.method, config.circuit.kind(), findings);
     calibration(measure, config.circuit.kind(), findings);
-    if measure.t_l.is_some() && !config.method().rules().has_time_limit() {
+    if measure.t_l.is_some() && !config.method().rules().has_time_limit {
         findings.warning("measure.t-l", "not used: only \"cerm\" has it", "method = \"cerm\", or without it");
     }
     durations(measure, findings);
     numbers(measure, findings);
     if let Some(OffsetSource::Given(d_ns)) = measure.offset {
-        if !(0.0..=offset::LONGEST.as_ns()).contains(&d_ns) {
+        if !(0.0..=LONGEST_LATENCY.as_ns()).contains(&d_ns) {
             let reason = format!("{} is not between 0 and 1 ms", Seconds(d_ns * 1e-9));
             findings.error("measure.offset", reason, "\"auto\", or \"8 us\"");
         }
@@ -39,9 +39,9 @@ fn calibration(measure: &Measure, kind: Kind, findings: &mut Findings) {
 }
 
 fn method(method: Option<Method>, kind: Kind, findings: &mut Findings) {
-    let Some(method) = method.filter(|method| !method.rules().circuits().contains(&kind)) else { return };
+    let Some(method) = method.filter(|method| !method.rules().circuits.contains(&kind)) else { return };
     let kinds: Vec<String> =
-        method.rules().circuits().iter().map(|kind| format!("\"{}\"", kind.as_str())).collect();
+        method.rules().circuits.iter().map(|kind| format!("\"{}\"", kind.as_str())).collect();
     findings.error(
         "measure.method",
         format!("\"{}\" needs kind = {}", method.as_str(), kinds.join(" or ")),

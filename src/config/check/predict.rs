@@ -74,7 +74,7 @@ fn rate(config: &Config, findings: &mut Findings) {
 }
 
 fn switch(config: &Config, findings: &mut Findings) {
-    if config.method().rules().switching() != Switching::AtFraction {
+    if config.method().rules().switching != Switching::AtFraction {
         return;
     }
     let latest = match (config.circuit.g(Node::A), config.circuit.g(config.last_node())) {

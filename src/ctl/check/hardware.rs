@@ -18,14 +18,14 @@ pub fn check(config: &Config, findings: &mut Findings) -> String {
     }
     kernel(config.gpio.backend, findings);
     let realtime = Realtime::request(&config.realtime);
-    match backend::open(config, crate::daemon::monotonic()) {
+    match backend::open(config, crate::pins::monotonic()) {
         Ok(mut pins) => {
             rights(&realtime, findings);
             findings.info("gpio", "the chip is there, and every line can be had");
             for spot in pins.particulars().blind_spots {
                 findings.info("gpio.backend", spot);
             }
-            return measure(&mut pins, config, findings).unwrap_or_else(|failed| {
+            return measure(&mut *pins, config, findings).unwrap_or_else(|failed| {
                 findings.add(Severity::Error, "gpio", failed, None);
                 String::new()
             });
@@ -45,7 +45,7 @@ pub fn check(config: &Config, findings: &mut Findings) -> String {
     String::new()
 }
 
-fn measure(pins: &mut impl Pins, config: &Config, findings: &mut Findings) -> Result<String, PinsError> {
+fn measure(pins: &mut dyn Pins, config: &Config, findings: &mut Findings) -> Result<String, PinsError> {
     wiring::test(pins, config, findings)?;
     let wake_ups = latency::histogram(&latency::wake_ups());
     let stamps = latency::histogram(&latency::stamps(pins, config)?);

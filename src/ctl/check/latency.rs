@@ -21,7 +21,7 @@ pub fn histogram(late_us: &[f64]) -> String {
         counts[column(*late_us)] += 1;
     }
     let used = || (0..COLUMNS).filter(|column| counts[*column] > 0);
-    let (Some(first), Some(last)) = (used().next(), used().last()) else {
+    let (Some(first), Some(last)) = (used().next(), used().next_back()) else {
         return "  none was seen\n".to_owned();
     };
     let most = used().map(|column| counts[column]).max().unwrap_or(1);
@@ -53,7 +53,7 @@ pub fn wake_ups() -> Vec<f64> {
 ///
 /// # Errors
 /// If the pins cannot be used.
-pub fn stamps<P: Pins>(pins: &mut P, config: &Config) -> Result<Vec<f64>, PinsError> {
+pub fn stamps<P: Pins + ?Sized>(pins: &mut P, config: &Config) -> Result<Vec<f64>, PinsError> {
     let plan = Plan {
         settle: config.settle_time(),
         ..Plan::full(Through::C1, config.last_node(), config.charge_time(), config.deadline())

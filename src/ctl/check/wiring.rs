@@ -33,7 +33,11 @@ const AGAIN: &str = "the same again; the kernel's log (dmesg)";
 ///
 /// # Errors
 /// If the pins cannot be used.
-pub fn test<P: Pins>(pins: &mut P, config: &Config, findings: &mut Findings) -> Result<(), PinsError> {
+pub fn test<P: Pins + ?Sized>(
+    pins: &mut P,
+    config: &Config,
+    findings: &mut Findings,
+) -> Result<(), PinsError> {
     let circuit = &config.circuit;
     let board = Board {
         kind: circuit.kind(),
@@ -46,14 +50,14 @@ pub fn test<P: Pins>(pins: &mut P, config: &Config, findings: &mut Findings) -> 
     bench.pins.drive(Drives::NONE).map(drop)
 }
 
-struct Bench<'a, P> {
+struct Bench<'a, P: ?Sized> {
     pins: &'a mut P,
     config: &'a Config,
     board: Board,
     findings: &'a mut Findings,
 }
 
-impl<P: Pins> Bench<'_, P> {
+impl<P: Pins + ?Sized> Bench<'_, P> {
     fn run(&mut self) -> Result<(), PinsError> {
         self.drain()?;
         if !self.charges()? || !self.holds(true)? {

@@ -32,7 +32,7 @@ impl Board {
         } else {
             Scene::builtin(&arguments.scene)?.with_sensors(vec![hand()])?
         };
-        let circuits = arguments.method.map(|method| method.rules().circuits());
+        let circuits = arguments.method.map(|method| method.rules().circuits);
         let other = circuits.filter(|kinds| !kinds.contains(&scene.circuit.kind)).and_then(<[Kind]>::first);
         let scene = match other {
             Some(kind) => scene.with_kind(*kind)?,

@@ -3,8 +3,7 @@
 
 use super::{NAP, Shared};
 use crate::config::backend::AnyPins;
-use crate::daemon::monotonic;
-use crate::pins::{Armed, Bracket, Drives, Edge, Levels, Particulars, Pins, PinsError};
+use crate::pins::{Armed, Bracket, Drives, Edge, Levels, Particulars, Pins, PinsError, monotonic};
 use crate::units::Nanos;
 use std::sync::Arc;
 

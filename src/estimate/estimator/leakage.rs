@@ -2,7 +2,6 @@
 //! nearly does.
 
 use super::Estimator;
-use crate::estimate::law::R_O;
 use crate::estimate::leak;
 use crate::estimate::limits::{
     BEYOND_NOISE, COVERAGE, GROSS_LEAK_SIEMENS, HIGHEST_R_O_OHM, LATEST_STAMP_NS, RESISTOR_TOLERANCE,
@@ -34,7 +33,8 @@ impl Estimator {
     /// What a discharge through 0 ohm seems to run through, its uncertainty, and what an unknown d may add to it, ohm.
     fn at_zero(&self) -> Option<(f64, f64, f64)> {
         if let Some(tracker) = self.tracker() {
-            return Some((tracker.state()[R_O], tracker.r_o_ohm().1, 0.0));
+            let (r_o_ohm, u_ohm) = tracker.offset().r_o_ohm?;
+            return Some((r_o_ohm, u_ohm, 0.0));
         }
         let (c1, c2) = self.calibration()?;
         let span = self.r2_ohm - self.r1_ohm;

@@ -15,7 +15,7 @@ impl Estimator {
         let (c1, c2) = self.calibration()?;
         let node = self.last().index();
         // While R_2 sinks too, the sensor's own part of the way is what R_2 has left over.
-        let beside = self.method.rules().sinks_beside();
+        let beside = self.method.rules().sinks_beside;
         let x_ns = if beside { 1.0 / (1.0 / waited_ns - 1.0 / c2[node]) } else { waited_ns };
         let ratio = (x_ns - c1[node]) / (c2[node] - c1[node]);
         let r_ohm = self.r1_ohm + ratio * (self.r2_ohm - self.r1_ohm);
@@ -31,8 +31,8 @@ impl Estimator {
     fn above(&self, record: &Record) -> Option<f64> {
         let (_, c2) = self.calibration()?;
         let (node, late) = (self.last(), self.noise().covariance(c2)?.aa);
-        let rules = self.method.rules();
-        self.bound_ohm(rules.certain_ns(record.crossing(node)?, c2[node.index()], late)?)
+        let certain_ns = self.method.rules().certain_ns;
+        self.bound_ohm(certain_ns(record.crossing(node)?, c2[node.index()], late)?)
     }
 
     /// What is known about the sensor after an x discharge alone.

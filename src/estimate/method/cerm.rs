@@ -5,41 +5,24 @@
 //! R_x: from the start to the *switch*, an instant that our own call sets, so d is not subtracted from it. T_c2,x
 //! runs from the switch to the crossing of B.
 
-use super::{Dual, Evidence, Kind, Node, Number, Rules, Scale, Switching, Times, tcdic, tpcm};
+use super::{Dual, Evidence, Node, Number, Rules, Scale, Switching, Times, tcdic, tpcm};
 use crate::estimate::limits::BEYOND_NOISE;
 use crate::reading::Branch;
 
-/// The method.
-#[derive(Debug)]
-pub struct Cerm;
-
-impl Rules for Cerm {
-    fn circuits(&self) -> &'static [Kind] {
-        &[Kind::TwoCapacitor]
-    }
-
-    fn switching(&self) -> Switching {
-        Switching::AtFraction
-    }
-
-    fn has_time_limit(&self) -> bool {
-        true
-    }
-
-    fn ratio(&self, times: &Times<Dual>, branch: Branch) -> Option<Dual> {
-        match branch {
-            Branch::Direct => tcdic::ratio(times),
-            Branch::Inferred => ratio(times),
-        }
-    }
-
-    fn evidence(&self, times: &Times<Dual>, branch: Branch, scale: &Scale<'_>) -> Option<Evidence> {
-        match branch {
-            Branch::Direct => tcdic::evidence(times, scale),
-            Branch::Inferred => evidence(times, scale),
-        }
-    }
-}
+/// What it decides.
+pub(super) const RULES: Rules = Rules {
+    switching: Switching::AtFraction,
+    has_time_limit: true,
+    ratio: |times, branch| match branch {
+        Branch::Direct => tcdic::ratio(times),
+        Branch::Inferred => ratio(times),
+    },
+    evidence: |times, branch, scale| match branch {
+        Branch::Direct => tcdic::evidence(times, scale),
+        Branch::Inferred => evidence(times, scale),
+    },
+    ..Rules::USUAL
+};
 
 /// The inferred crossings T_i,xA (16) and T_i,xB (18), d subtracted.
 pub fn inferred<T: Number>(times: &Times<T>) -> Option<[T; 2]> {

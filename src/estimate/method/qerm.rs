@@ -12,40 +12,25 @@
 //! the time that R_x alone would have taken; two-point calibration follows. If the threshold was reached before the
 //! release, s is T3 itself. Here `c2` is the discharge through Rs, and the ratio's R_2 is Rs.
 
-use super::{Dual, Evidence, Kind, Node, Number, Rules, Scale, Switching, Times};
+use super::{Evidence, Kind, Node, Number, Rules, Switching, Times};
 use crate::estimate::limits::COVERAGE;
 use crate::reading::Branch;
 
-/// The method.
-#[derive(Debug)]
-pub struct Qerm;
+/// What it decides.
+pub(super) const RULES: Rules = Rules {
+    circuits: &[Kind::SeriesCalibration],
+    switching: Switching::AtFraction,
+    sinks_beside: true,
+    ratio,
+    evidence: |times, branch, _| through_x(times, branch).map(|end| Evidence::over(end.value)),
+    certain_ns,
+    ..Rules::USUAL
+};
 
-impl Rules for Qerm {
-    fn circuits(&self) -> &'static [Kind] {
-        &[Kind::SeriesCalibration]
-    }
-
-    fn switching(&self) -> Switching {
-        Switching::AtFraction
-    }
-
-    fn sinks_beside(&self) -> bool {
-        true
-    }
-
-    fn ratio(&self, times: &Times<Dual>, branch: Branch) -> Option<Dual> {
-        ratio(times, branch)
-    }
-
-    fn evidence(&self, times: &Times<Dual>, branch: Branch, _: &Scale<'_>) -> Option<Evidence> {
-        through_x(times, branch).map(|end| Evidence::over(end.value))
-    }
-
-    fn certain_ns(&self, crossing_ns: f64, c2_ns: f64, late_ns2: f64) -> Option<f64> {
-        let doubt_ns = COVERAGE * (2.0 * late_ns2).sqrt();
-        let is_alike = (crossing_ns - c2_ns).abs() <= 2.0 * doubt_ns;
-        is_alike.then(|| crossing_ns.min(c2_ns) - doubt_ns)
-    }
+fn certain_ns(crossing_ns: f64, c2_ns: f64, late_ns2: f64) -> Option<f64> {
+    let doubt_ns = COVERAGE * (2.0 * late_ns2).sqrt();
+    let is_alike = (crossing_ns - c2_ns).abs() <= 2.0 * doubt_ns;
+    is_alike.then(|| crossing_ns.min(c2_ns) - doubt_ns)
 }
 
 /// The time s through the sensor: until the crossing, or until the sensor was released before it.

@@ -1,29 +1,6 @@
 //! Two-capacitor direct interface circuit: both nodes, eq. (11). The offset d cancels in the differences.
 
-use super::{Dual, Evidence, Kind, Node, Number, Rules, Scale, Switching, Times, tpcm};
-use crate::reading::Branch;
-
-/// The method.
-#[derive(Debug)]
-pub struct Tcdic;
-
-impl Rules for Tcdic {
-    fn circuits(&self) -> &'static [Kind] {
-        &[Kind::TwoCapacitor]
-    }
-
-    fn switching(&self) -> Switching {
-        Switching::Never
-    }
-
-    fn ratio(&self, times: &Times<Dual>, _: Branch) -> Option<Dual> {
-        ratio(times)
-    }
-
-    fn evidence(&self, times: &Times<Dual>, _: Branch, scale: &Scale<'_>) -> Option<Evidence> {
-        evidence(times, scale)
-    }
-}
+use super::{Dual, Evidence, Node, Number, Scale, Times, tpcm};
 
 /// The ratio by eq. (11).
 pub fn ratio<T: Number>(times: &Times<T>) -> Option<T> {

@@ -1,32 +1,19 @@
 //! Two-point calibration method: one node, eq. (3). The offset d cancels in the differences.
 
-use super::{Dual, Evidence, Kind, Node, Number, Rules, Scale, Switching, Times};
-use crate::reading::Branch;
+use super::{Dual, Evidence, Kind, Node, Number, Rules, Times};
 
-/// The method.
-#[derive(Debug)]
-pub struct Tpcm;
+/// What it decides.
+pub(super) const RULES: Rules = Rules {
+    circuits: &Kind::ALL,
+    only_a: true,
+    ratio: |times, _| ratio(times, Node::A),
+    evidence: |times, _, _| evidence(times),
+    ..Rules::USUAL
+};
 
-impl Rules for Tpcm {
-    fn circuits(&self) -> &'static [Kind] {
-        &Kind::ALL
-    }
-
-    fn last(&self, _: Kind) -> Node {
-        Node::A
-    }
-
-    fn switching(&self) -> Switching {
-        Switching::Never
-    }
-
-    fn ratio(&self, times: &Times<Dual>, _: Branch) -> Option<Dual> {
-        ratio(times, Node::A)
-    }
-
-    fn evidence(&self, times: &Times<Dual>, _: Branch, _: &Scale<'_>) -> Option<Evidence> {
-        times.x_end(Node::A).map(|end| Evidence::over(end.value))
-    }
+/// One stretch: until A crossed.
+pub(super) fn evidence(times: &Times<Dual>) -> Option<Evidence> {
+    times.x_end(Node::A).map(|end| Evidence::over(end.value))
 }
 
 /// The ratio by eq. (3), from the crossings of one node alone.

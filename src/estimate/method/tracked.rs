@@ -15,7 +15,7 @@
 //! What is nearly symmetric is the distribution of y, not that of R_x: where y is no longer known to a sixth of itself, the
 //! sensor is `open` above a bound.
 
-use super::{Dual, Kind, Node, Rules, Scale, Switching, Times, tcdic, tpcm};
+use super::{Kind, Node, Rules, Switching, tcdic, tpcm};
 use crate::estimate::law::{D, R_O, Route, State};
 use crate::estimate::limits::{BEYOND_NOISE, COVERAGE, DOUBT, RESOLVED};
 use crate::estimate::motion::Evidence;
@@ -24,27 +24,14 @@ use crate::estimate::tracker::{Tracker, bilinear, quadratic};
 use crate::reading::{Branch, Fault};
 use crate::record::Switch;
 
-/// The method. Until there is a state, both calibration discharges give readings in closed form.
-#[derive(Debug)]
-pub struct Tracked;
-
-impl Rules for Tracked {
-    fn circuits(&self) -> &'static [Kind] {
-        &[Kind::TwoCapacitor, Kind::OneCapacitor]
-    }
-
-    fn switching(&self) -> Switching {
-        Switching::WhereBest
-    }
-
-    fn ratio(&self, times: &Times<Dual>, _: Branch) -> Option<Dual> {
-        tcdic::ratio(times).or_else(|| tpcm::ratio(times, Node::A))
-    }
-
-    fn evidence(&self, times: &Times<Dual>, branch: Branch, scale: &Scale<'_>) -> Option<Evidence> {
-        tcdic::evidence(times, scale).or_else(|| tpcm::Tpcm.evidence(times, branch, scale))
-    }
-}
+/// What it decides. Until there is a state, both calibration discharges give readings in closed form.
+pub(super) const RULES: Rules = Rules {
+    circuits: &[Kind::TwoCapacitor, Kind::OneCapacitor],
+    switching: Switching::WhereBest,
+    ratio: |times, _| tcdic::ratio(times).or_else(|| tpcm::ratio(times, Node::A)),
+    evidence: |times, _, scale| tcdic::evidence(times, scale).or_else(|| tpcm::evidence(times)),
+    ..Rules::USUAL
+};
 
 /// An x discharge as it is used.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -197,11 +184,62 @@ impl Fit {
         let nodes = [a, b];
         let noise = tracker.noise().covariance(nodes.map(|node| node.map_or(0.0, |one| one.late_ns)))?;
         let u_switch_ns = tracker.u_switch_ns(observed.u_switch_ns);
-        let weigh = |y: f64| Weighed::new(tracker, &noise, u_switch_ns, &nodes, y.max(0.0));
+        let near = |y: f64| Fit::near(y.max(0.0), tracker, &noise, u_switch_ns, &nodes, branch);
         // The weights depend on y, but hardly: the last node's own value does for a start.
         let last = b.or(a)?;
-        let weighed = weigh(weigh(last.missing / last.through_ns)?.y)?;
-        weighed.fit(state, branch, &nodes)
+        near(near(last.missing / last.through_ns)?.siemens)
+    }
+
+    /// The least squares with the weights that the residuals have near a conductance.
+    fn near(
+        near: f64,
+        tracker: &Tracker,
+        noise: &Covariance,
+        u_switch_ns: f64,
+        nodes: &[Option<Equation>; 2],
+        branch: Branch,
+    ) -> Option<Fit> {
+        let (state, seen) = (tracker.state(), nodes.map(|node| node.is_some()));
+        let of_nodes = |of: &dyn Fn(&Equation) -> f64| nodes.map(|node| node.as_ref().map_or(0.0, of));
+        let (through, missing) = (of_nodes(&|one| one.through_ns), of_nodes(&|one| one.missing));
+        let [a, b] = of_nodes(&|one| one.by_crossing(near));
+        // Covariance of the residuals by noise and switch, and with what is not known of the state.
+        let mut own = Covariance { aa: a * a * noise.aa, bb: b * b * noise.bb, ab: a * b * noise.ab };
+        own.add_outer(of_nodes(&|one| one.by_switch(near) * u_switch_ns));
+        let rows = nodes.map(|node| node.map_or([0.0; 4], |one| one.by_state(state, near)));
+        let p = tracker.covariance();
+        let all = Covariance {
+            aa: own.aa + quadratic(p, &rows[0]),
+            bb: own.bb + quadratic(p, &rows[1]),
+            ab: own.ab + bilinear(p, &rows[0], &rows[1]),
+        };
+        let (inverse, own) = (all.inverse(seen)?, own.inverse(seen)?);
+        let information = inverse.of(through[0], through[1]);
+        let weights = inverse.times(through).map(|weight| weight / information);
+        let y = weights[0] * missing[0] + weights[1] * missing[1];
+        let left = [0, 1].map(|node| missing[node] - through[node] * y);
+        let misfit = inverse.of(left[0], left[1]);
+        let contradicts = misfit > BEYOND_NOISE * BEYOND_NOISE;
+        // A late stamp that the other node is too noisy to refute is doubted as far as it may be one. Over two stretches of the
+        // discharge a sensor that moves looks the same: that is for `motion` to tell.
+        let is_one_stretch = through[0] == through[1];
+        let doubt = if is_one_stretch && !contradicts && misfit > DOUBT * DOUBT { misfit } else { 1.0 };
+        let evidence = match nodes {
+            [Some(a), Some(b)] => {
+                let u_siemens = all.of(1.0 / a.through_ns, -1.0 / b.through_ns).sqrt();
+                evidence_of_two([a, b], weights, state[R_O], u_siemens / (y * y))
+            }
+            [one, other] => Evidence::over(one.or(*other)?.through_ns),
+        };
+        let fit = Fit {
+            siemens: y,
+            u_siemens: (doubt / information).sqrt(),
+            bound_siemens: (1.0 / own.of(through[0], through[1])).sqrt(),
+            by_state: std::array::from_fn(|i| weights[0] * rows[0][i] + weights[1] * rows[1][i]),
+            branch,
+            evidence: evidence.contradicting(contradicts),
+        };
+        (y.is_finite() && fit.u_siemens.is_finite()).then_some(fit)
     }
 
     /// R_x = 1/y - Ro, to the first order.
@@ -225,91 +263,13 @@ impl Fit {
     }
 }
 
-/// The equations of the nodes that were seen, weighted by what their residuals are worth near a conductance.
-struct Weighed {
-    /// The conductance that fits best, siemens.
-    y: f64,
-    weights: [f64; 2],
-    through_ns: [f64; 2],
-    missing: [f64; 2],
-    rows: [State; 2],
-    /// Covariance of the residuals by noise and switch, and with what is not known of the state.
-    own: Covariance,
-    all: Covariance,
-    inverse: Covariance,
-    /// What weights that were learned add to the variance.
-    learned: f64,
-}
-
-impl Weighed {
-    fn new(
-        tracker: &Tracker,
-        noise: &Covariance,
-        u_switch_ns: f64,
-        nodes: &[Option<Equation>; 2],
-        near: f64,
-    ) -> Option<Weighed> {
-        let of_nodes = |of: &dyn Fn(&Equation) -> f64| nodes.map(|node| node.as_ref().map_or(0.0, of));
-        let (through_ns, missing) = (of_nodes(&|one| one.through_ns), of_nodes(&|one| one.missing));
-        let [a, b] = of_nodes(&|one| one.by_crossing(near));
-        let [switch_a, switch_b] = of_nodes(&|one| one.by_switch(near) * u_switch_ns);
-        let own = Covariance {
-            aa: a * a * noise.aa + switch_a * switch_a,
-            bb: b * b * noise.bb + switch_b * switch_b,
-            ab: a * b * noise.ab + switch_a * switch_b,
-        };
-        let rows = nodes.map(|node| node.map_or([0.0; 4], |one| one.by_state(tracker.state(), near)));
-        let p = tracker.covariance();
-        let all = Covariance {
-            aa: own.aa + quadratic(p, &rows[0]),
-            bb: own.bb + quadratic(p, &rows[1]),
-            ab: own.ab + bilinear(p, &rows[0], &rows[1]),
-        };
-        let inverse = all.inverse(nodes.map(|node| node.is_some()))?;
-        let information = inverse.of(through_ns[0], through_ns[1]);
-        let weights = inverse.times(through_ns).map(|weight| weight / information);
-        let y = weights[0] * missing[0] + weights[1] * missing[1];
-        let both = nodes.iter().all(Option::is_some);
-        let learned = if both { tracker.noise().of_learned_weights() } else { 1.0 };
-        Some(Weighed { y, weights, through_ns, missing, rows, own, all, inverse, learned })
+/// When it was so, and what each crossing says alone; `u_ohm`: of the difference.
+fn evidence_of_two(nodes: [&Equation; 2], weights: [f64; 2], r_o_ohm: f64, u_ohm: f64) -> Evidence {
+    let through = nodes.map(|node| node.through_ns);
+    if nodes.iter().any(|node| node.missing / node.through_ns <= 0.0) {
+        return Evidence::over(through[1]);
     }
-
-    fn fit(&self, state: &State, branch: Branch, nodes: &[Option<Equation>; 2]) -> Option<Fit> {
-        let Weighed { y, weights, through_ns: through, missing, rows, .. } = *self;
-        let left = [0, 1].map(|node| missing[node] - through[node] * y);
-        let misfit = self.inverse.of(left[0], left[1]);
-        let contradicts = misfit > BEYOND_NOISE * BEYOND_NOISE;
-        // A late stamp that the other node is too noisy to refute is doubted as far as it may be one. Over two stretches of the
-        // discharge a sensor that moves looks the same: that is for `motion` to tell.
-        let is_one_stretch = through[0] == through[1];
-        let doubt = if is_one_stretch && !contradicts && misfit > DOUBT * DOUBT { misfit } else { 1.0 };
-        let u_siemens = (doubt * self.learned / self.inverse.of(through[0], through[1])).sqrt();
-        let own = self.own.inverse(nodes.map(|node| node.is_some()))?;
-        let evidence = match nodes {
-            [Some(_), Some(_)] => self.evidence_of_two(state[R_O]),
-            [one, other] => Evidence::over(one.or(*other)?.through_ns),
-        };
-        let fit = Fit {
-            siemens: y,
-            u_siemens,
-            bound_siemens: (1.0 / own.of(through[0], through[1])).sqrt(),
-            by_state: std::array::from_fn(|i| weights[0] * rows[0][i] + weights[1] * rows[1][i]),
-            branch,
-            evidence: evidence.contradicting(contradicts),
-        };
-        (y.is_finite() && u_siemens.is_finite()).then_some(fit)
-    }
-
-    /// When it was so, and what each crossing says alone.
-    fn evidence_of_two(&self, r_o_ohm: f64) -> Evidence {
-        let through = self.through_ns;
-        let alone = [0, 1].map(|node| self.missing[node] / through[node]);
-        if alone.iter().any(|alone| *alone <= 0.0) {
-            return Evidence::over(through[1]);
-        }
-        let shares = [0, 1].map(|node| self.weights[node] * through[node]);
-        let u_siemens = self.all.of(1.0 / through[0], -1.0 / through[1]).sqrt();
-        let r_ohm = alone.map(|alone| 1.0 / alone - r_o_ohm);
-        Evidence::over_two(through, shares, r_ohm, Some(u_siemens / (self.y * self.y)))
-    }
+    let shares = [weights[0] * through[0], weights[1] * through[1]];
+    let r_ohm = nodes.map(|node| 1.0 / (node.missing / node.through_ns) - r_o_ohm);
+    Evidence::over_two(through, shares, r_ohm, Some(u_ohm))
 }

@@ -1,6 +1,4 @@
 //! The linear algebra of the filter: four unknowns, two observations.
-//!
-//! For: gain and covariance. Must not know: what is observed.
 
 use super::Matrix;
 use crate::estimate::law::State;

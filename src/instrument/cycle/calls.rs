@@ -1,6 +1,7 @@
 //! How long the calls take that switch lines: an interrupted one is told from a usual one.
 
 use crate::estimate::noise::Gate;
+use crate::estimate::scatter::median;
 use crate::instrument::limits::{FIRST_CALLS, LONGER_CALL};
 use crate::units::Nanos;
 
@@ -49,8 +50,7 @@ impl CallGate {
             self.first_ns[self.seen] = call_ns;
             self.seen += 1;
             if self.seen == FIRST_CALLS {
-                self.first_ns.sort_unstable_by(f64::total_cmp);
-                self.single_ns = self.first_ns[FIRST_CALLS / 2];
+                self.single_ns = median(&mut self.first_ns);
             }
             return;
         }

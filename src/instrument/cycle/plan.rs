@@ -1,10 +1,9 @@
 //! What the next discharge is planned to do: full or switched, and when; which calibration discharge pays.
 
-use super::{
-    Branch, CalibrationKind, Cycle, Estimator, Fault, Plan, Record, SplitCalibration, Status, Through,
-};
+use super::{Branch, CalibrationKind, Cycle, Estimator, Fault, Plan, Record, Status, Through};
 use crate::estimate::Predicted;
-use crate::estimate::law::State;
+use crate::estimate::law::{R_O, State};
+use crate::estimate::limits::{LEAK_HOLD, SPLIT_FRACTION};
 use crate::estimate::method::Switching;
 use crate::estimate::motion::Motion;
 use crate::estimate::tracker::quadratic;
@@ -86,20 +85,20 @@ impl Cycle {
     /// R_1 after a pause in which a leak would show.
     pub(super) fn held_plan(&self) -> Plan {
         let plan = self.calibration_plan(CalibrationKind::First);
-        Plan { settle: plan.settle + crate::estimate::limits::LEAK_HOLD, ..plan }
+        Plan { settle: plan.settle + LEAK_HOLD, ..plan }
     }
 
     pub(super) fn sensor_plan(&self, channel: usize) -> Plan {
         let settings = &self.settings;
         let rules = settings.method.rules();
-        let switch = match rules.switching() {
+        let switch = match rules.switching {
             Switching::Never => None,
             Switching::AtFraction => self.switch_time(channel),
             Switching::WhereBest => self.best_switch(channel),
         };
         // A switch must not make a discharge longer than the deadline does.
         let switch = switch.filter(|after| *after < settings.deadline);
-        let is_limited = rules.switching() == Switching::WhereBest && self.estimator.tracker().is_some();
+        let is_limited = rules.switching == Switching::WhereBest && self.estimator.tracker().is_some();
         let limit = is_limited.then_some(Through::C1);
         self.plan(rules.sensor(channel), switch.map(|after| (after, settings.second())), limit)
     }
@@ -127,7 +126,7 @@ impl Cycle {
     fn split_time(&self) -> Option<Nanos> {
         let (c1, c2) = self.estimator.calibration()?;
         let [r1, r2] = self.settings.r_ohm();
-        Some(Nanos((SplitCalibration::FRACTION * (c2[0] - c1[0]) / (r2 - r1) * r1) as i64))
+        Some(Nanos((SPLIT_FRACTION * (c2[0] - c1[0]) / (r2 - r1) * r1) as i64))
     }
 
     /// When to switch from the sensor to R_2, if the next x discharge of a channel is to be switched at all.
@@ -177,7 +176,7 @@ impl Cycle {
         let memory = &self.memory[channel];
         let (r_ohm, tracker) = (memory.r_ohm?, self.estimator.tracker()?);
         let last = self.settings.nodes() - 1;
-        let full_ns = tracker.state()[last] * (r_ohm + tracker.state()[crate::estimate::law::R_O]);
+        let full_ns = tracker.state()[last] * (r_ohm + tracker.state()[R_O]);
         let deadline_ns = self.settings.deadline.as_ns();
         let limit = Switch { at_ns: deadline_ns, on_ns: deadline_ns, to: Through::C1 };
         let limit = (full_ns > deadline_ns).then_some(limit);

@@ -7,9 +7,9 @@ use crate::record::Record;
 use crate::units::Nanos;
 
 /// Releases every line when it goes out of scope, also on an error or a panic.
-struct Release<'a, P: Pins>(&'a mut P);
+struct Release<'a, P: Pins + ?Sized>(&'a mut P);
 
-impl<P: Pins> Drop for Release<'_, P> {
+impl<P: Pins + ?Sized> Drop for Release<'_, P> {
     fn drop(&mut self) {
         // There is nobody left to tell: the error that brought us here is on its way already.
         let _ = self.0.drive(Drives::NONE);
@@ -31,7 +31,7 @@ pub struct Outcome {
 ///
 /// # Errors
 /// Only if the pins cannot be used; what the circuit did is in the [`Outcome`].
-pub fn run<P: Pins>(pins: &mut P, plan: Plan) -> Result<Outcome, PinsError> {
+pub fn run<P: Pins + ?Sized>(pins: &mut P, plan: Plan) -> Result<Outcome, PinsError> {
     let outcome = run_on(pins, plan)?;
     pins.drive(Drives::NONE)?;
     Ok(outcome)
@@ -42,7 +42,7 @@ pub fn run<P: Pins>(pins: &mut P, plan: Plan) -> Result<Outcome, PinsError> {
 ///
 /// # Errors
 /// As [`run`]; all lines are inputs then.
-pub fn run_on<P: Pins>(pins: &mut P, plan: Plan) -> Result<Outcome, PinsError> {
+pub fn run_on<P: Pins + ?Sized>(pins: &mut P, plan: Plan) -> Result<Outcome, PinsError> {
     let (mut discharge, mut action) = Discharge::new(plan);
     let pins = Release(pins);
     loop {

@@ -2,7 +2,7 @@
 //!
 //! Numbers of chips change between kernels (the Raspberry Pi 5 went from gpiochip4 to gpiochip0), labels do not.
 
-use super::error::{Cause, ChardevError, ChipTitles, Holder, as_io};
+use super::error::{Cause, ChardevError, Holder, as_io};
 use gpiocdev_uapi::{v1, v2};
 use serde::Serialize;
 use std::fs::{File, OpenOptions};
@@ -138,7 +138,7 @@ impl Chip {
         let cause = match Cause::of(&source, &self.path) {
             Cause::Held(_) => {
                 let lines = offsets.iter().filter_map(|offset| self.line(*offset).ok());
-                Cause::Held(lines.filter_map(Holder::of).collect())
+                Cause::Held(lines.filter_map(LineListing::holder).collect())
             }
             Cause::Gone { .. } => Cause::Gone { present: Some(titles(&all(Path::new(DEV)))) },
             other => other,
@@ -203,8 +203,13 @@ fn all(dev: &Path) -> Vec<Result<Chip, ChardevError>> {
     nodes.iter().map(|(_, path)| Chip::open(path)).collect()
 }
 
-fn titles(chips: &[Result<Chip, ChardevError>]) -> ChipTitles {
-    ChipTitles(chips.iter().flatten().map(Chip::title).collect())
+/// Name and label of each chip that can be opened, as a part of a sentence.
+fn titles(chips: &[Result<Chip, ChardevError>]) -> String {
+    let titles: Vec<String> = chips.iter().flatten().map(Chip::title).collect();
+    match titles.as_slice() {
+        [] => "no GPIO chip can be opened".to_owned(),
+        some => format!("chips present: {}", some.join(", ")),
+    }
 }
 
 /// The flags of uAPI v1 are some of those of v2, by the same names.
@@ -212,6 +217,14 @@ fn as_v2(info: v1::LineInfo) -> v2::LineInfo {
     let v1::LineInfo { offset, name, consumer, .. } = info;
     let flags = info.flags.iter_names().filter_map(|(name, _)| v2::LineFlags::from_name(name)).collect();
     v2::LineInfo { offset, name, consumer, flags, ..Default::default() }
+}
+
+impl LineListing {
+    /// `None` for a line that is free.
+    fn holder(self) -> Option<Holder> {
+        let line = self.name.unwrap_or_else(|| format!("line {}", self.offset));
+        self.used.then_some(Holder { line, consumer: self.consumer })
+    }
 }
 
 impl From<v2::LineInfo> for LineListing {
@@ -283,8 +296,8 @@ mod tests {
         let line = LineListing::from(info);
         assert!(line.direction == "output" && line.used);
         assert_eq!(line.flags, ["open-drain"]);
-        assert_eq!(Holder::of(line).unwrap().to_string(), "GPIO20 (\"cermd\")");
-        assert_eq!(Holder::of(LineListing::default()), None);
+        assert_eq!(line.holder().unwrap().to_string(), "GPIO20 (\"cermd\")");
+        assert_eq!(LineListing::default().holder(), None);
     }
 
     #[test]

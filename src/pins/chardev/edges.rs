@@ -1,28 +1,30 @@
 //! Edges between the kernel's buffer and the caller, and the numbers of the last ones.
 
 use super::wiring::Lines;
-use crate::circuit::Node;
 use crate::pins::limits::EDGES_A_READ;
 use crate::pins::{Edge, later};
 use crate::units::Nanos;
 use gpiocdev_uapi::v2::LineEdgeEvent;
+use std::collections::VecDeque;
 
 /// The length of `struct gpio_v2_line_event` in words.
 const WORDS: usize = size_of::<LineEdgeEvent>() / size_of::<u64>();
 
-/// The edges of one read, handed out one by one.
+/// The edges of one read, handed out one by one. Nothing allocates after construction.
 #[derive(Debug)]
 pub(super) struct EdgeBuffer {
     words: [u64; EDGES_A_READ * WORDS],
-    next: usize,
-    count: usize,
-    seqno: u32,
-    line_seqno: [u32; 2],
+    edges: VecDeque<Edge>,
+    /// The highest of the edges that were read.
+    pub seqno: u32,
+    /// The last of the edges of each node that were read.
+    pub line_seqno: [u32; 2],
 }
 
 impl Default for EdgeBuffer {
     fn default() -> EdgeBuffer {
-        EdgeBuffer { words: [0; EDGES_A_READ * WORDS], next: 0, count: 0, seqno: 0, line_seqno: [0; 2] }
+        let edges = VecDeque::with_capacity(EDGES_A_READ);
+        EdgeBuffer { words: [0; EDGES_A_READ * WORDS], edges, seqno: 0, line_seqno: [0; 2] }
     }
 }
 
@@ -35,42 +37,26 @@ impl EdgeBuffer {
 
     /// Notes that a read has put so many words of events into the room; whether it was any.
     pub fn filled(&mut self, words: usize, lines: &Lines) -> bool {
-        self.count = words / WORDS;
-        for position in 0..self.count {
-            if let Some(edge) = self.edge(position, lines) {
-                self.seqno = later(self.seqno, edge.seqno);
-                self.line_seqno[edge.node.index()] = edge.line_seqno;
-            }
+        let count = words / WORDS;
+        let events = self.words.chunks_exact(WORDS).take(count);
+        for event in events.filter_map(|words| LineEdgeEvent::from_slice(words).ok()) {
+            let Some(node) = lines.node_at(event.offset) else { continue };
+            let LineEdgeEvent { timestamp_ns, seqno, line_seqno, .. } = *event;
+            self.seqno = later(self.seqno, seqno);
+            self.line_seqno[node.index()] = line_seqno;
+            self.edges.push_back(Edge { node, at: Nanos(timestamp_ns as i64), seqno, line_seqno });
         }
-        self.count > 0
+        count > 0
     }
 
     /// The next edge.
-    pub fn take(&mut self, lines: &Lines) -> Option<Edge> {
-        while self.next < self.count {
-            self.next += 1;
-            if let Some(edge) = self.edge(self.next - 1, lines) {
-                return Some(edge);
-            }
-        }
-        None
+    pub fn take(&mut self) -> Option<Edge> {
+        self.edges.pop_front()
     }
 
     /// Drops the edges that have not been taken; their numbers stay known.
     pub fn forget(&mut self) {
-        (self.next, self.count) = (0, 0);
-    }
-
-    /// The highest `seqno`, and for each node `line_seqno`, of the edges that were read.
-    pub fn last_numbers(&self) -> (u32, [u32; 2]) {
-        (self.seqno, self.line_seqno)
-    }
-
-    fn edge(&self, position: usize, lines: &Lines) -> Option<Edge> {
-        let event = LineEdgeEvent::from_slice(self.words.get(position * WORDS..)?).ok()?;
-        let node: Node = lines.node_at(event.offset)?;
-        let at = Nanos(event.timestamp_ns as i64);
-        Some(Edge { node, at, seqno: event.seqno, line_seqno: event.line_seqno })
+        self.edges.clear();
     }
 }
 
@@ -78,6 +64,7 @@ impl EdgeBuffer {
 mod tests {
     use super::super::wiring::tests::{lines, wiring};
     use super::*;
+    use crate::circuit::Node;
 
     /// An event as the kernel writes it: stamp, then id, offset, seqno and line_seqno as 32 bit each, then padding.
     fn event(at: u64, offset: u32, seqno: u32, line_seqno: u32) -> [u64; WORDS] {
@@ -100,10 +87,9 @@ mod tests {
     fn edges_come_out_one_by_one_with_their_nodes() {
         let mut buffer = EdgeBuffer::default();
         assert!(fill(&mut buffer, &[event(1_000, 5, 7, 4), event(2_000, 6, 8, 4)]));
-        let lines = lines(&wiring());
         let a = Edge { node: Node::A, at: Nanos(1_000), seqno: 7, line_seqno: 4 };
         let b = Edge { node: Node::B, at: Nanos(2_000), seqno: 8, line_seqno: 4 };
-        assert_eq!([buffer.take(&lines), buffer.take(&lines), buffer.take(&lines)], [Some(a), Some(b), None]);
+        assert_eq!([buffer.take(), buffer.take(), buffer.take()], [Some(a), Some(b), None]);
     }
 
     #[test]
@@ -111,17 +97,17 @@ mod tests {
         let mut buffer = EdgeBuffer::default();
         fill(&mut buffer, &[event(1, 5, u32::MAX, 30), event(2, 5, 0, 31), event(3, 6, 1, 12)]);
         buffer.forget();
-        assert_eq!(buffer.take(&lines(&wiring())), None);
-        assert_eq!(buffer.last_numbers(), (1, [31, 12]), "numbers wrap");
+        assert_eq!(buffer.take(), None);
+        assert_eq!((buffer.seqno, buffer.line_seqno), (1, [31, 12]), "numbers wrap");
     }
 
     #[test]
     fn an_edge_that_was_queued_late_has_not_the_highest_number() {
         let mut buffer = EdgeBuffer::default();
         fill(&mut buffer, &[event(2, 6, u32::MAX - 1, 4), event(1, 5, u32::MAX - 2, 4)]);
-        assert_eq!(buffer.last_numbers(), (0, [4, 4]), "as if the numbers had gone round before");
+        assert_eq!((buffer.seqno, buffer.line_seqno), (0, [4, 4]), "as if the numbers had gone round before");
         fill(&mut buffer, &[event(2, 6, 2, 5), event(1, 5, 1, 5)]);
-        assert_eq!(buffer.last_numbers(), (2, [5, 5]));
+        assert_eq!((buffer.seqno, buffer.line_seqno), (2, [5, 5]));
     }
 
     #[test]
@@ -129,7 +115,7 @@ mod tests {
         let mut buffer = EdgeBuffer::default();
         fill(&mut buffer, &[event(1, 5, 1, 1)]);
         assert!(!fill(&mut buffer, &[]));
-        assert_eq!(buffer.take(&lines(&wiring())), None);
-        assert_eq!(buffer.last_numbers(), (1, [1, 0]));
+        assert_eq!(buffer.take(), None);
+        assert_eq!((buffer.seqno, buffer.line_seqno), (1, [1, 0]));
     }
 }

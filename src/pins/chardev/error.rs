@@ -1,6 +1,5 @@
 //! What a refusal of the kernel means to the person at the board: which call, which line, the likely cause.
 
-use super::chips::LineListing;
 use gpiocdev_uapi::v2;
 use nix::errno::Errno;
 use nix::unistd::{Gid, Group};
@@ -30,7 +29,7 @@ pub enum ChardevError {
         /// As configured.
         wanted: String,
         /// Which chips there are.
-        present: ChipTitles,
+        present: String,
     },
     /// Several chips carry the label.
     #[error("several GPIO chips have the label \"{label}\": {}; give the name or path of one", names.join(", "))]
@@ -48,7 +47,7 @@ pub enum ChardevError {
         /// As configured.
         wanted: String,
         /// What could be asked for.
-        instead: Instead,
+        instead: String,
     },
     /// The wiring makes no sense, or not with this backend.
     #[error("{0}")]
@@ -87,7 +86,7 @@ pub enum Cause {
     /// The chip has disappeared.
     Gone {
         /// Which chips there are, if that was looked up.
-        present: Option<ChipTitles>,
+        present: Option<String>,
     },
     /// All that is known from the error number alone.
     Hint(&'static str),
@@ -140,56 +139,9 @@ pub struct Holder {
     pub consumer: Option<String>,
 }
 
-impl Holder {
-    /// `None` for a line that is free.
-    pub(super) fn of(line: LineListing) -> Option<Holder> {
-        let name = line.name.unwrap_or_else(|| format!("line {}", line.offset));
-        line.used.then_some(Holder { line: name, consumer: line.consumer })
-    }
-}
-
 impl fmt::Display for Holder {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "{} (\"{}\")", self.line, self.consumer.as_deref().unwrap_or("unnamed"))
-    }
-}
-
-/// Name and label of each chip that can be opened.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub struct ChipTitles(pub Vec<String>);
-
-impl fmt::Display for ChipTitles {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self.0.as_slice() {
-            [] => f.write_str("no GPIO chip can be opened"),
-            some => write!(f, "chips present: {}", some.join(", ")),
-        }
-    }
-}
-
-/// What could be asked for in place of a line that a chip does not have.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub enum Instead {
-    /// The most similar names.
-    Names(Vec<String>),
-    /// The lines have no names: an offset, up to this one.
-    Offsets(usize),
-    /// An offset that the chip has: up to this one.
-    Within(usize),
-    /// Several lines have the name: one of these offsets.
-    OneOf(Vec<u32>),
-}
-
-impl fmt::Display for Instead {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Instead::Names(names) => write!(f, "did you mean {}?", names.join(", ")),
-            Instead::Offsets(last) => write!(f, "its lines have no names: give an offset from 0 to {last}"),
-            Instead::Within(last) => write!(f, "its offsets go from 0 to {last}"),
-            Instead::OneOf(offsets) => {
-                write!(f, "several lines have this name: give the offset, one of {offsets:?}")
-            }
-        }
     }
 }
 
@@ -267,7 +219,7 @@ mod tests {
         for errno in [libc::ENODEV, libc::ENOENT, libc::ENXIO] {
             assert_eq!(cause(errno), Cause::Gone { present: None });
         }
-        let present = Some(ChipTitles(vec!["gpiochip0 [pinctrl-rp1]".to_owned()]));
+        let present = Some("chips present: gpiochip0 [pinctrl-rp1]".to_owned());
         let text = Cause::Gone { present }.to_string();
         assert_eq!(text, "the chip is gone; chips present: gpiochip0 [pinctrl-rp1]");
     }
@@ -280,7 +232,7 @@ mod tests {
 
     #[test]
     fn a_chip_that_is_not_there_may_come_back() {
-        let missing = ChardevError::NoChip { wanted: "x".into(), present: ChipTitles(Vec::new()) };
+        let missing = ChardevError::NoChip { wanted: "x".into(), present: String::new() };
         assert!(missing.is_gone());
         assert!(!ChardevError::Wiring("x".into()).is_gone());
     }

@@ -1,7 +1,7 @@
 //! A line of a chip by its name or offset.
 
 use super::chips::LineListing;
-use super::error::{ChardevError, Instead};
+use super::error::ChardevError;
 use crate::pins::limits::SUGGESTIONS;
 
 /// The offset of a line given by name or number on the chip called `chip`.
@@ -14,23 +14,24 @@ pub(super) fn line_offset(lines: &[LineListing], wanted: &str, chip: &str) -> Re
     let instead = match (named.as_slice(), wanted.parse::<u32>()) {
         ([offset], _) => return Ok(*offset),
         ([], Ok(offset)) if (offset as usize) < lines.len() => return Ok(offset),
-        ([], Ok(_)) => Instead::Within(lines.len().saturating_sub(1)),
+        ([], Ok(_)) => format!("its offsets go from 0 to {}", lines.len().saturating_sub(1)),
         ([], Err(_)) => similar_names(lines, wanted),
-        (_, _) => Instead::OneOf(named),
+        (_, _) => format!("several lines have this name: give the offset, one of {named:?}"),
     };
     Err(ChardevError::NoLine { chip: chip.to_owned(), wanted: wanted.to_owned(), instead })
 }
 
 /// The nearest by edit distance, letters of either case alike.
-fn similar_names(lines: &[LineListing], wanted: &str) -> Instead {
+fn similar_names(lines: &[LineListing], wanted: &str) -> String {
     let mut names: Vec<String> = lines.iter().filter_map(|line| line.name.clone()).collect();
     if names.is_empty() {
-        return Instead::Offsets(lines.len().saturating_sub(1));
+        let last = lines.len().saturating_sub(1);
+        return format!("its lines have no names: give an offset from 0 to {last}");
     }
     let wanted = wanted.to_lowercase();
     names.sort_by_key(|name| strsim::levenshtein(&name.to_lowercase(), &wanted));
     names.truncate(SUGGESTIONS);
-    Instead::Names(names)
+    format!("did you mean {}?", names.join(", "))
 }
 
 #[cfg(test)]

@@ -6,7 +6,7 @@
 //! changes the direction of several lines one after the other, and as the lines stand in switching order (sinks
 //! before chargers), most changes release before they drive within one call. The others take two.
 
-use super::wiring::{Lines, WiredLine, Wiring};
+use super::wiring::{Lines, WiredLine};
 use crate::pins::Drives;
 use gpiocdev_uapi::v2::{LineAttribute, LineEdgeEvent};
 use gpiocdev_uapi::v2::{LineConfig, LineFlags, LineRequest, LineValues, Offsets};
@@ -43,11 +43,11 @@ pub(super) fn drive_request(lines: &Lines, consumer: &str) -> LineRequest {
 }
 
 /// The sense lines in one request: watched from the start and for ever, or, where they charge too, plain inputs.
-pub(super) fn sense_request(lines: &Lines, wiring: &Wiring) -> LineRequest {
+/// The kernel keeps its default of edges, 16 a line.
+pub(super) fn sense_request(lines: &Lines, consumer: &str) -> LineRequest {
     let offsets: Vec<u32> = lines.sense.iter().map(|line| line.offset).collect();
     let config = if lines.sense_charges { inputs() } else { watching() };
-    let event_buffer_size = wiring.event_buffer.unwrap_or(0);
-    LineRequest { event_buffer_size, ..request(&offsets, config, &wiring.consumer) }
+    request(&offsets, config, consumer)
 }
 
 /// One line as an input and nothing else, its bias as it is.
@@ -99,40 +99,28 @@ fn mask(lines: &Lines, set: Drives) -> u64 {
     playing.fold(0, |mask, (bit, _)| mask | 1 << bit)
 }
 
-/// The calls that a change of drive lines takes.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub(super) struct Switching {
-    values: [LineValues; 2],
-    count: usize,
-}
-
-impl Switching {
-    /// From one set of driving lines to another: nothing, one call if the request order releases before it drives,
-    /// else two. Only the lines that change are named.
-    pub fn plan(lines: &Lines, from: Drives, to: Drives) -> Switching {
-        let released = mask(lines, from.without(to));
-        let driven = mask(lines, to.without(from));
-        let chargers = mask(lines, Drives::CHARGE);
-        // Open drain: 1 is released, 0 sinks. Open source: 1 charges, 0 is released.
-        let release = LineValues { bits: released & !chargers, mask: released };
-        let drive = LineValues { bits: driven & chargers, mask: driven };
-        let both = LineValues { bits: release.bits | drive.bits, mask: released | driven };
-        let in_order = released == 0 || driven == 0 || released.ilog2() < driven.trailing_zeros();
-        match (both.mask, in_order) {
-            (0, _) => Switching::default(),
-            (_, true) => Switching { values: [both, LineValues::default()], count: 1 },
-            (_, false) => Switching { values: [release, drive], count: 2 },
-        }
-    }
-
-    /// To be made in this order.
-    pub fn calls(&self) -> &[LineValues] {
-        &self.values[..self.count]
-    }
+/// The calls that a change from one set of driving lines to another takes, in order: none, one if the request order
+/// releases before it drives, else two. Only the lines that change are named.
+pub(super) fn switching(lines: &Lines, from: Drives, to: Drives) -> impl Iterator<Item = LineValues> {
+    let released = mask(lines, from.without(to));
+    let driven = mask(lines, to.without(from));
+    let chargers = mask(lines, Drives::CHARGE);
+    // Open drain: 1 is released, 0 sinks. Open source: 1 charges, 0 is released.
+    let release = LineValues { bits: released & !chargers, mask: released };
+    let drive = LineValues { bits: driven & chargers, mask: driven };
+    let both = LineValues { bits: release.bits | drive.bits, mask: released | driven };
+    let in_order = released == 0 || driven == 0 || released.ilog2() < driven.trailing_zeros();
+    let calls = match (both.mask, in_order) {
+        (0, _) => [None, None],
+        (_, true) => [Some(both), None],
+        (_, false) => [Some(release), Some(drive)],
+    };
+    calls.into_iter().flatten()
 }
 
 #[cfg(test)]
 mod tests {
+    use super::super::wiring::Wiring;
     use super::super::wiring::tests::{lines, wiring};
     use super::*;
     use gpiocdev_uapi::v2::LineAttributeValue;
@@ -166,7 +154,7 @@ mod tests {
     fn walk(
         lines: &Lines,
         mut driving: Drives,
-        calls: &[LineValues],
+        calls: impl Iterator<Item = LineValues>,
         mut seen: impl FnMut(Drives),
     ) -> Drives {
         for call in calls {
@@ -199,9 +187,9 @@ mod tests {
 
     #[test]
     fn dedicated_sense_lines_are_watched_for_ever() {
-        let request = sense_request(&lines(&wiring()), &Wiring { event_buffer: Some(128), ..wiring() });
+        let request = sense_request(&lines(&wiring()), "cermd");
         assert_eq!(&request.offsets.0[..2], &[5, 6]);
-        assert_eq!((request.num_lines, request.event_buffer_size), (2, 128));
+        assert_eq!((request.num_lines, request.event_buffer_size), (2, 0));
         assert_eq!(
             request.config.flags,
             LineFlags::INPUT | LineFlags::EDGE_FALLING | LineFlags::BIAS_DISABLED
@@ -213,7 +201,7 @@ mod tests {
     fn sense_lines_that_charge_begin_as_plain_inputs() {
         let wiring = Wiring { charge_a: None, charge_b: None, ..wiring() };
         let lines = lines(&wiring);
-        assert_eq!(sense_request(&lines, &wiring).config.flags, LineFlags::INPUT | LineFlags::BIAS_DISABLED);
+        assert_eq!(sense_request(&lines, "cermd").config.flags, LineFlags::INPUT | LineFlags::BIAS_DISABLED);
         let drive = drive_request(&lines, "cermd");
         assert_eq!(drive.num_lines, 4);
         assert!((0..4).all(|bit| flags_of(&drive.config, bit).contains(LineFlags::OPEN_DRAIN)));
@@ -233,7 +221,7 @@ mod tests {
     #[test]
     fn one_call_where_the_order_permits_two_where_not() {
         let lines = lines(&wiring());
-        let calls = |from, to| Switching::plan(&lines, from, to).calls().len();
+        let calls = |from, to| switching(&lines, from, to).count();
         let x = Drives::x(0);
         for (from, to, expected) in [
             (Drives::NONE, Drives::CHARGE, 1),
@@ -263,10 +251,9 @@ mod tests {
             .collect();
         for from in &sets {
             for to in &sets {
-                let plan = Switching::plan(&lines, *from, *to);
                 let mut driven_one = false;
                 let mut last = *from;
-                let end = walk(&lines, *from, plan.calls(), |now| {
+                let end = walk(&lines, *from, switching(&lines, *from, *to), |now| {
                     assert!(!now.conflicts(), "{from} to {to} passes through {now}");
                     assert_ne!(now, last, "{from} to {to} touches a line that does not change");
                     let releases = now.count() < last.count();

@@ -1,24 +1,15 @@
-//! The clock of the stamps, and waiting for an instant of it.
+//! Waiting for edges, and how late wake-ups come.
 
 use crate::pins::limits::{FIRST_SPIN_MARGIN, LEAST_SPIN_MARGIN, MOST_SPIN_MARGIN, SHORTEST_TICK};
+use crate::pins::monotonic;
 use crate::units::Nanos;
 use nix::errno::Errno;
 use nix::poll::{PollFd, PollFlags, ppoll};
 use nix::sys::time::{TimeSpec, TimeValLike};
-use nix::time::{ClockId, ClockNanosleepFlags, clock_getres, clock_gettime, clock_nanosleep};
-
-/// Reads `CLOCK_MONOTONIC`; through the vDSO, without entering the kernel.
-pub(in crate::pins) fn monotonic() -> Nanos {
-    clock(ClockId::CLOCK_MONOTONIC)
-}
-
-/// Reads a clock. One that Linux always has: it cannot fail.
-pub(in crate::pins) fn clock(id: ClockId) -> Nanos {
-    clock_gettime(id).map_or(Nanos::ZERO, |time| Nanos(time.num_nanoseconds()))
-}
+use nix::time::{ClockId, clock_getres};
 
 /// From now until an instant, not negative.
-fn time_left(until: Nanos) -> Nanos {
+pub(super) fn time_left(until: Nanos) -> Nanos {
     (until - monotonic()).max(Nanos::ZERO)
 }
 
@@ -27,7 +18,7 @@ fn time_left(until: Nanos) -> Nanos {
 /// A processor that has nothing to do until after the next tick stops the tick, and catches up on it before the interrupt
 /// that ends the wait is handled and stamped (`tick_nohz_irq_enter`, kernel/time/tick-sched.c): stamps would be late by
 /// some microseconds after long waits and not after short ones.
-fn longest_wait() -> Nanos {
+pub(super) fn longest_wait() -> Nanos {
     let tick = clock_getres(ClockId::CLOCK_MONOTONIC_COARSE);
     Nanos(tick.map_or(SHORTEST_TICK.0, |tick| tick.num_nanoseconds()) / 4 * 3)
 }
@@ -37,7 +28,7 @@ fn longest_wait() -> Nanos {
 ///
 /// # Errors
 /// `ENODEV` when the chip behind a descriptor has disappeared, else what `ppoll` answers.
-pub(in crate::pins) fn readable(watched: &mut [PollFd], until: Nanos) -> Result<bool, Errno> {
+pub(super) fn readable(watched: &mut [PollFd], until: Nanos) -> Result<bool, Errno> {
     let time = time_left(until).min(longest_wait());
     let ready = match ppoll(watched, Some(TimeSpec::nanoseconds(time.0)), None) {
         Ok(ready) => ready > 0,
@@ -54,7 +45,7 @@ pub(in crate::pins) fn readable(watched: &mut [PollFd], until: Nanos) -> Result<
 /// A wake-up that comes later than the margin raises it by half, one in time lowers it by 1/256. In balance
 /// p ln 1.5 = (1 - p)/256: the margin settles where one wake-up in a hundred is later than it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(in crate::pins) struct SpinMargin(Nanos);
+pub(super) struct SpinMargin(Nanos);
 
 impl SpinMargin {
     /// The margin now.
@@ -74,49 +65,6 @@ impl Default for SpinMargin {
     fn default() -> SpinMargin {
         SpinMargin(FIRST_SPIN_MARGIN)
     }
-}
-
-/// Sleeps until shortly before `at`, then spins; returns at `at` or a little later, never before.
-///
-/// # Errors
-/// What `clock_nanosleep` answers, other than an interruption.
-pub(in crate::pins) fn sleep_until(at: Nanos, margin: &mut SpinMargin) -> Result<(), Errno> {
-    let wake = at - margin.get();
-    if monotonic() < wake {
-        rest_until(wake, margin)?;
-    }
-    while monotonic() < at {
-        std::hint::spin_loop();
-    }
-    Ok(())
-}
-
-/// Sleeps until an instant or somewhat later.
-///
-/// # Errors
-/// What `clock_nanosleep` answers, other than an interruption.
-pub(in crate::pins) fn rest_until(at: Nanos, margin: &mut SpinMargin) -> Result<(), Errno> {
-    let until = TimeSpec::nanoseconds(at.0);
-    while let Err(errno) =
-        clock_nanosleep(ClockId::CLOCK_MONOTONIC, ClockNanosleepFlags::TIMER_ABSTIME, &until)
-    {
-        if errno != Errno::EINTR {
-            return Err(errno);
-        }
-    }
-    margin.learn(monotonic() - at);
-    Ok(())
-}
-
-/// Sleeps until shortly before an edge that is due at an instant, where that spares a wake-up of [`readable`]: two thirds of
-/// its longest wait are left, in which the tick goes on.
-///
-/// # Errors
-/// What `clock_nanosleep` answers, other than an interruption.
-pub(in crate::pins) fn rest_before(edge: Nanos, margin: &mut SpinMargin) -> Result<(), Errno> {
-    let longest = longest_wait();
-    let wake = edge - Nanos(longest.0 / 3 * 2);
-    if time_left(wake) > longest { rest_until(wake, margin) } else { Ok(()) }
 }
 
 #[cfg(test)]
@@ -160,17 +108,6 @@ mod tests {
     }
 
     #[test]
-    fn a_sleep_never_ends_early() {
-        let mut margin = SpinMargin::default();
-        for ahead in [-1_000, 0, 10_000, 300_000] {
-            let at = monotonic() + Nanos(ahead);
-            sleep_until(at, &mut margin).unwrap();
-            assert!(monotonic() >= at);
-        }
-        assert!(margin.get() >= LEAST_SPIN_MARGIN);
-    }
-
-    #[test]
     fn a_descriptor_that_hangs_up_is_a_chip_that_is_gone() {
         let (reader, writer) = nix::unistd::pipe().unwrap();
         let wait = |until| readable(&mut [PollFd::new(reader.as_fd(), PollFlags::POLLIN)], until);
@@ -185,18 +122,6 @@ mod tests {
     fn a_wait_ends_before_the_tick_would_be_stopped() {
         // CONFIG_HZ is 100 to 1000.
         assert!((Nanos(750_000)..=Nanos(7_500_000)).contains(&longest_wait()), "{}", longest_wait());
-    }
-
-    #[test]
-    fn a_rest_spares_a_wake_up_and_ends_before_the_edge() {
-        let (longest, mut margin) = (longest_wait(), SpinMargin::default());
-        let before = monotonic();
-        // Two waits are as good as a rest and a wait.
-        rest_before(before + Nanos(longest.0 / 3 * 5), &mut margin).unwrap();
-        assert_eq!(margin, SpinMargin::default(), "it has not slept");
-        rest_before(before + Nanos(longest.0 * 3), &mut margin).unwrap();
-        let rested = monotonic() - before;
-        assert!(rested > Nanos(longest.0 / 3 * 7), "woke after {rested}");
     }
 
     #[test]

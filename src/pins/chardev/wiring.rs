@@ -27,9 +27,6 @@ pub struct Wiring {
     pub sinks_x: Vec<String>,
     /// What other programs see as the consumer of the lines; the kernel keeps 31 bytes of it.
     pub consumer: String,
-    /// How many edges the kernel is to keep for us, 1 to 1024 (`GPIO_V2_LINES_MAX` * 16); `None`: its default, 16
-    /// for each sense line.
-    pub event_buffer: Option<u32>,
 }
 
 /// A line found on its chip.

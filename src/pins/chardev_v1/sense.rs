@@ -1,7 +1,7 @@
 //! One sense line of uAPI v1, with its stamps and its count of edges.
 
 use crate::circuit::Node;
-use crate::pins::chardev::wait::{clock, monotonic};
+use crate::pins::{clock, monotonic};
 use crate::units::Nanos;
 use gpio_cdev::LineEventHandle;
 use nix::fcntl::{FcntlArg, OFlag, fcntl};
@@ -51,11 +51,10 @@ impl SenseLine {
         Ok(self.next)
     }
 
-    /// Takes the next edge, and counts it.
-    pub fn take(&mut self) -> Option<Nanos> {
-        let at = self.next.take()?;
+    /// Takes the edge that was looked at, and counts it.
+    pub fn take(&mut self) {
+        self.next = None;
         self.line_seqno = self.line_seqno.wrapping_add(1);
-        Some(at)
     }
 
     /// Whether the line is high.

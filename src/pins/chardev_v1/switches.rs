@@ -39,11 +39,6 @@ impl<P: OutputPin> Switches<P> {
         Switches { switches, driving: Drives::NONE }
     }
 
-    /// The parts that some line plays.
-    pub fn wired(&self) -> Drives {
-        self.switches.iter().fold(Drives::NONE, |set, switch| set.and(switch.part))
-    }
-
     /// What errors call the line that plays a part.
     pub fn title(&self, part: Drives) -> &str {
         self.switches.iter().find(|switch| switch.part == part).map_or("", |switch| &switch.title)

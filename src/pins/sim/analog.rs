@@ -182,13 +182,12 @@ impl Analog {
         let sense = &self.circuit.sense[node.index()];
         let waveform = stretch.flow.waveform(node);
         let until = stretch.until_ns.map_or(f64::INFINITY, |until_ns| seconds(until_ns - stretch.since_ns));
-        let crossed = if stretch.high[node.index()] {
-            waveform.falls_through(sense.falling, until)?
-        } else {
-            // Only what has risen can fall: over a maximum.
-            let top = waveform.turn().filter(|turn| waveform.at(*turn) >= sense.rising)?;
-            waveform.falls_after(top, sense.falling, until)?
+        // Only what has risen can fall: over a maximum.
+        let from = match stretch.high[node.index()] {
+            true => 0.0,
+            false => waveform.turn().filter(|turn| waveform.at(*turn) >= sense.rising)?,
         };
+        let crossed = waveform.falls_after(from, sense.falling, until)?;
         let shift = match &self.noise {
             Some(noise) => noise.shift(waveform.slope(crossed).abs(), &mut self.rng),
             None => 0.0,

@@ -3,7 +3,6 @@
 
 use super::analog::Analog;
 use super::kernel::Events;
-use super::latency::whole_ns;
 use super::scene::Scene;
 use super::sensor::{Sensor, Source};
 use super::truth::Truth;
@@ -39,15 +38,10 @@ impl SimPins {
             pace: None,
             events: Events::new(scene, sense_lines, stream(seed, EVENTS)),
             analog: Analog::new(scene, circuit, sources.collect(), stream(seed, NOISE)),
-            calls: scene.calls,
-            wake: scene.wake,
-            sleep: scene.sleep,
-            reads: scene.reads.unwrap_or_default(),
-            clock_ns: scene.clock_period.map(whole_ns),
+            scene: Scene { seed, ..scene.clone() },
             armed: false,
             conflicts: 0,
             truth: Truth::default(),
-            seed,
             rng: stream(seed, CALLS),
         }
     }
@@ -55,7 +49,7 @@ impl SimPins {
     /// Connects another sensor to a channel of the scene, now.
     pub fn connect(&mut self, channel: usize, sensor: Sensor) {
         self.catch_up(self.now_ns);
-        self.analog.connect(channel, Source::new(sensor, self.seed, SENSORS + channel as u64));
+        self.analog.connect(channel, Source::new(sensor, self.scene.seed, SENSORS + channel as u64));
         self.analog.switch(self.driving(), self.now_ns);
     }
 

@@ -32,22 +32,12 @@ pub enum SceneError {
         /// Why.
         source: std::io::Error,
     },
-    /// It is not TOML, or has a key or a value that is not known; line and caret are in the message.
-    #[error("{}: {message}", origin.display())]
-    Syntax {
+    /// It is not TOML (line and caret are in the message), or a key or its value makes no sense.
+    #[error("{}: {problem}", origin.display())]
+    Wrong {
         /// Which file.
         origin: PathBuf,
-        /// Where and what.
-        message: String,
-    },
-    /// A value makes no sense.
-    #[error("{}: {key}: {problem}", origin.display())]
-    Value {
-        /// Which file.
-        origin: PathBuf,
-        /// The key, dotted.
-        key: String,
-        /// What is wrong and what to do.
+        /// The key if there is one, what is wrong, and what to do.
         problem: String,
     },
     /// There is no built-in scene of that name.
@@ -84,7 +74,8 @@ pub struct Scene {
     /// From the end of a sleep to the program.
     pub sleep: Option<DelayScene>,
     /// Cost of other calls.
-    pub reads: Option<ReadsScene>,
+    #[serde(default)]
+    pub reads: ReadsScene,
     /// What happens to edges on their way.
     pub events: Option<EventsScene>,
     /// Voltage noise at the sense inputs.
@@ -268,7 +259,7 @@ impl Scene {
     /// A scene from its text; `origin` stands in messages, and files that the scene names are beside it.
     pub fn parse(text: &str, origin: &Path) -> Result<Scene, SceneError> {
         let mut scene: Scene = toml::from_str(text)
-            .map_err(|error| SceneError::Syntax { origin: origin.to_owned(), message: error.to_string() })?;
+            .map_err(|error| SceneError::Wrong { origin: origin.to_owned(), problem: error.to_string() })?;
         for sensor in &mut scene.sensors {
             sensor.read_file(origin.parent().unwrap_or(Path::new("")))?;
         }
@@ -285,6 +276,14 @@ impl Scene {
     pub fn with_sensors(mut self, sensors: Vec<Sensor>) -> Result<Scene, SceneError> {
         self.sensors = sensors;
         self.checked(Path::new("scene"))
+    }
+
+    /// Itself, if every value makes sense.
+    fn checked(self, origin: &Path) -> Result<Scene, SceneError> {
+        match self.check() {
+            Ok(()) => Ok(self),
+            Err(problem) => Err(SceneError::Wrong { origin: origin.to_owned(), problem }),
+        }
     }
 
     /// The network with every sensor open.
@@ -357,11 +356,11 @@ impl Sensor {
             match row.filter(|row| row.0.is_finite() && row.1.is_finite() && row.1 >= 0.0 && later(row)) {
                 Some(row) => points.push(row),
                 None => {
-                    return Err(SceneError::Value {
-                        origin: full,
-                        key: format!("line {}", index + 1),
-                        problem: format!("\"{line}\" is not time_s,ohm with a later time and a resistance"),
-                    });
+                    let number = index + 1;
+                    let problem = format!(
+                        "line {number}: \"{line}\" is not time_s,ohm with a later time and a resistance"
+                    );
+                    return Err(SceneError::Wrong { origin: full, problem });
                 }
             }
         }

@@ -54,14 +54,9 @@ impl Waveform {
         (t > 0.0 && t.is_finite()).then_some(t)
     }
 
-    /// The first time in 0..=`until` at which the voltage is at or below `threshold`.
+    /// The first time in `from`..=`until` at which the voltage is at or below `threshold`.
     ///
     /// The search is relative: its error is a few units in the last place of the time itself.
-    pub fn falls_through(&self, threshold: f64, until: f64) -> Option<f64> {
-        self.falls_after(0.0, threshold, until)
-    }
-
-    /// The same, from a time `from` on.
     pub fn falls_after(&self, from: f64, threshold: f64, until: f64) -> Option<f64> {
         if self.slopes[1] == 0.0 && from == 0.0 {
             return self.single_mode(threshold).filter(|t| *t <= until);

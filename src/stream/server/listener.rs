@@ -2,7 +2,7 @@
 //! somebody else's file deleted.
 
 use nix::errno::Errno;
-use nix::fcntl::{Flock, FlockArg};
+use nix::fcntl::{FcntlArg, FdFlag, Flock, FlockArg, fcntl};
 use nix::sys::socket::{self, AddressFamily, Backlog, SockFlag, SockType, UnixAddr, sockopt};
 use std::fs::{self, File, Metadata, Permissions};
 use std::io;
@@ -60,19 +60,12 @@ pub struct Listener {
 #[derive(Debug)]
 struct OwnFile {
     path: PathBuf,
-    inode: Inode,
+    inode: (u64, u64),
 }
 
-#[derive(Debug, PartialEq, Eq)]
-struct Inode {
-    device: u64,
-    number: u64,
-}
-
-impl Inode {
-    fn of(metadata: &Metadata) -> Inode {
-        Inode { device: metadata.dev(), number: metadata.ino() }
-    }
+/// What a file is known by, whatever its name: its device and its number there.
+fn inode(metadata: &Metadata) -> (u64, u64) {
+    (metadata.dev(), metadata.ino())
 }
 
 impl Listener {
@@ -102,13 +95,10 @@ impl Listener {
                 "a descriptor that is not a listening unix stream socket".to_owned(),
             ));
         }
-        let call =
-            |source: Errno| ListenError::Activation(format!("a descriptor that cannot be used ({source})"));
-        nix::fcntl::fcntl(&fd, nix::fcntl::F_SETFD(nix::fcntl::FdFlag::FD_CLOEXEC)).map_err(call)?;
+        let unusable = |error| ListenError::Activation(format!("a descriptor that cannot be used ({error})"));
+        fcntl(&fd, FcntlArg::F_SETFD(FdFlag::FD_CLOEXEC)).map_err(|errno| unusable(errno.into()))?;
         let socket = UnixListener::from(fd);
-        socket.set_nonblocking(true).map_err(|error| {
-            ListenError::Activation(format!("a descriptor that cannot be used ({error})"))
-        })?;
+        socket.set_nonblocking(true).map_err(unusable)?;
         Ok(Listener { socket, own_file: None })
     }
 
@@ -132,7 +122,7 @@ impl Listener {
         let _lock =
             Flock::lock(directory, FlockArg::LockExclusiveNonblock).map_err(|(_, errno)| match errno {
                 Errno::EWOULDBLOCK => ListenError::Contended(path.to_owned()),
-                _ => failed("lock the directory of", path, errno.into()),
+                _ => failed("lock the directory of", path, errno),
             })?;
         remove_stale(path)?;
         bind_and_listen(path, mode)
@@ -152,7 +142,7 @@ impl AsFd for Listener {
 impl Drop for Listener {
     fn drop(&mut self) {
         let Some(own) = &self.own_file else { return };
-        if fs::symlink_metadata(&own.path).is_ok_and(|now| Inode::of(&now) == own.inode) {
+        if fs::symlink_metadata(&own.path).is_ok_and(|now| inode(&now) == own.inode) {
             if let Err(error) = fs::remove_file(&own.path) {
                 log::warn!("remove {}: {error}", own.path.display());
             }
@@ -160,7 +150,8 @@ impl Drop for Listener {
     }
 }
 
-fn failed(call: &'static str, path: &Path, source: io::Error) -> ListenError {
+fn failed(call: &'static str, path: &Path, source: impl Into<io::Error>) -> ListenError {
+    let source = source.into();
     let hint = match source.raw_os_error().map(Errno::from_raw) {
         Some(Errno::EACCES | Errno::EPERM) => ": run cermd as a user that may write there",
         Some(Errno::EROFS) => ": the unit needs ReadWritePaths= or RuntimeDirectory= for it",
@@ -170,25 +161,26 @@ fn failed(call: &'static str, path: &Path, source: io::Error) -> ListenError {
     ListenError::Call { call, path: path.to_owned(), source, hint }
 }
 
+/// A stream socket that never waits, and the address of the path.
+fn unix_socket(path: &Path) -> Result<(OwnedFd, UnixAddr), ListenError> {
+    let flags = SockFlag::SOCK_CLOEXEC | SockFlag::SOCK_NONBLOCK;
+    let socket = socket::socket(AddressFamily::Unix, SockType::Stream, flags, None)
+        .map_err(|errno| failed("make a socket for", path, errno))?;
+    let address = UnixAddr::new(path).map_err(|errno| failed("bind", path, errno))?;
+    Ok((socket, address))
+}
+
 /// Binds before the mode is set, and listens after: until then a connect is refused whatever the mode is, so
 /// there is no instant at which the umask decides who may connect.
 fn bind_and_listen(path: &Path, mode: u32) -> Result<Listener, ListenError> {
-    let socket = socket::socket(
-        AddressFamily::Unix,
-        SockType::Stream,
-        SockFlag::SOCK_CLOEXEC | SockFlag::SOCK_NONBLOCK,
-        None,
-    )
-    .map_err(|errno| failed("make a socket for", path, errno.into()))?;
-    let address = UnixAddr::new(path).map_err(|errno| failed("bind", path, errno.into()))?;
-    socket::bind(socket.as_raw_fd(), &address).map_err(|errno| failed("bind", path, errno.into()))?;
+    let (socket, address) = unix_socket(path)?;
+    socket::bind(socket.as_raw_fd(), &address).map_err(|errno| failed("bind", path, errno))?;
     let metadata = fs::symlink_metadata(path).map_err(|source| failed("stat", path, source))?;
-    let own_file = OwnFile { path: path.to_owned(), inode: Inode::of(&metadata) };
+    let own_file = OwnFile { path: path.to_owned(), inode: inode(&metadata) };
     let listener = Listener { socket: UnixListener::from(socket), own_file: Some(own_file) };
     fs::set_permissions(path, Permissions::from_mode(mode))
         .map_err(|source| failed("chmod", path, source))?;
-    socket::listen(&listener.socket, Backlog::MAXCONN)
-        .map_err(|errno| failed("listen on", path, errno.into()))?;
+    socket::listen(&listener.socket, Backlog::MAXCONN).map_err(|errno| failed("listen on", path, errno))?;
     Ok(listener)
 }
 
@@ -203,14 +195,7 @@ fn remove_stale(path: &Path) -> Result<(), ListenError> {
         Ok(_) => {}
     }
     // Without blocking: the queue of a daemon that hangs may be full.
-    let probe = socket::socket(
-        AddressFamily::Unix,
-        SockType::Stream,
-        SockFlag::SOCK_CLOEXEC | SockFlag::SOCK_NONBLOCK,
-        None,
-    )
-    .map_err(|errno| failed("make a socket to probe", path, errno.into()))?;
-    let address = UnixAddr::new(path).map_err(|errno| failed("connect to", path, errno.into()))?;
+    let (probe, address) = unix_socket(path)?;
     match socket::connect(probe.as_raw_fd(), &address) {
         Ok(()) => Err(ListenError::Served { path: path.to_owned(), owner: owner_of(&probe) }),
         Err(Errno::EAGAIN) => {
@@ -222,7 +207,7 @@ fn remove_stale(path: &Path) -> Result<(), ListenError> {
             fs::remove_file(path).map_err(|source| failed("remove the stale", path, source))
         }
         Err(Errno::ENOENT) => Ok(()),
-        Err(errno) => Err(failed("connect to", path, errno.into())),
+        Err(errno) => Err(failed("connect to", path, errno)),
     }
 }
 

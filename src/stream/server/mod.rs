@@ -148,19 +148,10 @@ impl Server {
         self.has_news = true;
     }
 
-    /// Readings were lost on the way to the server: to every client that watches readings.
-    pub fn miss_readings(&mut self, count: u64) {
-        self.miss(count, false);
-    }
-
-    /// Discharges were lost on the way to the server: to every client that watches raw.
-    pub fn miss_raw(&mut self, count: u64) {
-        self.miss(count, true);
-    }
-
-    fn miss(&mut self, count: u64, raw: bool) {
+    /// So many readings and discharges were lost on the way to the server: to every client that watches these or those.
+    pub fn miss(&mut self, readings: u64, discharges: u64) {
         for client in self.clients.values_mut() {
-            self.hub.lost += client.session.miss(count, raw);
+            self.hub.lost += client.session.miss(readings, discharges);
         }
     }
 

@@ -118,10 +118,14 @@ impl Session {
         lost.unwrap_or(0)
     }
 
-    /// Readings (or, if `raw`, discharges) were lost to everybody before they could be published. Of which
-    /// channel they were is unknown, so they count whatever the filter. Returns how many count.
-    pub fn miss(&mut self, lines: u64, raw: bool) -> u64 {
-        let counted = if self.subscription.enable && self.subscription.raw == raw { lines } else { 0 };
+    /// Readings and discharges were lost to everybody before they could be published. Of which channel they were is
+    /// unknown, so they count whatever the filter. Returns how many count.
+    pub fn miss(&mut self, readings: u64, discharges: u64) -> u64 {
+        let counted = match (self.watches(), self.subscription.raw) {
+            (false, _) => 0,
+            (true, false) => readings,
+            (true, true) => discharges,
+        };
         self.lost += counted;
         counted
     }

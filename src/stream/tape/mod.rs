@@ -223,23 +223,19 @@ impl Header {
     /// # Errors
     /// Why it cannot be a discharge of this tape.
     pub fn entry(&self, line: &DischargeLine) -> Result<Entry, String> {
-        let channel = match &line.channel {
-            None => None,
-            Some(id) => match self.channels.iter().position(|channel| channel.id == *id) {
-                None => return Err(format!("channel {id:?} is not in the header")),
-                found => found,
-            },
+        let position = |id: &String| {
+            let found = self.channels.iter().position(|channel| channel.id == *id);
+            found.ok_or_else(|| format!("channel {id:?} is not in the header"))
         };
+        let channel = line.channel.as_ref().map(position).transpose()?;
         let through = |resistor| self.through(resistor, channel);
-        let switch = match line.switch {
-            None => None,
-            Some(s) => Some(Switch { at_ns: s.at_ns, on_ns: s.on_ns, to: through(s.to)? }),
-        };
+        let switch =
+            |s: SwitchLine| Ok::<_, String>(Switch { at_ns: s.at_ns, on_ns: s.on_ns, to: through(s.to)? });
         let record = Record {
             through: through(line.through)?,
             start: Nanos::ZERO,
             second_ns: line.second_ns,
-            switch,
+            switch: line.switch.map(switch).transpose()?,
             a_ns: line.a_ns,
             b_ns: line.b_ns,
             u_switch_ns: None,

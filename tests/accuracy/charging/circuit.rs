@@ -31,7 +31,7 @@ fn crossing(circuit: &network::SimCircuit, node: Node, depth: f64, seconds: f64)
     let start = [1.0 - depth, 1.0 - k * depth].map(|share| share * circuit.v_dd);
     let charged = circuit.flow(start, Drives::CHARGE).after(seconds);
     let falls = circuit.flow(charged, Drives::C2).waveform(node);
-    falls.falls_through(circuit.sense[node.index()].falling, f64::INFINITY).unwrap()
+    falls.falls_after(0.0, circuit.sense[node.index()].falling, f64::INFINITY).unwrap()
 }
 
 #[test]

@@ -109,7 +109,7 @@ pub fn walk(circuit: &SimCircuit, start: [f64; 2], steps: &Steps, lag: f64) -> (
             let crossing = &mut crossings[node.index()];
             let threshold = circuit.sense[node.index()].falling;
             *crossing =
-                crossing.or_else(|| last.waveform(node).falls_through(threshold, until).map(|t| from + t));
+                crossing.or_else(|| last.waveform(node).falls_after(0.0, threshold, until).map(|t| from + t));
         }
     }
     let end = crossings.iter().flatten().fold(0.0, |end: f64, t| end.max(*t)) + lag;

@@ -12,7 +12,6 @@ pub fn wiring() -> Wiring {
         sink_c2: "GPIO21".into(),
         sinks_x: vec!["GPIO16".into(), "GPIO26".into()],
         consumer: "cermd".into(),
-        event_buffer: None,
     }
 }
 

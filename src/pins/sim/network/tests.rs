@@ -41,8 +41,8 @@ pub fn exact_discharge(
         if node == Node::B && !circuit.has_b() {
             return None;
         }
-        first.waveform(node).falls_through(threshold, until).or_else(|| {
-            let rest = second?.waveform(node).falls_through(threshold, f64::INFINITY)?;
+        first.waveform(node).falls_after(0.0, threshold, until).or_else(|| {
+            let rest = second?.waveform(node).falls_after(0.0, threshold, f64::INFINITY)?;
             Some(until + rest)
         })
     };
@@ -220,7 +220,7 @@ proptest! {
         let flow = circuit.flow(start, on);
         for node in Node::BOTH {
             let waveform = flow.waveform(node);
-            let Some(t) = waveform.falls_through(threshold, f64::INFINITY) else {
+            let Some(t) = waveform.falls_after(0.0, threshold, f64::INFINITY) else {
                 let seen = (-60..60).map(|e| waveform.at(1.2f64.powi(e) / flow.rates[0].max(1.0)));
                 prop_assert!(seen.into_iter().all(|v| v >= threshold - 1e-9));
                 continue;

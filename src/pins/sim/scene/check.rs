@@ -1,11 +1,11 @@
 //! Whether the values of a scene make sense: the key and the remedy, before anything is simulated.
 
-use super::{Kind, NodeScene, Scene, SceneError, Threshold, line_named};
+use super::{CircuitScene, Kind, NodeScene, NoiseScene, ReadsScene, Scene, Threshold, line_named};
 use crate::pins::MAX_CHANNELS;
 use crate::pins::limits::MOST_EVENTS;
 use crate::pins::sim::sensor::Sensor;
-use crate::units::{Quantity, Seconds};
-use std::path::Path;
+use crate::units::{Quantity, Seconds, Volt};
+use std::fmt::Display;
 
 /// Where a value may lie, and what is said of one that does not.
 struct Range(fn(f64) -> bool, &'static str);
@@ -43,170 +43,156 @@ impl<V: Value> Value for Option<V> {
 /// A value with its key in a table.
 type Row<'a> = (&'a str, &'a dyn Value);
 
-/// Keeps the first problem: its key, and what is wrong and what to do.
-#[derive(Default)]
-struct Check(Option<(String, String)>);
+/// The key, and what is wrong and what to do, unless `holds`.
+fn demand(holds: bool, key: impl Display, otherwise: impl Display) -> Result<(), String> {
+    if holds { Ok(()) } else { Err(format!("{key}: {otherwise}")) }
+}
 
-impl Check {
-    fn demand(&mut self, holds: bool, key: impl Into<String>, otherwise: impl Into<String>) {
-        if !holds && self.0.is_none() {
-            self.0 = Some((key.into(), otherwise.into()));
-        }
+fn all(range: Range, table: &str, rows: &[Row]) -> Result<(), String> {
+    rows.iter().try_for_each(|(key, value)| {
+        demand(value.si().is_none_or(range.0), format!("{table}.{key}"), range.1)
+    })
+}
+
+fn tail(table: &str, probability: Option<f64>, mean: Option<Seconds>) -> Result<(), String> {
+    const APART: &str = "tail-probability and tail-mean belong together: name both or neither";
+    demand(probability.is_some() == mean.is_some(), table, APART)?;
+    all(PROBABILITY, table, &[("tail-probability", &probability)])?;
+    all(POSITIVE, table, &[("tail-mean", &mean)])
+}
+
+impl Threshold {
+    fn check(&self, key: &str, v_dd: Volt) -> Result<(), String> {
+        let rising = self.rising.unwrap_or(self.falling);
+        all(POSITIVE, key, &[("falling", &self.falling)])?;
+        demand(rising >= self.falling, format!("{key}.rising"), "must not be below falling")?;
+        demand(rising < v_dd, key, "has to be below v-dd: no input could ever read high")
     }
+}
 
-    fn all(&mut self, range: Range, table: &str, rows: &[Row]) {
-        for (key, value) in rows {
-            self.demand(value.si().is_none_or(range.0), format!("{table}.{key}"), range.1);
-        }
-    }
-
-    fn tail(&mut self, table: &str, probability: Option<f64>, mean: Option<Seconds>) {
-        const APART: &str = "tail-probability and tail-mean belong together: name both or neither";
-        self.demand(probability.is_some() == mean.is_some(), table, APART);
-        self.all(PROBABILITY, table, &[("tail-probability", &probability)]);
-        self.all(POSITIVE, table, &[("tail-mean", &mean)]);
-    }
-
-    fn threshold(&mut self, key: &str, threshold: Threshold, v_dd: f64) {
-        let rising = threshold.rising.unwrap_or(threshold.falling);
-        self.all(POSITIVE, key, &[("falling", &threshold.falling)]);
-        self.demand(rising >= threshold.falling, format!("{key}.rising"), "must not be below falling");
-        self.demand(rising.0 < v_dd, key, "has to be below v-dd: no input could ever read high");
-    }
-
-    fn node(&mut self, key: &str, node: &NodeScene, v_dd: f64) {
-        if let Some(threshold) = node.threshold {
-            self.threshold(&format!("{key}.threshold"), threshold, v_dd);
+impl NodeScene {
+    fn check(&self, key: &str, v_dd: Volt) -> Result<(), String> {
+        if let Some(threshold) = self.threshold {
+            threshold.check(&format!("{key}.threshold"), v_dd)?;
         }
         let resistances: &[Row] = &[
-            ("leakage-resistance", &node.leakage_resistance),
-            ("pull-up", &node.pull_up),
-            ("pull-down", &node.pull_down),
+            ("leakage-resistance", &self.leakage_resistance),
+            ("pull-up", &self.pull_up),
+            ("pull-down", &self.pull_down),
         ];
-        self.all(POSITIVE, key, resistances);
+        all(POSITIVE, key, resistances)
     }
+}
 
-    fn sensor(&mut self, key: &str, sensor: &Sensor) {
-        match sensor {
-            Sensor::Constant(r) => self.demand((NOT_NEGATIVE.0)(r.0), key, NOT_NEGATIVE.1),
+impl Sensor {
+    fn check(&self, key: &str) -> Result<(), String> {
+        match self {
+            Sensor::Constant(r) => demand((NOT_NEGATIVE.0)(r.0), key, NOT_NEGATIVE.1),
             Sensor::Step { before, after, at } => {
-                let values: &[Row] = &[("before", before), ("after", after), ("at", at)];
-                self.all(NOT_NEGATIVE, key, values);
+                all(NOT_NEGATIVE, key, &[("before", before), ("after", after), ("at", at)])
             }
             Sensor::Ramp { from, to, start, duration } => {
-                self.all(NOT_NEGATIVE, key, &[("from", from), ("to", to), ("start", start)]);
-                self.all(POSITIVE, key, &[("duration", duration)]);
+                all(NOT_NEGATIVE, key, &[("from", from), ("to", to), ("start", start)])?;
+                all(POSITIVE, key, &[("duration", duration)])
             }
             Sensor::Sine { mean, amplitude, frequency } => {
-                self.all(POSITIVE, key, &[("frequency", frequency)]);
-                self.all(NOT_NEGATIVE, key, &[("amplitude", amplitude)]);
+                all(POSITIVE, key, &[("frequency", frequency)])?;
+                all(NOT_NEGATIVE, key, &[("amplitude", amplitude)])?;
                 let is_sound = mean.0.is_finite() && mean >= amplitude;
                 let otherwise = "must not be above the mean: R would be negative";
-                self.demand(is_sound, format!("{key}.amplitude"), otherwise);
+                demand(is_sound, format!("{key}.amplitude"), otherwise)
             }
-            Sensor::File { points, .. } => {
-                self.demand(!points.is_empty(), key, "the file has no rows time_s,ohm");
-            }
+            Sensor::File { points, .. } => demand(!points.is_empty(), key, "the file has no rows time_s,ohm"),
             Sensor::Hand { alpha, peak, period } => {
-                self.all(POSITIVE, key, &[("alpha", alpha), ("peak", peak), ("period", period)]);
+                all(POSITIVE, key, &[("alpha", alpha), ("peak", peak), ("period", period)])
             }
         }
     }
 }
 
-impl Scene {
-    /// Itself, if every value makes sense.
-    pub(super) fn checked(self, origin: &Path) -> Result<Scene, SceneError> {
-        let mut check = Check::default();
-        self.check_circuit(&mut check);
-        let most = format!("there can be at most {MAX_CHANNELS}");
-        check.demand(self.sensors.len() <= MAX_CHANNELS, "sensor", most);
-        for (channel, sensor) in self.sensors.iter().enumerate() {
-            check.sensor(&format!("sensor {channel}"), sensor);
-        }
-        // At least half a nanosecond, so that it rounds to one.
-        let is_long_enough = (POSITIVE.0)(self.sample_interval.0 - 0.5e-9);
-        check.demand(is_long_enough, "sample-interval", POSITIVE.1);
-        self.check_clock(&mut check);
-        self.check_latencies(&mut check);
-        self.check_effects(&mut check);
-        match check.0 {
-            None => Ok(self),
-            Some((key, problem)) => Err(SceneError::Value { origin: origin.to_owned(), key, problem }),
-        }
-    }
-
-    fn check_circuit(&self, check: &mut Check) {
-        let circuit = &self.circuit;
-        let wanted = match circuit.kind {
-            Kind::TwoCapacitor => &[("c-a", circuit.c_a), ("c-b", circuit.c_b)][..],
-            Kind::OneCapacitor | Kind::SeriesCalibration => &[("c", circuit.c)],
+impl CircuitScene {
+    fn check(&self) -> Result<(), String> {
+        let wanted = match self.kind {
+            Kind::TwoCapacitor => &[("c-a", self.c_a), ("c-b", self.c_b)][..],
+            Kind::OneCapacitor | Kind::SeriesCalibration => &[("c", self.c)],
         };
         for (key, capacitor) in wanted {
             let otherwise = "is missing: this kind of circuit has it";
-            check.demand(capacitor.is_some(), format!("circuit.{key}"), otherwise);
-            check.all(POSITIVE, "circuit", &[(key, capacitor)]);
+            demand(capacitor.is_some(), format!("circuit.{key}"), otherwise)?;
+            all(POSITIVE, "circuit", &[(key, capacitor)])?;
         }
-        let values: &[Row] = &[
-            ("v-dd", &circuit.v_dd),
-            ("r-c1", &circuit.r_c1),
-            ("r-c2", &circuit.r_c2),
-            ("r-o", &circuit.r_o),
-        ];
-        check.all(POSITIVE, "circuit", values);
-        check.all(NOT_NEGATIVE, "circuit", &[("r-p", &circuit.r_p)]);
-        for (name, value) in &circuit.r_o_of {
+        let values: &[Row] =
+            &[("v-dd", &self.v_dd), ("r-c1", &self.r_c1), ("r-c2", &self.r_c2), ("r-o", &self.r_o)];
+        all(POSITIVE, "circuit", values)?;
+        all(NOT_NEGATIVE, "circuit", &[("r-p", &self.r_p)])?;
+        for (name, value) in &self.r_o_of {
             let otherwise = "is no line: charge-a, charge-b, c1, c2, x0 .. x15";
-            check.demand(line_named(name).is_some(), format!("circuit.r-o-of.{name}"), otherwise);
-            check.all(POSITIVE, "circuit.r-o-of", &[(name, value)]);
+            demand(line_named(name).is_some(), format!("circuit.r-o-of.{name}"), otherwise)?;
+            all(POSITIVE, "circuit.r-o-of", &[(name, value)])?;
         }
-        check.threshold("circuit.threshold", circuit.threshold, circuit.v_dd.0);
-        check.node("circuit.node-a", &circuit.node_a, circuit.v_dd.0);
-        check.node("circuit.node-b", &circuit.node_b, circuit.v_dd.0);
+        self.threshold.check("circuit.threshold", self.v_dd)?;
+        self.node_a.check("circuit.node-a", self.v_dd)?;
+        self.node_b.check("circuit.node-b", self.v_dd)
+    }
+}
+
+impl Scene {
+    /// The first problem: its key, what is wrong, and what to do.
+    pub(super) fn check(&self) -> Result<(), String> {
+        self.circuit.check()?;
+        let most = format!("there can be at most {MAX_CHANNELS}");
+        demand(self.sensors.len() <= MAX_CHANNELS, "sensor", most)?;
+        for (channel, sensor) in self.sensors.iter().enumerate() {
+            sensor.check(&format!("sensor {channel}"))?;
+        }
+        // At least half a nanosecond, so that it rounds to one.
+        let is_long_enough = (POSITIVE.0)(self.sample_interval.0 - 0.5e-9);
+        demand(is_long_enough, "sample-interval", POSITIVE.1)?;
+        self.check_clock()?;
+        self.check_latencies()?;
+        self.check_effects()
     }
 
-    fn check_clock(&self, check: &mut Check) {
-        let Some(period) = self.clock_period else { return };
+    fn check_clock(&self) -> Result<(), String> {
+        let Some(period) = self.clock_period else { return Ok(()) };
         let ns = period.0 * 1e9;
         let is_whole = ns >= 0.999 && (ns - ns.round()).abs() <= 1e-6;
-        check.demand(is_whole, "clock-period", "has to be a whole number of nanoseconds, at least 1");
+        demand(is_whole, "clock-period", "has to be a whole number of nanoseconds, at least 1")?;
         let is_alone =
             (self.calls.is_none() && self.stamps.is_none()) && (self.wake.is_none() && self.sleep.is_none());
         let otherwise = "excludes calls, stamps, wake and sleep: with a common clock nothing else is late";
-        check.demand(is_alone, "clock-period", otherwise);
+        demand(is_alone, "clock-period", otherwise)
     }
 
-    fn check_latencies(&self, check: &mut Check) {
+    fn check_latencies(&self) -> Result<(), String> {
         for (key, delay) in [("stamps", self.stamps), ("wake", self.wake), ("sleep", self.sleep)] {
             if let Some(delay) = delay {
-                check.all(NOT_NEGATIVE, key, &[("mean", &delay.mean), ("jitter", &delay.jitter)]);
-                check.tail(key, delay.tail_probability, delay.tail_mean);
+                all(NOT_NEGATIVE, key, &[("mean", &delay.mean), ("jitter", &delay.jitter)])?;
+                tail(key, delay.tail_probability, delay.tail_mean)?;
             }
         }
         if let Some(calls) = &self.calls {
             let values: &[Row] =
                 &[("fixed", &calls.fixed), ("per-line", &calls.per_line), ("jitter", &calls.jitter)];
-            check.all(NOT_NEGATIVE, "calls", values);
-            check.tail("calls", calls.tail_probability, calls.tail_mean);
+            all(NOT_NEGATIVE, "calls", values)?;
+            tail("calls", calls.tail_probability, calls.tail_mean)?;
             let is_ordered = calls.moves_at.is_none_or(|[from, to]| 0.0 <= from && from <= to && to <= 1.0);
-            check.demand(is_ordered, "calls.moves-at", "is [from, to] with 0 <= from <= to <= 1");
+            demand(is_ordered, "calls.moves-at", "is [from, to] with 0 <= from <= to <= 1")?;
         }
-        let reads = self.reads.unwrap_or_default();
-        let costs: &[Row] = &[("clock", &reads.clock), ("levels", &reads.levels), ("arm", &reads.arm)];
-        check.all(NOT_NEGATIVE, "reads", costs);
+        let ReadsScene { clock, levels, arm } = &self.reads;
+        all(NOT_NEGATIVE, "reads", &[("clock", clock), ("levels", levels), ("arm", arm)])
     }
 
-    fn check_effects(&self, check: &mut Check) {
+    fn check_effects(&self) -> Result<(), String> {
         let events = self.events.unwrap_or_default();
         let is_kept = events.buffer.is_none_or(|buffer| (1..=MOST_EVENTS).contains(&buffer));
-        check.demand(is_kept, "events.buffer", format!("the kernel allows 1 to {MOST_EVENTS} events"));
-        check.all(PROBABILITY, "events", &[("lost", &events.lost), ("coalesced", &events.coalesced)]);
+        demand(is_kept, "events.buffer", format!("the kernel allows 1 to {MOST_EVENTS} events"))?;
+        all(PROBABILITY, "events", &[("lost", &events.lost), ("coalesced", &events.coalesced)])?;
         let is_whole = events.coalesced.is_some() == events.bounce.is_some();
-        check.demand(is_whole, "events.bounce", "and coalesced belong together: name both or neither");
-        check.all(POSITIVE, "events", &[("bounce", &events.bounce)]);
-        if let Some(noise) = &self.noise {
-            let values: &[Row] = &[("voltage", &noise.voltage), ("bandwidth", &noise.bandwidth)];
-            check.all(POSITIVE, "noise", values);
+        demand(is_whole, "events.bounce", "and coalesced belong together: name both or neither")?;
+        all(POSITIVE, "events", &[("bounce", &events.bounce)])?;
+        if let Some(NoiseScene { voltage, bandwidth }) = &self.noise {
+            all(POSITIVE, "noise", &[("voltage", voltage), ("bandwidth", bandwidth)])?;
         }
         let drift = self.drift.unwrap_or_default();
         let rates: &[Row] = &[
@@ -214,6 +200,6 @@ impl Scene {
             ("v-th-per-minute", &drift.v_th_per_minute),
             ("v-dd-per-minute", &drift.v_dd_per_minute),
         ];
-        check.all(FINITE, "drift", rates);
+        all(FINITE, "drift", rates)
     }
 }

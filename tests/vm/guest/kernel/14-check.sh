@@ -46,7 +46,7 @@ circuit cut 0
 echo "== Rc1 and Rc2 swapped"
 circuit r_mohm 12700000,2320000,1000000,0
 check 1
-says "error: circuit.r-c1: the discharge through Rc2 takes 0.18"
+says "error: circuit.r-c1: Rc1 and Rc2 look swapped"
 circuit r_mohm 2320000,12700000,1000000,0
 
 echo "== a line is held by another program"

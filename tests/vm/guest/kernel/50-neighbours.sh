@@ -7,10 +7,10 @@ undisturbed() {
     before=$(stat readings)
     sleep 2
     cermctl stats --json >stats
-    readings=$(sed 's/.*"readings":\([0-9]*\).*/\1/' stats)
-    ok=$(sed 's/.*"ok":\([0-9]*\).*/\1/' stats)
-    late=$(sed 's/.*"latency-outlier":\([0-9]*\),"unsettled":\([0-9]*\).*/\1 + \2/' stats)
-    late=$((late))
+    count() { sed "s/.*\"$1\":\([0-9]*\).*/\1/" stats; }
+    readings=$(count readings)
+    ok=$(count ok)
+    late=$(($(count latency-outlier) + $(count unsettled)))
     [ "$readings" -gt "$before" ] && [ $((ok + late)) = "$readings" ] && [ $((late * 50)) -le "$readings" ] || fail "disturbed: $(cat stats)"
 }
 
