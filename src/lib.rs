@@ -35,7 +35,6 @@
 //!
 //! Equation numbers are those of the paper on the compact error reduction method (wide range calibration for direct
 //! interface circuits).
-
 //!
 //! # Features
 //!
