@@ -1,7 +1,7 @@
 //! What a tracked calibration must show, on simulated boards in virtual time. Every seed is fixed.
 
 use crate::common::chance::WITHIN_2U;
-use crate::common::{Bench, Errors, read, settle};
+use crate::common::{Bench, Errors, read, settle, spread_of};
 use cermd::pins::sim::scene::{DelayScene, DriftScene};
 use cermd::reading::{Fault, Method, Status};
 use cermd::units::{Seconds, Volt};
@@ -15,14 +15,6 @@ const BEFORE: usize = 600;
 /// More readings are within 2u: a walk of g that is never assumed slower than a drift makes u greater than the errors on a
 /// board that does not drift, by up to 8 %.
 const SLOWEST_WALK: f64 = 0.012;
-
-/// Half the width that the middle 68.27 % of the errors take: what one spike of a thousand does not change.
-fn sd(errors: &[f64]) -> f64 {
-    let mut errors = errors.to_vec();
-    errors.sort_by(f64::total_cmp);
-    let at = |share: f64| errors[(share * (errors.len() - 1) as f64) as usize];
-    (at(0.841_345) - at(0.158_655)) / 2.0
-}
 
 /// 1-sigma error times the root of the time that a reading takes, charging included, ohm sqrt(s); and the mean
 /// Cramer-Rao bound of a reading, as a sigma (0 where there is none), and the sigma.
@@ -57,7 +49,7 @@ fn figure(method: Method, r_ohm: f64, measure: &str) -> (f64, f64, f64) {
         }
     }
     let per_reading = seconds / (INSTRUMENTS as usize * READINGS) as f64;
-    let sigma = sd(&all.errors);
+    let sigma = all.spread();
     let bound = (bounds.iter().sum::<f64>() / bounds.len().max(1) as f64).sqrt();
     (sigma * per_reading.sqrt(), bound, sigma)
 }
@@ -104,7 +96,7 @@ fn the_paper_s_board_is_below_0_2_percent_at_100_ohm() {
         "fpga-paper (simulated), 100 ohm: below 0.2 % on {below} boards of 100, median {:.3} %, worst {:.3} %; sd between boards {:.3} ohm",
         worst[50],
         worst[99],
-        sd(&offsets)
+        spread_of(&offsets)
     );
     assert!(below >= 90 && (0.05..0.15).contains(&worst[50]) && worst[99] < 0.88, "{below} {worst:?}");
 }
@@ -261,7 +253,7 @@ fn light_touches_are_measured_within_a_deadline_of_60_ms() {
                 longest = longest.max(reading.duration.as_seconds());
             });
         }
-        let sigma = sd(&all.errors) / r_ohm;
+        let sigma = all.spread() / r_ohm;
         let row = format!(
             "{r_ohm} ohm: mean {:+.4}, sigma {sigma:.4}, within 2u {}, {} of {} with a number, longest reading {:.1} ms",
             all.mean() / r_ohm,
