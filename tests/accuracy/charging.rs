@@ -5,7 +5,6 @@
 mod bench;
 mod circuit;
 
-use crate::common::chance::WITHIN_2U;
 use bench::{Board, Found, LONG_TAUS, NEIGHBOUR_OHM};
 use cermd::reading::Method;
 use std::fmt::Write;
@@ -85,7 +84,7 @@ fn check(board: &Board, part: f64, found: &Found, long: &Found, case: &str, wron
     if part == 1.0 && !error.is(0.0, SHARE) {
         writeln!(wrong, "{case}: {error:.3} u").unwrap();
     }
-    if part == 1.0 && !found.within_2u.is(WITHIN_2U, 0.0) {
+    if part == 1.0 && !found.within_2u.is_in(0.93..=0.97) {
         writeln!(wrong, "{case}: {} within 2u", found.within_2u).unwrap();
     }
     let taus = part * board.automatic_taus();
