@@ -45,8 +45,10 @@ pub mod circuit;
 #[cfg(feature = "programs")]
 pub mod config;
 #[cfg(feature = "programs")]
+#[doc(hidden)]
 pub mod ctl;
 #[cfg(feature = "programs")]
+#[doc(hidden)]
 pub mod daemon;
 #[cfg(feature = "programs")]
 pub mod estimate;

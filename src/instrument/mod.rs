@@ -3,6 +3,34 @@
 //! For: which discharges in which order, each of them step by step, and what is wrong with the board; the daemon's measuring
 //! thread runs it, tests do in virtual time. Must not know: files, threads, clients. A step allocates nothing, but to report an
 //! error of the pins.
+//!
+//! ```
+//! use cermd::config::Config;
+//! use cermd::instrument::{Instrument, Message};
+//! use cermd::pins::sim::{Scene, SimPins};
+//! use cermd::reading::Status;
+//!
+//! let config = r#"
+//!     circuit = { kind = "two-capacitor", c-a = "2.2 uF", c-b = "680 nF", r-c1 = "2.32 kohm", r-c2 = "12.7 kohm" }
+//!     measure = { method = "tcdic" }
+//!     channel = [{ id = "thumb" }]
+//! "#;
+//! let settings = Config::parse(config, "example")?.settings()?;
+//! // The simulated board has a sensor of 1 kohm.
+//! let mut instrument = Instrument::new(SimPins::new(&Scene::builtin("pi4")?, None), settings);
+//! let mut r_ohm = None;
+//! while r_ohm.is_none() {
+//!     instrument.step(&mut |message| {
+//!         if let Message::Reading(reading) = message {
+//!             if let Status::Ok { r_ohm: measured, .. } = reading.status {
+//!                 r_ohm = Some(measured.value);
+//!             }
+//!         }
+//!     })?;
+//! }
+//! assert!(r_ohm.is_some_and(|r_ohm| (950.0..1050.0).contains(&r_ohm)));
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
 
 pub mod cycle;
 pub mod diagnosis;
