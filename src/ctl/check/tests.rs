@@ -3,55 +3,7 @@
 use super::*;
 use std::fs;
 
-const FULL: &str = r#"
-[circuit]
-kind = "two-capacitor"
-c-a = "2.2 uF"
-c-b = "680 nF"
-r-c1 = "2.32 kohm"
-r-c2 = "12.7 kohm"
-v-dd = "5 V"
-v-th = "2 V"
-r-charge = "330 ohm"
-
-[gpio]
-backend = "chardev"
-chip = "pinctrl-rp1"
-sense-a = "GPIO5"
-sense-b = 6
-charge-a = "GPIO13"
-charge-b = "GPIO19"
-sink-c1 = "20"
-sink-c2 = "GPIO21"
-
-[measure]
-method = "cerm"
-rate-hz = 20
-charge-time = "3 ms"
-settle-time = "50 us"
-deadline = "50 ms"
-offset = "auto"
-t-l = "616 us"
-switch-fraction = 0.8
-
-[[channel]]
-id = "thumb"
-sink = "GPIO16"
-zero-ohm = 1.5
-force = { fc1 = "5.75 N", fc2 = "1.05 N" }
-
-[[channel]]
-id = "index"
-force = { table = "index.csv" }
-
-[server]
-socket = "/tmp/s"
-mode = "0600"
-
-[mock]
-scene = "pi4"
-seed = 7
-"#;
+const FULL: &str = include_str!("../../config/tests_full.toml");
 
 #[test]
 fn a_file_that_is_not_there_gets_a_hint() {
