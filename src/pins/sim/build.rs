@@ -3,12 +3,13 @@
 
 use super::analog::Analog;
 use super::kernel::Events;
-use super::network::LINES;
-use super::scene::Scene;
+use super::network::{Branch, Capacitors, LINES, Sense, line_index};
+use super::scene::{AbsorptionScene, BranchScene, NodeScene, Scene, Threshold, line_named};
 use super::sensor::{Sensor, Source};
 use super::truth::Truth;
-use super::{SimCircuit, SimPins};
-use crate::units::Nanos;
+use super::{Kind, SimCircuit, SimPins};
+use crate::pins::MAX_CHANNELS;
+use crate::units::{Farad, Nanos, Ohm};
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use std::collections::VecDeque;
@@ -24,6 +25,65 @@ fn stream(seed: u64, number: u64) -> ChaCha8Rng {
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
     rng.set_stream(number);
     rng
+}
+
+impl Scene {
+    /// The network with every sensor open.
+    pub fn network(&self) -> SimCircuit {
+        let circuit = &self.circuit;
+        let mut r_o = [circuit.r_o.0; LINES];
+        for (name, value) in &circuit.r_o_of {
+            if let Some(line) = line_named(name) {
+                r_o[line_index(line)] = value.0;
+            }
+        }
+        SimCircuit {
+            capacitors: self.capacitors(),
+            absorption: self.absorption(),
+            v_dd: circuit.v_dd.0,
+            r_c1: circuit.r_c1.0,
+            r_c2: circuit.r_c2.0,
+            r_p: circuit.r_p.map_or(0.0, |r| r.0),
+            r_o,
+            r_x: [f64::INFINITY; MAX_CHANNELS],
+            sense: [&circuit.node_a, &circuit.node_b].map(|node| node.sense(circuit.threshold)),
+        }
+    }
+
+    fn capacitors(&self) -> Capacitors {
+        // A missing capacitor has been refused by the check.
+        let farad = |c: Option<Farad>| c.map_or(f64::NAN, |c| c.0);
+        let circuit = &self.circuit;
+        match circuit.kind {
+            Kind::OneCapacitor => Capacitors::One { c: farad(circuit.c) },
+            Kind::SeriesCalibration => Capacitors::Series { c: farad(circuit.c) },
+            Kind::TwoCapacitor => Capacitors::Two { c_a: farad(circuit.c_a), c_b: farad(circuit.c_b) },
+        }
+    }
+
+    fn absorption(&self) -> [Vec<Branch>; 2] {
+        let AbsorptionScene { c_a, c_b, c } = &self.circuit.absorption;
+        let branches = match self.circuit.kind {
+            Kind::OneCapacitor | Kind::SeriesCalibration => [&c[..], &[]],
+            Kind::TwoCapacitor => [&c_a[..], &c_b[..]],
+        };
+        let branch = |scene: &BranchScene| Branch { share: scene.share, tau: scene.tau.0 };
+        branches.map(|branches| branches.iter().map(branch).collect())
+    }
+}
+
+impl NodeScene {
+    fn sense(&self, threshold: Threshold) -> Sense {
+        let threshold = self.threshold.unwrap_or(threshold);
+        let siemens = |r: Option<Ohm>| r.map_or(0.0, |r| 1.0 / r.0);
+        Sense {
+            falling: threshold.falling.0,
+            rising: threshold.rising.unwrap_or(threshold.falling).0,
+            leakage: self.leakage.map_or(0.0, |i| i.0),
+            to_ground: siemens(self.leakage_resistance) + siemens(self.pull_down),
+            to_v_dd: siemens(self.pull_up),
+        }
+    }
 }
 
 impl SimPins {

@@ -138,8 +138,8 @@ fn turn(matrix: &mut Matrix, vectors: &mut Matrix, n: usize, (p, q): (usize, usi
     for row in matrix.iter_mut().take(n).chain(vectors.iter_mut().take(n)) {
         (row[p], row[q]) = rotate(row[p], row[q]);
     }
-    for j in 0..n {
-        (matrix[p][j], matrix[q][j]) = rotate(matrix[p][j], matrix[q][j]);
-    }
+    let (at_p, at_q) = (matrix[p], matrix[q]);
+    matrix[p] = std::array::from_fn(|j| rotate(at_p[j], at_q[j]).0);
+    matrix[q] = std::array::from_fn(|j| rotate(at_p[j], at_q[j]).1);
     (matrix[p][q], matrix[q][p]) = (0.0, 0.0);
 }

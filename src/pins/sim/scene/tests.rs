@@ -1,4 +1,5 @@
 use super::*;
+use crate::pins::sim::network::line_index;
 
 const IDEAL: &str = include_str!("../../../../hw/scenes/ideal.toml");
 
