@@ -1,19 +1,22 @@
 //! `[gpio]`: which lines the circuit is wired to.
 
+use crate::units::named;
 use serde::Deserialize;
 use std::fmt;
 
-/// What switches and senses the lines.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum Backend {
-    /// The character device, uAPI v2: Linux 5.10 and later.
-    Chardev,
-    /// The character device, uAPI v1: for kernels before 5.10. Needs chargers of their own.
-    ChardevV1,
-    /// The simulated circuit of `[mock]`.
-    #[default]
-    Mock,
+named! {
+    /// What switches and senses the lines.
+    #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize)]
+    #[serde(rename_all = "kebab-case")]
+    Backend {
+        /// The character device, uAPI v2: Linux 5.10 and later.
+        Chardev = "chardev",
+        /// The character device, uAPI v1: for kernels before 5.10. Needs chargers of their own.
+        ChardevV1 = "chardev-v1",
+        /// The simulated circuit of `[mock]`.
+        #[default]
+        Mock = "mock",
+    }
 }
 
 /// `[gpio]`. Lines may stay out with the simulated circuit.

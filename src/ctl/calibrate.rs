@@ -19,14 +19,9 @@ use serde::Serialize;
 use std::io::{self, BufRead, IsTerminal};
 use std::path::PathBuf;
 
-/// That a calibration has come to nothing; the configuration is as it was.
-fn nothing(why: impl ToString) -> CtlError {
-    CtlError::Calibrate(why.to_string())
-}
-
 /// Nothing comes.
 fn silent(what: &str) -> CtlError {
-    nothing(format!("cermd sends no {what}; `cermctl stats` tells whether the instrument measures"))
+    CtlError::Said(format!("cermd sends no {what}; `cermctl stats` tells whether the instrument measures"))
 }
 
 /// Calibrates.
@@ -51,11 +46,11 @@ impl<'a> Target<'a> {
         let known: Vec<String> = config.channels.iter().map(|channel| channel.id.clone()).collect();
         let id = match (&update.channel, known.as_slice()) {
             (Some(id), known) if known.contains(id) => id.clone(),
-            (Some(id), _) => return Err(CtlError::NoChannel { wanted: id.clone(), known }),
+            (Some(id), known) => return Err(CtlError::no_channel(id, known)),
             (None, [only]) => only.clone(),
             (None, _) => {
                 let known = known.join(", ");
-                return Err(nothing(format!(
+                return Err(CtlError::Said(format!(
                     "there are several channels: name one with --channel; there is {known}"
                 )));
             }

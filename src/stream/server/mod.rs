@@ -31,7 +31,7 @@ use nix::errno::Errno;
 use nix::sys::epoll::{Epoll, EpollCreateFlags, EpollEvent, EpollFlags, EpollTimeout};
 use nix::sys::socket::{self, sockopt};
 use peer::{Peer, SEND};
-use published::Published;
+use published::{Content, Published};
 use std::collections::BTreeMap;
 use std::io;
 use std::os::fd::{AsFd, AsRawFd, BorrowedFd};
@@ -121,7 +121,7 @@ impl Server {
 
     /// What begins a tape: whoever watches raw gets it first, and when it changes.
     pub fn set_tape_header(&mut self, header: &Header) {
-        let header = Published::tape(header);
+        let header = Published::new(Content::Tape, header);
         self.hub.tape_header = Some(Arc::clone(&header));
         self.publish(&header);
     }
@@ -138,8 +138,9 @@ impl Server {
     }
 
     /// Publishes a discharge to those that watch raw.
-    pub fn publish_discharge(&mut self, discharge: DischargeLine) {
-        self.publish(&Published::discharge(discharge));
+    pub fn publish_discharge(&mut self, discharge: &DischargeLine) {
+        let content = Content::Discharge(discharge.channel.clone());
+        self.publish(&Published::new(content, discharge));
     }
 
     /// Each client takes it into its queue; the next turn sends it.

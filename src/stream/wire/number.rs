@@ -5,7 +5,7 @@ use crate::units::rounded;
 use serde::Serializer;
 
 /// Whether a field is left out. NaN and infinity, which JSON cannot say, count as unknown.
-pub(super) fn is_unknown(number: &Option<f64>) -> bool {
+pub fn is_unknown(number: &Option<f64>) -> bool {
     number.is_none_or(|number| !number.is_finite())
 }
 
