@@ -68,7 +68,7 @@ pub fn release_lines(config: &Config) -> Result<bool, OpenError> {
 pub fn wiring(config: &Config) -> Result<Wiring, OpenError> {
     let gpio = &config.gpio;
     let two_nodes = config.circuit.kind() == Kind::TwoCapacitor;
-    let name = |line: &Option<LineName>| line.as_ref().map(LineName::to_string);
+    let name = |line: &Option<LineName>| line.clone().map(|line| line.0);
     let needed = |key: &str, name: Option<String>| name.ok_or_else(|| OpenError::Missing(key.to_owned()));
     let sinks_x = config
         .channels

@@ -34,9 +34,9 @@ fn everything_can_be_said() {
     assert_eq!((config.circuit.v_dd, config.circuit.v_th), (Volt(5.0), Volt(2.0)));
     assert_eq!(config.circuit.r_charge, Ohm(330.0));
     assert_eq!(config.gpio.backend, Backend::Chardev);
-    assert_eq!(config.gpio.sense_a, Some(LineName::Name("GPIO5".to_owned())));
-    assert_eq!(config.gpio.sense_b, Some(LineName::Offset(6)));
-    assert_eq!(config.gpio.sink_c1, Some(LineName::Offset(20)));
+    assert_eq!(config.gpio.sense_a, Some(LineName("GPIO5".to_owned())));
+    assert_eq!(config.gpio.sense_b, Some(LineName("6".to_owned())));
+    assert_eq!(config.gpio.sink_c1, Some(LineName("20".to_owned())));
     assert_eq!(config.method(), Method::Cerm);
     assert_eq!(config.measure.rate_hz, Some(20.0));
     assert_eq!(config.charge_time(), Nanos(3_000_000));

@@ -11,7 +11,7 @@ use super::limits::NEXT_READING;
 use super::stream::Stream;
 use super::{CtlError, print};
 use crate::config::Config;
-use crate::ctl::cli::{CalibrateBy, Connection, Update};
+use crate::ctl::cli::{CalibrateBy, Update};
 use crate::stream::client::ClientError;
 use crate::stream::wire::ServerMessage;
 use edit::Value;
@@ -56,11 +56,6 @@ impl<'a> Target<'a> {
             }
         };
         Ok(Target { update, config, id })
-    }
-
-    /// The daemon, as far as it talks of this channel.
-    fn connect(&self, connection: &Connection) -> Result<Stream, CtlError> {
-        Stream::connect(&connection.socket, std::slice::from_ref(&self.id))
     }
 
     /// For people on standard output, unless that is for a machine.

@@ -77,7 +77,7 @@ pub fn publish(server: &mut Server, known: &mut Known, loaded: &Loaded, update: 
         }
         Update::Message(Message::Discharge { seq, record }) => {
             if server.wants_raw() {
-                server.publish_discharge(&loaded.tape_header.discharge(seq, &record));
+                server.publish_discharge(loaded.tape_header.discharge(seq, &record));
             }
         }
         Update::Stats(stats) => {

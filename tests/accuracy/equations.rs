@@ -12,7 +12,7 @@ use cermd::pins::sim::{Scene, Sensor, SimPins};
 use cermd::reading::Measured;
 use cermd::record::{Record, Through};
 use cermd::sensor::Force;
-use cermd::units::{Farad, Nanos, Newton, Ohm};
+use cermd::units::{Farad, Nanos, Ohm};
 use proptest::prelude::*;
 use rand::RngExt;
 

@@ -9,7 +9,15 @@ pub fn check(config: &Config, findings: &mut Findings) {
     equal_lines(config, findings);
     let gpio = &config.gpio;
     if gpio.backend == Backend::Mock {
-        return scene(config, findings);
+        if config.mock.as_ref().is_none_or(|mock| mock.scene.trim().is_empty()) {
+            let remedy = "scene = \"pi4\" under [mock], or lines under [gpio]";
+            findings.error(
+                "mock.scene",
+                "missing: without hardware there has to be a simulated circuit",
+                remedy,
+            );
+        }
+        return;
     }
     if gpio.chip.is_none() {
         let remedy = "the chip's label, such as \"pinctrl-rp1\" (see `cermctl lines`)";
@@ -44,32 +52,22 @@ fn lines(gpio: &Gpio) -> [(&'static str, Option<&LineName>, bool, bool); 6] {
     ]
 }
 
-fn scene(config: &Config, findings: &mut Findings) {
-    if config.mock.as_ref().is_none_or(|mock| mock.scene.trim().is_empty()) {
-        findings.error(
-            "mock.scene",
-            "missing: without hardware there has to be a simulated circuit",
-            "scene = \"pi4\" under [mock], or lines under [gpio]",
-        );
-    }
-}
-
 fn chargers(gpio: &Gpio, has_node_b: bool, findings: &mut Findings) {
-    let (key, reason, remedy) = match (&gpio.charge_a, &gpio.charge_b) {
+    let pair = "a charger for both nodes, or for none";
+    match (&gpio.charge_a, &gpio.charge_b) {
         (Some(_), None) if has_node_b => {
-            ("gpio.charge-b", "missing, while charge-a is there", "a charger for both nodes, or for none")
+            findings.error("gpio.charge-b", "missing, while charge-a is there", pair);
         }
         (None, Some(_)) if has_node_b => {
-            ("gpio.charge-a", "missing, while charge-b is there", "a charger for both nodes, or for none")
+            findings.error("gpio.charge-a", "missing, while charge-b is there", pair);
         }
-        (None, _) if gpio.backend == Backend::ChardevV1 => (
+        (None, _) if gpio.backend == Backend::ChardevV1 => findings.error(
             "gpio.charge-a",
             "missing: this kernel interface cannot turn a sense line into a charger",
             "lines of their own as chargers, or backend = \"chardev\"",
         ),
-        _ => return,
-    };
-    findings.error(key, reason, remedy);
+        _ => {}
+    }
 }
 
 fn equal_lines(config: &Config, findings: &mut Findings) {
@@ -79,7 +77,7 @@ fn equal_lines(config: &Config, findings: &mut Findings) {
     for (key, line) in own.chain(sinks).filter_map(|(key, line)| Some((key, line?))) {
         match seen.iter().find(|(_, other)| *other == line) {
             Some((first, _)) => {
-                findings.error(key, format!("{line} is {first} already"), "a line of its own")
+                findings.error(key, format!("{} is {first} already", line.0), "a line of its own")
             }
             None => seen.push((key, line)),
         }

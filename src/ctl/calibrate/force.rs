@@ -6,6 +6,7 @@ use super::{CtlError, Target, Value, plot, wait_for};
 use crate::circuit::Circuit;
 use crate::config::pairs;
 use crate::ctl::cli::{Force, Model};
+use crate::ctl::stream::Stream;
 use crate::estimate::fit::{self, Fit, Pair};
 use crate::sensor::Force as Law;
 use crate::stream::wire::{ReadingLine, ServerMessage, StatusName};
@@ -80,7 +81,7 @@ fn typed(target: &Target, arguments: &Force) -> Result<Vec<Pair>, CtlError> {
 /// The mean of the next readings, ohm; or why there is none.
 fn measure(target: &Target, arguments: &Force) -> Result<Result<f64, String>, CtlError> {
     // Anew for each weight: readings that were waiting are of the weight before.
-    let mut stream = target.connect(&arguments.connection)?;
+    let mut stream = Stream::connect(&arguments.connection.socket, &[target.id.clone()])?;
     let (mut numbers, mut others) = (Vec::new(), 0);
     while (numbers.len() as u64) < arguments.count {
         let reading = wait_for(&mut stream, "reading", |message| match message {

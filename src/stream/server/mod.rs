@@ -138,9 +138,9 @@ impl Server {
     }
 
     /// Publishes a discharge to those that watch raw.
-    pub fn publish_discharge(&mut self, discharge: &DischargeLine) {
+    pub fn publish_discharge(&mut self, discharge: DischargeLine) {
         let content = Content::Discharge(discharge.channel.clone());
-        self.publish(&Published::new(content, discharge));
+        self.publish(&Published::new(content, &discharge));
     }
 
     /// Each client takes it into its queue; the next turn sends it.
@@ -183,18 +183,13 @@ impl Server {
             self.accept_some(now, stats)?;
         }
         if std::mem::take(&mut self.has_news) {
-            self.spread_news(stats);
+            // To every client that is not busy with something older.
+            let waiting = self.clients.iter().filter(|(_, client)| !client.is_behind());
+            for token in waiting.map(|(&token, _)| token).collect::<Vec<_>>() {
+                self.attend(token, EpollFlags::empty(), stats);
+            }
         }
         Ok(())
-    }
-
-    /// Offers what is new to every client that is not busy with something older.
-    fn spread_news(&mut self, stats: &StatsSource<'_>) {
-        let waiting = self.clients.iter().filter(|(_, client)| !client.is_behind());
-        let tokens: Vec<u64> = waiting.map(|(&token, _)| token).collect();
-        for token in tokens {
-            self.attend(token, EpollFlags::empty(), stats);
-        }
     }
 
     fn attend(&mut self, token: u64, events: EpollFlags, stats: &StatsSource<'_>) {

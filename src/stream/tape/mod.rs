@@ -16,8 +16,7 @@
 mod check;
 
 use super::limits::{MAX_LINE_BYTES, PROTO_MAJOR};
-use super::wire::Class;
-use super::wire::number::is_unknown;
+use super::line::{Class, is_unknown};
 use crate::circuit::Kind;
 use crate::record::{Record, Switch, Through};
 use crate::sensor::Channel;

@@ -1,8 +1,8 @@
 //! What the server says: VERSION, READING, STATS, ERROR and the lines of a tape.
 
-use super::number::{is_unknown, uncertainty, value};
-use super::{Class, PROTO_MAJOR, PROTO_MINOR, StatsLine};
+use super::{PROTO_MAJOR, PROTO_MINOR, StatsLine};
 use crate::reading::{Measured, Method, Reading, Status};
+use crate::stream::line::{Class, is_unknown, uncertainty, value};
 use crate::stream::tape::{DischargeLine, Header};
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};

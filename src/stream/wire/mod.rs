@@ -19,12 +19,12 @@
 //! ```
 
 mod message;
-pub(crate) mod number;
 mod request;
 mod split;
 mod stats;
 
 pub use super::limits::{MAX_LINE_BYTES, PROTO_MAJOR, PROTO_MINOR};
+pub(crate) use super::line::to_line;
 pub use message::{
     ChannelInfo, ErrorCode, ErrorLine, ReadingLine, ServerMessage, StateLine, StatusName, Unit,
     UnreadableLine, VersionLine,
@@ -34,19 +34,3 @@ pub(crate) use request::excerpt;
 pub use request::{Request, Watch};
 pub use split::{LineSplitter, LineTooLong};
 pub use stats::{InstrumentStats, StatsLine};
-
-use serde::{Deserialize, Serialize};
-
-/// What a line is. Serde writes the tag of a struct and does not look at it when it reads.
-#[derive(Deserialize)]
-pub(crate) struct Class {
-    pub class: String,
-}
-
-/// A message as a line, with its newline.
-pub(crate) fn to_line(message: &impl Serialize) -> Vec<u8> {
-    // Texts and finite numbers always serialise.
-    let mut line = serde_json::to_vec(message).unwrap_or_default();
-    line.push(b'\n');
-    line
-}
