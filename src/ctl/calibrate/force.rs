@@ -81,7 +81,7 @@ fn typed(target: &Target, arguments: &Force) -> Result<Vec<Pair>, CtlError> {
 /// The mean of the next readings, ohm; or why there is none.
 fn measure(target: &Target, arguments: &Force) -> Result<Result<f64, String>, CtlError> {
     // Anew for each weight: readings that were waiting are of the weight before.
-    let mut stream = Stream::connect(&arguments.connection.socket, &[target.id.clone()])?;
+    let mut stream = Stream::connect(&arguments.connection.socket, std::slice::from_ref(&target.id))?;
     let (mut numbers, mut others) = (Vec::new(), 0);
     while (numbers.len() as u64) < arguments.count {
         let reading = wait_for(&mut stream, "reading", |message| match message {

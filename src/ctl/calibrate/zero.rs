@@ -54,7 +54,7 @@ pub fn run(arguments: &Zero, reference_ohm: f64) -> Result<(), CtlError> {
 
 /// Signed estimates of as many discharges as were asked for; those that gave none are left out.
 fn take(target: &Target, arguments: &Zero, part: &str) -> Result<Vec<f64>, CtlError> {
-    let mut stream = Stream::connect(&arguments.connection.socket, &[target.id.clone()])?;
+    let mut stream = Stream::connect(&arguments.connection.socket, std::slice::from_ref(&target.id))?;
     let method = method(&mut stream)?;
     if method.is_tracked() || target.config.is_tracked() {
         return Err(CtlError::said(
