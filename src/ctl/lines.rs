@@ -11,7 +11,7 @@ pub fn run(arguments: &cli::Lines) -> Result<(), CtlError> {
         eprintln!("cermctl: {refused}");
     }
     if listing.chips.is_empty() {
-        return Err(CtlError::NoChip);
+        return Err(CtlError::said("no GPIO chip to list; without hardware try `cermctl demo`"));
     }
     let text = if arguments.json { objects } else { tables };
     print(&text(&listing.chips))
