@@ -52,6 +52,8 @@ pub struct SimPins {
     analog: Analog,
     events: Events,
     scene: Scene,
+    /// When somebody last read or moved a line.
+    touched_ns: i64,
     armed: bool,
     conflicts: u64,
     truth: Truth,
@@ -147,13 +149,14 @@ impl SimPins {
         let (releases, drives) = (old.without(on), on.without(old));
         let lines = (releases.count() + drives.count()) as usize;
         let begin_ns = self.now_ns;
-        let call = calls.begin(lines, &mut self.rng);
+        let call = calls.begin(lines, begin_ns - self.touched_ns, &mut self.rng);
         let mut state = old;
         let moves = releases.lines().map(|line| (line, false)).chain(drives.lines().map(|line| (line, true)));
         for (position, (line, driven)) in moves.enumerate() {
             let after_ns = call.moves_ns(position, &mut self.rng).round() as i64;
             state = if driven { state.and(line) } else { state.without(line) };
-            self.switch(state, begin_ns + after_ns);
+            self.touched_ns = self.touched_ns.max(begin_ns + after_ns);
+            self.switch(state, self.touched_ns);
         }
         self.go_on_to(begin_ns + call.duration_ns().round() as i64);
     }
@@ -185,6 +188,7 @@ impl Pins for SimPins {
     fn arm(&mut self) -> Result<Armed, PinsError> {
         self.spend(self.scene.reads.arm);
         self.catch_up(self.now_ns);
+        self.touched_ns = self.now_ns;
         self.armed = true;
         self.truth.clear();
         let (seqno, line_seqno) = self.events.drain();
@@ -229,6 +233,7 @@ impl Pins for SimPins {
     fn levels(&mut self) -> Result<Levels, PinsError> {
         self.spend(self.scene.reads.levels);
         self.catch_up(self.now_ns);
+        self.touched_ns = self.now_ns;
         Ok(self.analog.levels(self.now_ns))
     }
 

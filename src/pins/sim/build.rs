@@ -39,6 +39,7 @@ impl SimPins {
             events: Events::new(scene, sense_lines, stream(seed, EVENTS)),
             analog: Analog::new(scene, circuit, sources.collect(), stream(seed, NOISE)),
             scene: Scene { seed, ..scene.clone() },
+            touched_ns: 0,
             armed: false,
             conflicts: 0,
             truth: Truth::default(),
