@@ -4,7 +4,7 @@ use crate::circuit::Kind;
 use crate::config::{Backend, Config, LineName};
 use crate::pins::Pins;
 use crate::pins::chardev::{self, Chardev, Wiring};
-use crate::pins::chardev_v1::{self, ChardevV1};
+use crate::pins::chardev_v1;
 use crate::pins::sim::{Scene, SceneError, SimPins};
 use crate::units::Nanos;
 use std::path::Path;
@@ -43,7 +43,7 @@ pub fn open(config: &Config, now: Nanos) -> Result<AnyPins, OpenError> {
             Ok(Box::new(SimPins::new(&scene(config)?, mock.seed).paced(now)))
         }
         Backend::Chardev => Ok(Box::new(Chardev::open(&wiring(config)?)?)),
-        Backend::ChardevV1 => Ok(Box::new(ChardevV1::open(&wiring(config)?)?)),
+        Backend::ChardevV1 => Ok(Box::new(chardev_v1::open(&wiring(config)?)?)),
     }
 }
 

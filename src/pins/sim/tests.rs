@@ -162,6 +162,26 @@ fn calls_take_overhead_and_slots_and_move_lines_in_the_middle() {
 }
 
 #[test]
+fn a_chip_that_was_left_alone_moves_its_lines_late_unless_levels_are_read_before() {
+    let timing = "fixed = \"600 ns\"\nper-line = \"500 ns\"\nasleep-after = \"10 us\"\nwakes-in = \"2 us\"";
+    let scene = with(&format!("[calls]\n{timing}"));
+    let released_ns = |rest_ns, reads: bool| {
+        let mut pins = SimPins::new(&scene, None);
+        pins.arm().unwrap();
+        let start = pins.drive(Drives::C1).unwrap();
+        pins.sleep_until(start.before + Nanos(rest_ns)).unwrap();
+        if reads {
+            pins.levels().unwrap();
+        }
+        let release = pins.drive(Drives::NONE).unwrap();
+        assert_eq!(release.width(), Nanos(1100), "the write is posted");
+        pins.truth().changes()[1].0 - release.before.as_ns() + start.before.as_ns()
+    };
+    assert_eq!([released_ns(10_000, false), released_ns(11_000, false)], [0.0, 2000.0]);
+    assert_eq!(released_ns(11_000, true), 0.0);
+}
+
+#[test]
 fn calls_jitter_within_their_sigma_and_are_preempted() {
     let scene = with("[calls]\nfixed = \"10 us\"\nper-line = \"0 s\"\njitter = 0.05");
     let mut pins = SimPins::new(&scene, None);
