@@ -44,6 +44,10 @@
 pub mod circuit;
 #[cfg(feature = "programs")]
 pub mod config;
+#[cfg(all(test, feature = "programs"))]
+#[path = "../tests/common/config.rs"]
+#[allow(dead_code, reason = "shared with all other tests")]
+pub(crate) mod config_file;
 #[cfg(feature = "programs")]
 #[doc(hidden)]
 pub mod ctl;
@@ -61,6 +65,8 @@ pub mod record;
 #[cfg(test)]
 #[path = "../tests/common/seed.rs"]
 pub(crate) mod seed;
+#[cfg(test)]
+extern crate self as cermd;
 pub mod stream;
 pub mod units;
 

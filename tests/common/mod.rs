@@ -45,19 +45,15 @@ pub fn circuit_of(name: &str, kind: Kind) -> &'static str {
 
 /// A file for one sensor, `x`, at the usual calibration resistors.
 pub fn file_for(kind: Kind, method: Method, circuit: &str, scene: &str) -> ConfigFile {
-    let kind = match kind {
-        Kind::TwoCapacitor => "two-capacitor",
-        Kind::OneCapacitor => "one-capacitor",
-        Kind::SeriesCalibration => "series-calibration",
-    };
     config(|c| {
-        c.set("circuit", "kind", kind).set("circuit", "r-c1", "2.32 kohm").set(
-            "circuit",
-            "r-c2",
-            "12.7 kohm",
-        );
-        c.lines("circuit", circuit).set("measure", "method", method.as_str());
-        c.channel("x").set("mock", "scene", scene);
+        // What the capacitors are comes with the other lines.
+        let c = match kind {
+            Kind::TwoCapacitor => c,
+            Kind::OneCapacitor => c.one_capacitor("one-capacitor", ""),
+            Kind::SeriesCalibration => c.one_capacitor("series-calibration", ""),
+        };
+        c.lines("circuit", circuit).set("measure.method", method.as_str());
+        c.channel("x").set("mock.scene", scene)
     })
 }
 
@@ -73,7 +69,7 @@ impl Bench {
         let mut config = file_for(kind, method, circuit_of(name, kind), name);
         config.lines("measure", measure);
         if name == "fpga-paper" {
-            config.set("measure", "resolution", "20 ns");
+            config.set("measure.resolution", "20 ns");
         }
         Bench { scene, config, seed }
     }

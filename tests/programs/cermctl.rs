@@ -6,7 +6,7 @@ pub mod daemon;
 mod errors;
 mod tapes;
 
-use daemon::{Daemon, ctl, json_lines, lines_of, wait_until};
+use daemon::{Daemon, config, ctl, json_lines, lines_of, scene, wait_until};
 use serde_json::Value;
 use std::fs;
 use std::io::{BufRead, BufReader};
@@ -70,7 +70,7 @@ fn watch_prints_lines_into_a_pipe_and_ends_quietly_when_it_closes() {
 
 #[test]
 fn a_fault_says_what_to_look_at() {
-    let daemon = Daemon::start_in_scene(&[("r-c2 = \"12.7 kohm\"", "r-c2 = \"100 Mohm\"")]);
+    let daemon = Daemon::start_as(&config(), scene().set("circuit.r-c2", "100 Mohm"));
     let hint =
         "nothing falls in a discharge through Rc2; look at the wire from sink-c2 through Rc2 to node A";
     let stdout = daemon.ctl(&["get", "thumb"]).assert().success().get_output().stdout.clone();
@@ -172,23 +172,17 @@ fn a_recording_says_when_the_daemon_ends_it() {
 #[test]
 fn both_checks_say_the_same() {
     let daemon = Daemon::start();
-    let good = fs::read_to_string(daemon.path("cermd.toml")).unwrap();
     let cases = [
-        ("", "", 0, ": usable: 0 error(s)"),
-        ("\"scene.toml\"", "\"missing.toml\"", 1, "error: mock.scene: cannot read "),
-        ("\"scene.toml\"", "\"pi9\"", 1, "there is no built-in scene \"pi9\"; there are ideal,"),
-        (
-            "force = { alpha = \"13346 N ohm\" }",
-            "force = { table = \"t.csv\" }",
-            1,
-            "error: channel.thumb.force: ",
-        ),
-        ("r-c1 = \"2.32 kohm\"", "r-c1 = \"12.7 kohm\"", 1, "error: circuit.r-c1"),
-        ("rate-hz", "rate-hertz", 1, "unknown field `rate-hertz`"),
+        ("measure", "rate-hz = 100", 0, ": usable: 0 error(s)"),
+        ("mock", "scene = \"missing.toml\"", 1, "error: mock.scene: cannot read "),
+        ("mock", "scene = \"pi9\"", 1, "there is no built-in scene \"pi9\"; there are ideal,"),
+        ("channel.thumb", "force = { table = \"t.csv\" }", 1, "error: channel.thumb.force: "),
+        ("circuit", "r-c1 = \"12.7 kohm\"", 1, "error: circuit.r-c1"),
+        ("measure", "rate-hertz = 100", 1, "unknown field `rate-hertz`"),
     ];
-    for (from, to, status, wanted) in cases {
+    for (table, line, status, wanted) in cases {
         let file = daemon.path("checked.toml");
-        fs::write(&file, good.replacen(from, to, 1)).unwrap();
+        fs::write(&file, config().lines(table, line).to_string()).unwrap();
         let ours = ctl(&["check", "--config", file.to_str().unwrap()]).assert().code(status);
         let ours = String::from_utf8(ours.get_output().stdout.clone()).unwrap();
         assert!(ours.contains(wanted), "{wanted}\n{ours}");

@@ -129,8 +129,8 @@ impl Board {
             _ => format!("c = \"{c} F\""),
         };
         let mut config = file_for(kind, method, &capacitors, "pi4");
-        config.set("circuit", "r-c1", format!("{r_c1} ohm")).set("circuit", "r-c2", format!("{r_c2} ohm"));
-        config.set("circuit", "v-th", format!("{v_th} V")).lines("measure", &self.measure);
+        config.set("circuit.r-c1", format!("{r_c1} ohm")).set("circuit.r-c2", format!("{r_c2} ohm"));
+        config.set("circuit.v-th", format!("{v_th} V")).lines("measure", &self.measure);
         Bench { scene, config, seed }
     }
 

@@ -1,6 +1,6 @@
 //! `record --raw`, and `estimate` on good and bad tapes.
 
-use super::daemon::{Daemon, ctl, json_lines, lines_of, wait_until};
+use super::daemon::{Daemon, config, ctl, json_lines, lines_of, scene, wait_until};
 use serde_json::Value;
 
 const TAPE: &str = r#"{"class":"TAPE","proto_major":1,"circuit":{"kind":"two-capacitor","r_c1_ohm":2320,"r_c2_ohm":12700},"offset_ns":8000,"channels":[{"id":"thumb","force":{"fc1_n":5.75,"fc2_n":1.05}}]}
@@ -23,7 +23,7 @@ fn estimates(method: &str, more: &[&str], tape: &str) -> Vec<Value> {
 #[test]
 fn a_tape_gives_the_readings_that_were_made_of_it() {
     // Given, because one that is found is also followed, and a tape has only one.
-    let daemon = Daemon::start_with("t-l =", "offset = \"1 us\"\nt-l =");
+    let daemon = Daemon::start_as(config().set("measure.offset", "1 us"), &scene());
     let tape = daemon.path("tape");
     let readings = daemon.path("readings");
     // The readings begin before the tape and end after it.

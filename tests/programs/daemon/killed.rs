@@ -3,7 +3,7 @@
 //! How soon it serves is printed, for docs/performance.md; a machine that does other things takes its time.
 
 use super::process::{Home, config};
-use crate::seed::rng;
+use crate::common::seed::rng;
 use nix::sys::signal::Signal;
 use rand::RngExt;
 use std::time::{Duration, Instant};
