@@ -41,6 +41,10 @@
 //! `programs` (default): everything. Without default features there is what a program needs that only listens to the
 //! daemon, and its few dependencies: [`client`], [`wire`], and [`tape`] with the timings of a recording.
 
+#[cfg(test)]
+#[path = "../tests/common/chance.rs"]
+#[allow(dead_code, reason = "shared with all other tests")]
+pub(crate) mod chance;
 pub mod circuit;
 #[cfg(feature = "programs")]
 pub mod config;

@@ -2,7 +2,7 @@
 //!
 //! Whole instruments in virtual time; every seed is fixed.
 
-use crate::common::chance::{WITHIN_2U, mean_of, sd_of, share_is};
+use crate::common::chance::{WITHIN_2U, mean_of, sd_of, share_is, share_is_in};
 use crate::common::config::config;
 use crate::common::{Bench, Errors, file_for, read, settle};
 use cermd::circuit::Node;
@@ -48,7 +48,12 @@ fn errors(bench: &Bench, r_ohm: f64, count: usize) -> Errors {
     read(&mut instrument, count, |reading| errors.add(reading, r_ohm));
     assert_eq!(errors.inferred, errors.count());
     // The gate of 5 sigma, a sigma that is learned, closes for about one reading in 10 000.
-    assert!(errors.count() + count / 100 >= count, "seed {}: {:?}", bench.seed, errors.not_ok);
+    assert!(
+        share_is_in(count - errors.count(), count, 0.0..=1e-4),
+        "seed {}: {:?}",
+        bench.seed,
+        errors.not_ok
+    );
     errors
 }
 
