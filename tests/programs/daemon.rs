@@ -4,8 +4,9 @@ mod crowd;
 mod killed;
 mod process;
 
+use crate::waiting::until_so;
 use nix::sys::signal::Signal;
-use process::{Daemon, Home, config, program, until};
+use process::{Daemon, Home, config, program};
 use serde_json::{Value, json};
 use std::fs::{self, File};
 use std::os::fd::OwnedFd;
@@ -25,16 +26,21 @@ fn serves_readings_and_statistics() {
     let _daemon = home.start();
     let mut stream = home.connect();
     assert_eq!(ids(&stream.next().unwrap()), ["thumb", "index"]);
-    // The scene has one sensor of 1 kohm, on the first channel; the other is open.
+    // The scene has one sensor of 1 kohm, on the first channel; the other is open. A stamp may be late now and then.
+    let mut numbers = 0;
     for _ in 0..40 {
         let reading = stream.next_of("READING");
         if reading["channel"] == "thumb" {
-            assert_eq!(reading["status"], "ok", "{reading}");
-            assert!((800.0..1200.0).contains(&reading["r_ohm"].as_f64().unwrap()), "{reading}");
+            let is_ok = reading["status"] == "ok";
+            numbers += usize::from(is_ok);
+            assert!(is_ok || reading["fault"] == "latency-outlier", "{reading}");
+            let r_ohm = reading["r_ohm"].as_f64();
+            assert!(r_ohm.is_none_or(|r_ohm| (800.0..1200.0).contains(&r_ohm)), "{reading}");
         } else {
             assert_eq!(reading["status"], "open", "{reading}");
         }
     }
+    assert!(numbers > 10, "{numbers}");
     stream.send(r#"{"class":"STATS"}"#);
     let stats = stream.next_of("STATS");
     assert_eq!(
@@ -89,16 +95,20 @@ fn survives(wrong: impl ToString, because: &str) {
     daemon.signal(Signal::SIGHUP);
     home.wait_for_log("the old configuration stays in force");
     assert!(home.log().contains(because), "{}", home.log());
-    // So many that some were measured after the signal.
-    for _ in 0..200 {
+    let told = nix::time::clock_gettime(nix::time::ClockId::CLOCK_MONOTONIC).unwrap();
+    let told_ns = told.tv_sec() * 1_000_000_000 + told.tv_nsec();
+    let mut measured_ns = 0;
+    while measured_ns < told_ns {
         let reading = stream.next().unwrap();
         assert_eq!(
             (&reading["class"], &reading["channel"]),
             (&json!("READING"), &json!("thumb")),
             "{reading}"
         );
-        seq += 1;
+        // While nobody reads, a busy machine may lose some.
+        seq += 1 + reading["lost"].as_u64().unwrap();
         assert_eq!(reading["seq"], seq, "the measurement was interrupted");
+        measured_ns = reading["t_mono_ns"].as_i64().unwrap();
     }
 }
 
@@ -284,5 +294,5 @@ fn many_reloads_leave_no_descriptor_behind() {
         stream.next_of("VERSION");
         stream.next_of("READING");
     }
-    until("the descriptors of the old measurement to go", || (descriptors() <= before).then_some(()));
+    until_so("the descriptors of the old measurement to go", || descriptors() <= before);
 }

@@ -9,3 +9,4 @@ mod daemon;
 mod manual;
 mod processes;
 mod protocol;
+mod waiting;

@@ -1,6 +1,7 @@
 //! A real cermd on a simulated circuit, for a test.
 
 use crate::common::config::{self, ConfigFile};
+use crate::waiting::{PATIENCE, until_so};
 use assert_cmd::Command;
 use nix::sys::signal::{Signal, kill};
 use nix::unistd::Pid;
@@ -9,7 +10,6 @@ use std::fs;
 use std::os::unix::net::UnixStream;
 use std::path::{Path, PathBuf};
 use std::process::{Child, Stdio};
-use std::time::{Duration, Instant};
 use tempfile::TempDir;
 
 /// Small capacitors, for hundreds of readings a second; `thumb` at 100 ohm is read by switched discharges, `index` at
@@ -36,9 +36,6 @@ pub fn scene() -> ConfigFile {
     scene.sensor("100 ohm").sensor("2 kohm");
     scene
 }
-
-/// Nothing in these tests takes longer unless it hangs.
-pub const LONGEST: Duration = Duration::from_secs(60);
 
 /// A directory with a configuration, a scene and, while it runs, a daemon.
 pub struct Daemon {
@@ -70,7 +67,7 @@ impl Daemon {
             .spawn()
             .unwrap();
         self.child = Some(child);
-        wait_until("cermd serves", || UnixStream::connect(self.socket()).is_ok());
+        until_so("a cermd that serves", || UnixStream::connect(self.socket()).is_ok());
     }
 
     /// As the out-of-memory killer would.
@@ -122,7 +119,7 @@ impl Drop for Daemon {
 /// `cermctl` without a daemon, in an environment that is always the same.
 pub fn ctl(arguments: &[&str]) -> Command {
     let mut command = Command::new(env!("CARGO_BIN_EXE_cermctl"));
-    command.args(arguments).env_remove("CERMD_SOCKET").env("LC_ALL", "C").timeout(LONGEST);
+    command.args(arguments).env_remove("CERMD_SOCKET").env("LC_ALL", "C").timeout(PATIENCE);
     command
 }
 
@@ -141,7 +138,7 @@ impl Running {
 
     /// Exit status and standard error, when it has ended.
     pub fn end(mut self) -> (Option<i32>, String) {
-        wait_until("cermctl ends", || self.child().try_wait().unwrap().is_some());
+        until_so("the end of cermctl", || self.child().try_wait().unwrap().is_some());
         let output = self.0.take().unwrap().wait_with_output().unwrap();
         (output.status.code(), String::from_utf8(output.stderr).unwrap())
     }
@@ -153,14 +150,6 @@ impl Drop for Running {
             let _ = child.kill();
             let _ = child.wait();
         }
-    }
-}
-
-pub fn wait_until(what: &str, mut is_so: impl FnMut() -> bool) {
-    let since = Instant::now();
-    while !is_so() {
-        assert!(since.elapsed() < LONGEST, "waited in vain: {what}");
-        std::thread::sleep(Duration::from_millis(10));
     }
 }
 

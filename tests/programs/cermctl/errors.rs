@@ -1,6 +1,7 @@
 //! What is said when something is wrong: one sentence with a hint, and the exit status.
 
 use super::daemon::{Daemon, config, ctl};
+use crate::waiting::until_so;
 use std::fs;
 use std::os::unix::fs::PermissionsExt;
 use std::os::unix::net::{UnixListener, UnixStream};
@@ -83,7 +84,7 @@ fn an_instrument_that_has_not_measured_yet() {
         .spawn()
         .unwrap();
     // The socket is there before anybody listens.
-    super::daemon::wait_until("cermd serves", || UnixStream::connect(&socket).is_ok());
+    until_so("a cermd that serves", || UnixStream::connect(&socket).is_ok());
     let mut get = ctl(&["get", "--socket", socket.to_str().unwrap()]);
     let complaint = failure(&mut get, "-");
     slow.kill().unwrap();

@@ -1,6 +1,7 @@
 //! The real daemon as a child process, on a simulated circuit, in a directory of its own.
 
 use crate::common::config::{self, ConfigFile};
+use crate::waiting::{PATIENCE, until, until_so};
 use nix::sys::signal::{Signal, kill};
 use nix::unistd::Pid;
 use serde_json::Value;
@@ -9,11 +10,6 @@ use std::io::{BufRead, BufReader};
 use std::os::unix::net::UnixStream;
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, ExitStatus, Stdio};
-use std::time::Duration;
-
-/// A wait that takes longer than this has failed.
-pub const PATIENCE: Duration = Duration::from_secs(60);
-const LOOK_EVERY: Duration = Duration::from_millis(5);
 
 /// Where a daemon lives: its configuration, its socket and its log.
 pub struct Home {
@@ -87,7 +83,7 @@ impl Home {
     }
 
     pub fn wait_for_log(&self, text: &str) {
-        until(text, || self.log().contains(text).then_some(()));
+        until_so(text, || self.log().contains(text));
     }
 }
 
@@ -101,17 +97,6 @@ pub fn program() -> Command {
     }
     command.env_remove("RUST_LOG").stdout(Stdio::null());
     command
-}
-
-/// Looks until there is an answer.
-pub fn until<T>(what: &str, mut look: impl FnMut() -> Option<T>) -> T {
-    for _ in 0..PATIENCE.as_millis() / LOOK_EVERY.as_millis() {
-        if let Some(answer) = look() {
-            return answer;
-        }
-        std::thread::sleep(LOOK_EVERY);
-    }
-    panic!("waited in vain for {what}");
 }
 
 /// A running daemon; killed when it goes out of scope.
@@ -198,7 +183,8 @@ impl Stream {
 pub mod notify {
     //! A service manager's end of sd_notify(3).
 
-    use super::{Home, PATIENCE};
+    use super::Home;
+    use crate::waiting::PATIENCE;
     use std::cell::RefCell;
     use std::os::unix::net::UnixDatagram;
     use std::path::PathBuf;
