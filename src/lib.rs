@@ -42,9 +42,17 @@
 //! `programs` (default): everything. Without default features there is what a program needs that only listens to the
 //! daemon, and its few dependencies: [`client`], [`wire`], and [`tape`] with the timings of a recording.
 
+#[cfg(test)]
+#[path = "../tests/common/chance.rs"]
+#[allow(dead_code, reason = "shared with all other tests")]
+pub(crate) mod chance;
 pub mod circuit;
 #[cfg(feature = "programs")]
 pub mod config;
+#[cfg(all(test, feature = "programs"))]
+#[path = "../tests/common/config.rs"]
+#[allow(dead_code, reason = "shared with all other tests")]
+pub(crate) mod config_file;
 #[cfg(feature = "programs")]
 #[doc(hidden)]
 pub mod ctl;
@@ -63,6 +71,8 @@ pub mod record;
 #[path = "../tests/common/seed.rs"]
 pub(crate) mod seed;
 pub mod sensor;
+#[cfg(test)]
+extern crate self as cermd;
 pub mod stream;
 pub mod units;
 

@@ -1,4 +1,5 @@
 use super::*;
+use crate::chance::{rms_of, sigmas};
 
 const KNOWN: [f64; 2] = [2320.0, 12_700.0];
 use rand_chacha::ChaCha8Rng;
@@ -44,12 +45,12 @@ fn pulls(mut draw: impl FnMut(&mut ChaCha8Rng) -> (f64, Measured)) -> f64 {
     (squares / TIMES as f64).sqrt()
 }
 
-/// The root mean square of Student's t with `nu` degrees of freedom, and 4 sigma of its estimate from 2000 draws.
+/// The root mean square of Student's t with `nu` degrees of freedom, and how far chance takes its estimate from 2000 draws.
 fn student(nu: f64) -> std::ops::Range<f64> {
     let variance = nu / (nu - 2.0);
     let kurtosis = 3.0 + 6.0 / (nu - 4.0);
     let u = ((kurtosis - 1.0) / 2000.0).sqrt() / 2.0;
-    variance.sqrt() * (1.0 - 4.0 * u)..variance.sqrt() * (1.0 + 4.0 * u)
+    variance.sqrt() * (1.0 - sigmas() * u)..variance.sqrt() * (1.0 + sigmas() * u)
 }
 
 fn normal(rng: &mut ChaCha8Rng) -> f64 {
@@ -138,10 +139,16 @@ fn what_readings_share_is_in_the_uncertainty_of_their_mean() {
     assert_eq!(mean(&[2.0]), Some(Measured { value: 2.0, u: None }));
     let mut rng = crate::seed::rng(1);
     // 10 calibrations with 10 readings each: the shared part counts 10 times, not 100.
-    let shared: Vec<f64> = (0..10).map(|_| normal(&mut rng)).collect();
-    let readings: Vec<f64> = (0..100).map(|index| shared[index / 10] + 0.1 * normal(&mut rng)).collect();
-    let found = mean(&readings).unwrap();
-    let u = found.u.unwrap();
-    // 1/sqrt(10) = 0.316, itself known to 24 % from 10 values.
-    assert!((0.16..0.55).contains(&u) && found.value.abs() < 4.0 * u, "{found:?}");
+    let found: Vec<Measured> = (0..400)
+        .map(|_| {
+            let shared: Vec<f64> = (0..10).map(|_| normal(&mut rng)).collect();
+            let readings: Vec<f64> =
+                (0..100).map(|index| shared[index / 10] + 0.1 * normal(&mut rng)).collect();
+            mean(&readings).unwrap()
+        })
+        .collect();
+    let stated = rms_of(&found.iter().map(|one| one.u.unwrap()).collect::<Vec<_>>());
+    let errors = rms_of(&found.iter().map(|one| one.value).collect::<Vec<_>>());
+    assert!(errors.is(0.1001f64.sqrt(), 0.0), "{errors}");
+    assert!(stated.over(errors).is_in(0.8..=1.2), "{stated} for {errors}");
 }
