@@ -81,8 +81,12 @@ pub const APART: f64 = 0.2;
 pub const SPLIT_FRACTION: f64 = 0.9;
 /// Rounds of a split calibration of which there is a result.
 pub const FEWEST_ROUNDS: usize = 4;
-/// Switches that their scatter is the mean of, at the least and at the most.
-pub const SCATTER_OF: [f64; 2] = [8.0, 4096.0];
+/// Switches that their scatter is the mean of, about.
+pub const SCATTER_MEMORY: f64 = 4096.0;
+/// What is not known of a variance, in sigma, that is added to it.
+pub const SCATTER_DOUBT: f64 = 0.5;
+/// The uncertainty of a switch of which nobody has told one, as on a tape, ns: that of a call of a microsecond.
+pub const UNKNOWN_SWITCH_NS: f64 = 400.0;
 
 // The tracked calibration; found with tests/accuracy, tracked.
 /// Rounds (R_1, R_2, split) from which the first state is found.
@@ -95,8 +99,9 @@ pub const MOST_REJECTED: usize = 8;
 pub const INNOVATION_GATE: f64 = 4.0;
 /// So many rejections in a row are a step.
 pub const REJECTED_OF_A_STEP: u32 = 3;
-/// How fast Ro walks, ohm per root second: the temperature of a board changes in minutes.
-pub const WALK_R_O: f64 = 0.02;
+/// How slowly and how fast Ro may walk, ohm per root second: the temperature of a board changes in minutes, that of a pin
+/// under load may do so sooner.
+pub const WALK_R_O: [f64; 2] = [0.02, 5.0];
 /// How fast d walks, per root second, in parts of its jitter: what makes the latency jitter makes its mean wander.
 pub const WALK_D: f64 = 0.02;
 /// How slowly and how fast g may walk, relative, per root second. Never slower than a drift by 1 % in a minute takes it

@@ -16,7 +16,7 @@
 //! sensor is `open` above a bound.
 
 use super::{Kind, Node, Rules, Switching, tcdic, tpcm};
-use crate::estimate::law::{D, R_O, Route, State};
+use crate::estimate::law::{D, D_B, R_O, Route, State, d_ns};
 use crate::estimate::limits::{BEYOND_NOISE, COVERAGE, DOUBT, RESOLVED};
 use crate::estimate::motion::Evidence;
 use crate::estimate::noise::Covariance;
@@ -99,9 +99,9 @@ pub fn beyond(tracker: &Tracker, observed: &Observed) -> Option<f64> {
 
 impl Observed {
     fn branch(&self, state: &State) -> Branch {
-        let last = self.crossings[1].or(self.crossings[0]).unwrap_or(0.0) - state[D];
+        let last = [1, 0].into_iter().find_map(|node| Some(self.crossings[node]? - d_ns(state, node)));
         match self.switch {
-            Some((switch, _)) if last > switch.on_ns => Branch::Inferred,
+            Some((switch, _)) if last.is_some_and(|last| last > switch.on_ns) => Branch::Inferred,
             _ => Branch::Direct,
         }
     }
@@ -124,7 +124,7 @@ struct Equation {
 impl Equation {
     /// `switch`: the one that came before the crossing, if one did.
     fn new(state: &State, crossing_ns: f64, node: usize, switch: Option<(Switch, f64)>) -> Equation {
-        let (crossing_ns, g) = (crossing_ns - state[D], state[node]);
+        let (crossing_ns, g) = (crossing_ns - d_ns(state, node), state[node]);
         match switch {
             Some((switch, next_ohm)) => {
                 let next = 1.0 / (next_ohm + state[R_O]);
@@ -147,11 +147,12 @@ impl Equation {
 
     /// With the state, at a given R_x.
     fn by_state(&self, state: &State, y: f64) -> State {
-        let mut by = [0.0; 4];
+        let mut by = State::default();
         by[self.node] = 1.0;
         let rest = self.next.map_or(0.0, |next| (state[self.node] - self.missing) * next);
         by[R_O] = rest + self.through_ns * y * y;
         by[D] = -self.by_crossing(y);
+        by[D_B] = by[D] * self.node as f64;
         by
     }
 }
@@ -206,7 +207,7 @@ impl Fit {
         // Covariance of the residuals by noise and switch, and with what is not known of the state.
         let mut own = Covariance { aa: a * a * noise.aa, bb: b * b * noise.bb, ab: a * b * noise.ab };
         own.add_outer(of_nodes(&|one| one.by_switch(near) * u_switch_ns));
-        let rows = nodes.map(|node| node.map_or([0.0; 4], |one| one.by_state(state, near)));
+        let rows = nodes.map(|node| node.map_or(State::default(), |one| one.by_state(state, near)));
         let p = tracker.covariance();
         let all = Covariance {
             aa: own.aa + quadratic(p, &rows[0]),

@@ -1,13 +1,13 @@
-//! The linear algebra of the filter: four unknowns, two observations.
+//! The linear algebra of the filter: five unknowns, two observations.
 
 use super::Matrix;
-use crate::estimate::law::State;
+use crate::estimate::law::{State, UNKNOWNS};
 use crate::estimate::noise::Covariance;
 
 /// Kalman's gain for two observations.
 pub struct Gain {
     /// By observation, for each part of the state.
-    pub of: [[f64; 2]; 4],
+    pub of: [[f64; 2]; UNKNOWNS],
     /// Rows of the observation times the covariance.
     hp: [State; 2],
     /// Inverse of the innovation's covariance.
@@ -19,13 +19,13 @@ impl Gain {
     /// inverse.
     pub fn new(p: &Matrix, rows: &[State; 2], noise: &Covariance, seen: [bool; 2]) -> Option<Gain> {
         let hp = [0, 1].map(|row: usize| {
-            let mut product = [0.0; 4];
+            let mut product = [0.0; UNKNOWNS];
             for (j, slot) in product.iter_mut().enumerate() {
-                *slot = (0..4).map(|i| rows[row][i] * p[i][j]).sum();
+                *slot = (0..UNKNOWNS).map(|i| rows[row][i] * p[i][j]).sum();
             }
             product
         });
-        let dot = |a: &State, b: &State| (0..4).map(|i| a[i] * b[i]).sum::<f64>();
+        let dot = |a: &State, b: &State| (0..UNKNOWNS).map(|i| a[i] * b[i]).sum::<f64>();
         let (aa, bb) = (dot(&hp[0], &rows[0]) + noise.aa, dot(&hp[1], &rows[1]) + noise.bb);
         let ab = dot(&hp[0], &rows[1]) + noise.ab;
         let inverse = Covariance { aa, bb, ab }.inverse(seen)?;

@@ -6,6 +6,7 @@ use crate::estimate::law::{R_O, State};
 use crate::estimate::limits::{LEAK_HOLD, SPLIT_FRACTION};
 use crate::estimate::method::Switching;
 use crate::estimate::motion::Motion;
+use crate::estimate::scatter::expected_ns;
 use crate::estimate::tracker::quadratic;
 use crate::instrument::limits::{
     CALIBRATION_SHARE, HYSTERESIS, LONGEST_IDLE, OFFSET_SHARE, OUTLIERS_OF_DOUBT, SWITCH_FRACTIONS,
@@ -32,7 +33,7 @@ impl Memory {
     /// Learns from a reading.
     pub fn take(&mut self, status: &Status, record: Option<Record>, zero_ohm: f64, estimator: &Estimator) {
         if let Some(record) = record {
-            self.u_switch_ns = record.u_switch_ns.unwrap_or(0.0);
+            self.u_switch_ns = expected_ns(&record);
         }
         let is_outlier = matches!(status, Status::Fault(Fault::LatencyOutlier | Fault::Unsettled));
         self.outliers = if is_outlier { self.outliers.saturating_add(1) } else { 0 };
