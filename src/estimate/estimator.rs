@@ -92,6 +92,13 @@ impl Estimator {
         self.tracker.as_ref().filter(|tracker| tracker.is_ready())
     }
 
+    /// Lets the tracked calibration know how steady readings are: [`Tracker::add_reading`].
+    pub fn add_reading(&mut self, beside_ns: f64) {
+        if let Some(tracker) = &mut self.tracker {
+            tracker.add_reading(beside_ns);
+        }
+    }
+
     /// Finds a tracked calibration again, from the beginning.
     pub fn begin_anew(&mut self) {
         if let Some(tracker) = &mut self.tracker {

@@ -84,7 +84,9 @@ pub const FEWEST_ROUNDS: usize = 4;
 /// Switches that their scatter is the mean of, about.
 pub const SCATTER_MEMORY: f64 = 4096.0;
 /// What is not known of a variance, in sigma, that is added to it.
-pub const SCATTER_DOUBT: f64 = 0.5;
+pub const SCATTER_DOUBT: f64 = 0.25;
+/// Readings that bound the scatter of switches, at the least and at the most.
+pub const READINGS_OF_SCATTER: [f64; 2] = [16.0, 64.0];
 /// The uncertainty of a switch of which nobody has told one, as on a tape, ns: that of a call of a microsecond.
 pub const UNKNOWN_SWITCH_NS: f64 = 400.0;
 

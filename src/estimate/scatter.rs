@@ -1,6 +1,6 @@
 //! Middle and spread of measured values.
 
-use crate::estimate::limits::{SCATTER_DOUBT, SCATTER_MEMORY, UNKNOWN_SWITCH_NS};
+use crate::estimate::limits::{READINGS_OF_SCATTER, SCATTER_DOUBT, SCATTER_MEMORY, UNKNOWN_SWITCH_NS};
 use crate::reading::Measured;
 use crate::record::Record;
 
@@ -37,6 +37,8 @@ pub struct SwitchScatter {
     /// Of variances, ns^-4, and the sum of what each has told with its weight, ns^-2.
     weight: f64,
     excess: f64,
+    /// The mean square by which successive readings of a sensor differ, as times of their switches, ns², and of how many.
+    readings: (f64, f64),
 }
 
 impl SwitchScatter {
@@ -50,15 +52,25 @@ impl SwitchScatter {
         self.weight = keep * self.weight + weight;
     }
 
+    /// Takes by how much a reading of a sensor is beside those before and after it, as a time of their switches, ns: at rest
+    /// by no less than these scatter.
+    pub fn add_reading(&mut self, beside_ns: f64) {
+        let (mean, count) = &mut self.readings;
+        *count = (*count + 1.0).min(READINGS_OF_SCATTER[1]);
+        *mean += (beside_ns * beside_ns - *mean) / *count;
+    }
+
     /// What the discharges alone say, ns²; may be negative by chance.
     fn likely(&self) -> f64 {
         if self.weight > 0.0 { self.excess / self.weight } else { 0.0 }
     }
 
     /// 1 sigma, ns, and as much more as is not known of it; `expected_ns`: by the length of calls, which may be wrong by as
-    /// much as it is, or as the discharges say.
+    /// much as it is, or as the discharges say, but is not less steady than readings are.
     pub fn u_ns(&self, expected_ns: f64) -> f64 {
-        let expected = expected_ns * expected_ns;
+        let (square, count) = self.readings;
+        let bound = if count < READINGS_OF_SCATTER[0] { f64::INFINITY } else { square * (1.0 + (2.0 / count).sqrt()) };
+        let expected = (expected_ns * expected_ns).min(bound);
         let doubt = expected.max(self.likely());
         let weight = if doubt > 0.0 { 1.0 / (doubt * doubt) } else { 0.0 };
         let all = weight + self.weight;

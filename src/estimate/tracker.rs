@@ -140,6 +140,11 @@ impl Tracker {
         self.scatter.u_ns(expected_ns)
     }
 
+    /// Takes by how much a reading was beside those before and after it, as [`SwitchScatter::add_reading`].
+    pub fn add_reading(&mut self, beside_ns: f64) {
+        self.scatter.add_reading(beside_ns);
+    }
+
     /// Takes a calibration discharge.
     ///
     /// # Errors

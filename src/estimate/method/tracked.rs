@@ -55,6 +55,8 @@ pub struct Solution {
     pub bound: f64,
     /// How R_x depends on the state: the variance that the calibration brings is v^T P v.
     pub by_state: State,
+    /// How it depends on the instant of the switch, ohm/ns.
+    pub by_switch: f64,
     /// Whether the switch came before the last crossing.
     pub branch: Branch,
     /// When it was so, and whether both crossings say so.
@@ -165,8 +167,9 @@ struct Fit {
     u_siemens: f64,
     /// The same with a calibration known exactly.
     bound_siemens: f64,
-    /// How y depends on the state at a given R_x.
+    /// How y depends on the state at a given R_x, and on the instant of the switch.
     by_state: State,
+    by_switch: f64,
     branch: Branch,
     evidence: Evidence,
 }
@@ -206,7 +209,8 @@ impl Fit {
         let [a, b] = of_nodes(&|one| one.by_crossing(near));
         // Covariance of the residuals by noise and switch, and with what is not known of the state.
         let mut own = Covariance { aa: a * a * noise.aa, bb: b * b * noise.bb, ab: a * b * noise.ab };
-        own.add_outer(of_nodes(&|one| one.by_switch(near) * u_switch_ns));
+        let by_switch = of_nodes(&|one| one.by_switch(near));
+        own.add_outer(by_switch.map(|by| by * u_switch_ns));
         let rows = nodes.map(|node| node.map_or(State::default(), |one| one.by_state(state, near)));
         let p = tracker.covariance();
         let all = Covariance {
@@ -237,6 +241,7 @@ impl Fit {
             u_siemens: (doubt / information).sqrt(),
             bound_siemens: (1.0 / own.of(through[0], through[1])).sqrt(),
             by_state: std::array::from_fn(|i| weights[0] * rows[0][i] + weights[1] * rows[1][i]),
+            by_switch: weights[0] * by_switch[0] + weights[1] * by_switch[1],
             branch,
             evidence: evidence.contradicting(contradicts),
         };
@@ -245,12 +250,13 @@ impl Fit {
 
     /// R_x = 1/y - Ro, to the first order.
     fn solution(&self, r_o_ohm: f64) -> Option<Solution> {
-        let Fit { siemens: y, u_siemens: u, bound_siemens, by_state, branch, evidence } = *self;
+        let Fit { siemens: y, u_siemens: u, bound_siemens, by_state, by_switch, branch, evidence } = *self;
         let solution = Solution {
             r_ohm: 1.0 / y - r_o_ohm,
             variance: (u / (y * y)).powi(2),
             bound: (bound_siemens / (y * y)).powi(2),
             by_state: by_state.map(|by| -by / (y * y)),
+            by_switch: -by_switch / (y * y),
             branch,
             evidence,
         };

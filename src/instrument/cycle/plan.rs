@@ -23,6 +23,8 @@ pub struct Memory {
     u_switch_ns: f64,
     /// Outliers in a row: the crossings contradict each other, or the calibration does them.
     outliers: u32,
+    /// The last two readings in a row that were switched alike, ohm.
+    switched_ohm: [Option<f64>; 2],
     /// How the sensor has changed lately.
     pub(super) motion: Motion,
     /// How the last estimate depends on the tracked state, and its variance but for that, ohm².
@@ -31,9 +33,12 @@ pub struct Memory {
 
 impl Memory {
     /// Learns from a reading.
-    pub fn take(&mut self, status: &Status, record: Option<Record>, zero_ohm: f64, estimator: &Estimator) {
+    pub fn take(&mut self, status: &Status, record: Option<Record>, zero_ohm: f64, estimator: &mut Estimator) {
         if let Some(record) = record {
             self.u_switch_ns = expected_ns(&record);
+        }
+        if !matches!(status, Status::Ok { .. }) {
+            self.switched_ohm = [None; 2];
         }
         let is_outlier = matches!(status, Status::Fault(Fault::LatencyOutlier | Fault::Unsettled));
         self.outliers = if is_outlier { self.outliers.saturating_add(1) } else { 0 };
@@ -47,6 +52,8 @@ impl Memory {
                     let part = quadratic(tracker.covariance(), &predicted.by_state);
                     (predicted.by_state, (predicted.variance - part).max(0.0))
                 });
+                let by_switch = predicted.map(|predicted| predicted.by_switch);
+                self.steadiness(r_ohm.value, by_switch.filter(|_| switch.is_some()), estimator);
             }
             // Where it is by now is known well enough for a plan.
             Status::Fault(Fault::Unsettled) => {
@@ -58,6 +65,18 @@ impl Memory {
                 (self.r_ohm, self.dependence) = (None, None);
             }
         }
+    }
+}
+
+impl Memory {
+    /// Lets the estimator know by how much the reading before this one was beside its neighbours; `by_switch`: what moves a
+    /// reading that was switched, ohm/ns.
+    fn steadiness(&mut self, r_ohm: f64, by_switch: Option<f64>, estimator: &mut Estimator) {
+        if let (Some(by_switch), [Some(first), Some(second)]) = (by_switch, self.switched_ohm) {
+            // Its variance is 6 times that of a reading; a steady change is not in it.
+            estimator.add_reading((first - 2.0 * second + r_ohm) / 6f64.sqrt() / by_switch);
+        }
+        self.switched_ohm = [self.switched_ohm[1], by_switch.map(|_| r_ohm)];
     }
 }
 
