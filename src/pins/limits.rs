@@ -35,6 +35,10 @@ pub(super) const CHANGES_KEPT: usize = 16;
 pub(super) const SHORTEST_CALL: f64 = 0.1;
 /// Where in its slot a line moves, from .. to, if a scene does not say it.
 pub(super) const MIDDLE_OF_SLOT: [f64; 2] = [0.5; 2];
+/// The latest place of a move, in slots: a write that is posted arrives after some calls, not after hundreds.
+pub(super) const LATEST_MOVE: f64 = 100.0;
+/// Branches that one capacitor's absorption may have: one a decade from 10 us to 1 s.
+pub(super) const MOST_BRANCHES: usize = 6;
 /// Events that the kernel keeps for each line of a request (drivers/gpio/gpiolib-cdev.c).
 pub(super) const EVENTS_A_LINE: usize = 16;
 /// Nor more than this of a request (the same).
@@ -44,6 +48,10 @@ pub(super) const MOST_EVENTS: u32 = 1024;
 pub(super) const MOST_DOUBLINGS: u32 = 200;
 /// Steps of a root search: bisection alone takes about 60 halvings for each decade of uncertainty that it starts with.
 pub(super) const MOST_ROOT_STEPS: u32 = 400;
+/// How often an interval that holds a turn is halved: to the last place of the interval's length.
+pub(super) const TURN_HALVINGS: u32 = 53;
+/// Sweeps of Jacobi's method over a matrix of 14: it converges quadratically, and 5 to 8 sweeps are the rule.
+pub(super) const MOST_SWEEPS: u32 = 30;
 /// Steps of Newton's method for the first crossing of noise: only bounds it, for it converges from every start.
 pub(super) const MOST_NOISE_STEPS: u32 = 60;
 /// The earliest first crossing, in standard deviations of the noise: beyond it lies less than 1e-32 of its probability.

@@ -16,6 +16,7 @@ use kernel::{Events, next_edge};
 use latency::whole_ns;
 use rand_chacha::ChaCha8Rng;
 use scene::{CallsScene, DelayScene};
+use std::collections::VecDeque;
 use std::time::{Duration, Instant};
 
 mod analog;
@@ -52,6 +53,8 @@ pub struct SimPins {
     analog: Analog,
     events: Events,
     scene: Scene,
+    /// Moves that are on their way, each with the lines that drive from then on, in the order of writing.
+    posted: VecDeque<(i64, Drives)>,
     armed: bool,
     conflicts: u64,
     truth: Truth,
@@ -67,9 +70,9 @@ impl SimPins {
         self
     }
 
-    /// The lines that drive: none after every proper end.
+    /// The lines that drive, as they have been written: none after every proper end.
     pub fn driving(&self) -> Drives {
-        self.analog.on()
+        self.posted.back().map_or(self.analog.on(), |(_, on)| *on)
     }
 
     /// How often a charger and a sink drove or were asked to drive against each other. Tests assert 0.
@@ -112,28 +115,48 @@ impl SimPins {
         self.go_on_to(self.now_ns.saturating_add(whole_ns(cost)));
     }
 
-    /// A wait that ends at an instant, or late.
-    fn end_late(&mut self, at_ns: i64, late: Option<DelayScene>) {
+    /// When a wait ends that was to end at an instant.
+    fn late_ns(&mut self, at_ns: i64, late: Option<DelayScene>) -> i64 {
         let late_ns = late.map_or(0.0, |late| late.draw_ns(&mut self.rng));
-        self.go_on_to(at_ns.saturating_add(late_ns.round() as i64));
+        at_ns.saturating_add(late_ns.round() as i64)
     }
 
-    /// Takes account of every fall up to an instant.
+    /// Takes account of every fall and every move up to an instant.
     fn catch_up(&mut self, to_ns: i64) {
-        while let Some(fall) = self.analog.next_fall(to_ns) {
+        while let Some(fall) = self.next_fall(to_ns) {
             self.fell(fall);
         }
+    }
+
+    /// The next fall up to an instant, going on through the moves of lines before it.
+    fn next_fall(&mut self, by_ns: i64) -> Option<Fall> {
+        while let Some((at_ns, on)) = self.posted.front().copied().filter(|(at_ns, _)| *at_ns <= by_ns) {
+            if let Some(fall) = self.analog.next_fall(at_ns) {
+                return Some(fall);
+            }
+            self.posted.pop_front();
+            self.switch(on, at_ns);
+        }
+        self.analog.next_fall(by_ns)
+    }
+
+    /// A read arrives behind all writes, and waits for them.
+    fn flush(&mut self) {
+        if let Some((last_ns, _)) = self.posted.back() {
+            self.go_on_to(*last_ns);
+        }
+        self.catch_up(self.now_ns);
     }
 
     fn fell(&mut self, fall: Fall) {
         self.truth.crossed(fall.node, fall.since_ns, fall.crossed);
         if self.armed {
-            self.events.fell(fall.node, fall.since_ns, fall.seen);
+            // Time goes on when a wait is over: until then it is the instant at which the wait began.
+            self.events.fell(fall.node, fall.since_ns, fall.seen, self.now_ns);
         }
     }
 
     fn switch(&mut self, on: Drives, at_ns: i64) {
-        self.catch_up(at_ns);
         self.analog.switch(on, at_ns);
         self.truth.switched(on, at_ns);
         if on.conflicts() {
@@ -153,9 +176,11 @@ impl SimPins {
         for (position, (line, driven)) in moves.enumerate() {
             let after_ns = call.moves_ns(position, &mut self.rng).round() as i64;
             state = if driven { state.and(line) } else { state.without(line) };
-            self.switch(state, begin_ns + after_ns);
+            let before_ns = self.posted.back().map_or(begin_ns, |(at_ns, _)| *at_ns);
+            self.posted.push_back((before_ns.max(begin_ns + after_ns), state));
         }
         self.go_on_to(begin_ns + call.duration_ns().round() as i64);
+        self.catch_up(self.now_ns);
     }
 }
 
@@ -177,14 +202,17 @@ impl Pins for SimPins {
         let before = self.now();
         match self.scene.calls {
             Some(calls) => self.switch_slowly(calls, on),
-            None => self.switch(on, self.now_ns),
+            None => {
+                self.catch_up(self.now_ns);
+                self.switch(on, self.now_ns);
+            }
         }
         Ok(Bracket { before, after: self.now() })
     }
 
     fn arm(&mut self) -> Result<Armed, PinsError> {
         self.spend(self.scene.reads.arm);
-        self.catch_up(self.now_ns);
+        self.flush();
         self.armed = true;
         self.truth.clear();
         let (seqno, line_seqno) = self.events.drain();
@@ -199,7 +227,8 @@ impl Pins for SimPins {
             if let Some(stamp_ns) = self.events.next_stamp_ns().filter(|ns| *ns <= until_ns.max(self.now_ns))
             {
                 if stamp_ns > self.now_ns {
-                    self.end_late(stamp_ns, self.scene.wake);
+                    let woken_ns = self.late_ns(stamp_ns, self.scene.wake);
+                    self.go_on_to(woken_ns);
                     // What comes meanwhile may push it out of the buffer.
                     self.catch_up(self.now_ns);
                     if self.events.next_stamp_ns().is_some_and(|ns| ns > self.now_ns) {
@@ -209,7 +238,7 @@ impl Pins for SimPins {
                 let edge = self.events.take();
                 return Ok(edge.map(|edge| Edge { at: edge.at + self.epoch, ..edge }));
             }
-            match self.analog.next_fall(until_ns) {
+            match self.next_fall(until_ns) {
                 Some(fall) => self.fell(fall),
                 None => break,
             }
@@ -221,14 +250,16 @@ impl Pins for SimPins {
     fn sleep_until(&mut self, at: Nanos) -> Result<(), PinsError> {
         let at_ns = (at - self.epoch).0;
         if at_ns > self.now_ns {
-            self.end_late(at_ns, self.scene.sleep);
+            let woken_ns = self.late_ns(at_ns, self.scene.sleep);
+            self.catch_up(woken_ns);
+            self.go_on_to(woken_ns);
         }
         Ok(())
     }
 
     fn levels(&mut self) -> Result<Levels, PinsError> {
         self.spend(self.scene.reads.levels);
-        self.catch_up(self.now_ns);
+        self.flush();
         Ok(self.analog.levels(self.now_ns))
     }
 

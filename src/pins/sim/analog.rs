@@ -3,11 +3,13 @@
 
 use super::latency::whole_ns;
 use super::network::{Capacitors, Flow, SimCircuit, line_index};
-use super::scene::{DriftScene, NoiseScene, Scene};
+use super::scene::{DriftScene, NoiseScene, Scene, WalkScene};
 use super::sensor::Source;
 use crate::circuit::Node;
 use crate::pins::{Drives, Levels};
+use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
+use rand_distr::StandardNormal;
 
 /// A sense input that fell. Seconds count from the last change of the network, at `since_ns`.
 #[derive(Debug, Clone, Copy)]
@@ -45,6 +47,7 @@ pub(super) struct Analog {
     sample_ns: i64,
     noise: Option<NoiseScene>,
     drift: Option<Drift>,
+    walk: Option<Walk>,
     rng: ChaCha8Rng,
     on: Drives,
     stretch: Stretch,
@@ -78,13 +81,37 @@ impl Drift {
     }
 }
 
+/// Random changes of the circuit, and until when they are in it.
+#[derive(Debug, Clone)]
+struct Walk {
+    scene: WalkScene,
+    applied_ns: i64,
+    rng: ChaCha8Rng,
+}
+
+impl Walk {
+    fn apply(&mut self, circuit: &mut SimCircuit, now_ns: i64) {
+        let root_seconds = seconds(now_ns - self.applied_ns).sqrt();
+        let step = self.scene.r_o.0 * root_seconds * self.rng.sample::<f64, _>(StandardNormal);
+        // A resistance that would become negative turns back.
+        circuit.r_o = circuit.r_o.map(|r_o| (r_o + step).abs());
+        self.applied_ns = now_ns;
+    }
+}
+
 fn seconds(ns: i64) -> f64 {
     ns as f64 * 1e-9
 }
 
 impl Analog {
     /// Everything empty and released at time 0.
-    pub fn new(scene: &Scene, circuit: SimCircuit, sources: Vec<Source>, rng: ChaCha8Rng) -> Analog {
+    pub fn new(
+        scene: &Scene,
+        circuit: SimCircuit,
+        sources: Vec<Source>,
+        rng: ChaCha8Rng,
+        walk_rng: ChaCha8Rng,
+    ) -> Analog {
         let flow = circuit.flow([0.0; 2], Drives::NONE);
         let mut analog = Analog {
             circuit,
@@ -93,6 +120,7 @@ impl Analog {
             sample_ns: whole_ns(scene.sample_interval),
             noise: scene.noise,
             drift: scene.drift.map(|rates| Drift { rates, applied_minutes: 0.0 }),
+            walk: scene.walk.map(|scene| Walk { scene, applied_ns: 0, rng: walk_rng }),
             rng,
             on: Drives::NONE,
             stretch: Stretch::new(0, None, flow, [false; 2]),
@@ -131,6 +159,7 @@ impl Analog {
     }
 
     /// The node voltages at an instant of the present stretch.
+    #[cfg(test)]
     pub fn voltages(&self, at_ns: i64) -> [f64; 2] {
         self.stretch.flow.after(seconds(at_ns - self.stretch.since_ns))
     }
@@ -143,8 +172,13 @@ impl Analog {
 
     /// Makes exactly `on` drive from `at_ns` on. Falls before that have to be taken first.
     pub fn switch(&mut self, on: Drives, at_ns: i64) {
-        if let Some(drift) = self.drift.as_mut().filter(|_| on.contains(Drives::CHARGE_A)) {
-            drift.apply(&mut self.circuit, at_ns);
+        if on.contains(Drives::CHARGE_A) {
+            if let Some(drift) = &mut self.drift {
+                drift.apply(&mut self.circuit, at_ns);
+            }
+            if let Some(walk) = &mut self.walk {
+                walk.apply(&mut self.circuit, at_ns);
+            }
         }
         self.on = on;
         self.begin_stretch(at_ns);
@@ -185,7 +219,7 @@ impl Analog {
         // Only what has risen can fall: over a maximum.
         let from = match stretch.high[node.index()] {
             true => 0.0,
-            false => waveform.turn().filter(|turn| waveform.at(*turn) >= sense.rising)?,
+            false => waveform.turns().iter().find(|turn| waveform.at(*turn) >= sense.rising)?,
         };
         let crossed = waveform.falls_after(from, sense.falling, until)?;
         let shift = match &self.noise {
@@ -199,7 +233,6 @@ impl Analog {
 
     fn begin_stretch(&mut self, at_ns: i64) {
         let high = self.stretch.high_at(at_ns, &self.circuit);
-        let start = self.voltages(at_ns);
         let changing = self.on.only(self.varying);
         let mut until_ns = None;
         if !changing.is_none() {
@@ -211,7 +244,8 @@ impl Analog {
                     self.sources[channel].r_x(seconds(cell * self.sample_ns + self.sample_ns / 2));
             }
         }
-        let flow = self.circuit.flow(start, self.on);
+        let flow =
+            self.circuit.flow_after(&self.stretch.flow, seconds(at_ns - self.stretch.since_ns), self.on);
         self.stretch = Stretch::new(at_ns, until_ns, flow, high);
     }
 }
@@ -227,13 +261,16 @@ impl Stretch {
         Node::BOTH.map(|node| {
             let i = node.index();
             let waveform = self.flow.waveform(node);
-            let turn = waveform.turn().filter(|turn| *turn < t);
-            if self.told[i] {
-                let fall = self.falls.and_then(|falls| falls[i]).map_or(0.0, |fall| fall.crossed);
-                return turn.is_some_and(|turn| turn > fall) && waveform.at(t) >= circuit.sense[i].rising;
+            let fall = self.falls.filter(|_| self.told[i]).and_then(|falls| falls[i]);
+            let from = fall.map_or(0.0, |fall| fall.crossed);
+            let turns = waveform.turns();
+            let mut since = turns.iter().filter(|turn| (from..t).contains(turn)).peekable();
+            // What has fallen rises only after it has turned.
+            if self.told[i] && since.peek().is_none() {
+                return false;
             }
-            let top = turn.map_or(f64::NEG_INFINITY, |turn| waveform.at(turn)).max(waveform.at(t));
-            self.high[i] || top >= circuit.sense[i].rising
+            let top = since.map(|turn| waveform.at(turn)).fold(waveform.at(t), f64::max);
+            (self.high[i] && !self.told[i]) || top >= circuit.sense[i].rising
         })
     }
 }

@@ -3,6 +3,7 @@
 
 use super::analog::Analog;
 use super::kernel::Events;
+use super::network::LINES;
 use super::scene::Scene;
 use super::sensor::{Sensor, Source};
 use super::truth::Truth;
@@ -10,11 +11,13 @@ use super::{SimCircuit, SimPins};
 use crate::units::Nanos;
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
+use std::collections::VecDeque;
 
 /// Streams of the generator, by what they serve.
 const CALLS: u64 = 0;
 const NOISE: u64 = 1;
 const EVENTS: u64 = 2;
+const WALK: u64 = 3;
 const SENSORS: u64 = 16;
 
 fn stream(seed: u64, number: u64) -> ChaCha8Rng {
@@ -37,7 +40,8 @@ impl SimPins {
             epoch: Nanos::ZERO,
             pace: None,
             events: Events::new(scene, sense_lines, stream(seed, EVENTS)),
-            analog: Analog::new(scene, circuit, sources.collect(), stream(seed, NOISE)),
+            analog: Analog::new(scene, circuit, sources.collect(), stream(seed, NOISE), stream(seed, WALK)),
+            posted: VecDeque::with_capacity(4 * LINES),
             scene: Scene { seed, ..scene.clone() },
             armed: false,
             conflicts: 0,
@@ -50,13 +54,13 @@ impl SimPins {
     pub fn connect(&mut self, channel: usize, sensor: Sensor) {
         self.catch_up(self.now_ns);
         self.analog.connect(channel, Source::new(sensor, self.scene.seed, SENSORS + channel as u64));
-        self.analog.switch(self.driving(), self.now_ns);
+        self.analog.switch(self.analog.on(), self.now_ns);
     }
 
     /// Changes the circuit now: a wire that breaks, a capacitor that falls off, a supply that dips.
     pub fn alter(&mut self, change: impl FnOnce(&mut SimCircuit)) {
         self.catch_up(self.now_ns);
         change(&mut self.analog.circuit);
-        self.analog.switch(self.driving(), self.now_ns);
+        self.analog.switch(self.analog.on(), self.now_ns);
     }
 }

@@ -46,13 +46,17 @@ impl Events {
         }
     }
 
-    /// An input fell, `seen` seconds after `since_ns`.
-    pub fn fell(&mut self, node: Node, since_ns: i64, seen: f64) {
-        let EventsScene { lost, coalesced, bounce, .. } = self.troubles;
+    /// An input fell, `seen` seconds after `since_ns`; the program has waited since `idle_since_ns`.
+    pub fn fell(&mut self, node: Node, since_ns: i64, seen: f64, idle_since_ns: i64) {
+        let EventsScene { lost, coalesced, bounce, b_later, .. } = self.troubles;
         if lost.is_some_and(|probability| self.rng.random::<f64>() < probability) {
             return;
         }
         let mut late_ns = self.late.map_or(0.0, |late| late.draw_ns(&mut self.rng));
+        late_ns += ns(b_later.filter(|_| node == Node::B));
+        let idle_ns = (since_ns - idle_since_ns) as f64 + seen * 1e9;
+        let is_asleep = self.troubles.deep_sleep_after.is_some_and(|after| idle_ns > ns(after));
+        late_ns += ns(self.troubles.deep_sleep_late.filter(|_| is_asleep));
         let mut interrupts = 1;
         // A second interrupt before the first one's thread has run: the stamp is of the second.
         if let Some((probability, bounce)) = coalesced.zip(bounce) {

@@ -66,7 +66,7 @@ impl CallsScene {
 }
 
 impl Call {
-    /// When the line at `position` moves, ns since the call began.
+    /// When the line at `position` moves, ns since the call began; it may be over by then.
     pub fn moves_ns(&self, position: usize, rng: &mut impl Rng) -> f64 {
         let [low, high] = self.moves_at;
         let within = if low == high { low } else { low + (high - low) * rng.random::<f64>() };

@@ -13,10 +13,14 @@
 //! The conductance matrix is symmetric, so in the coordinates sqrt(C_A) u, sqrt(C_B) w the two modes are
 //! orthogonal and decay with real rates: a node's voltage is V(0) + k1 phi(r1, t) + k2 phi(r2, t) with
 //! phi(r, t) = (1 - exp(-r t)) / r, or t where the rate is 0 (charge that cannot leave, or a constant current).
+//!
+//! Capacitors whose dielectric absorbs charge have a mode more for each branch: `absorption`.
 
-use super::waveform::Waveform;
+use super::waveform::{MODES, Waveform};
 use crate::circuit::Node;
 use crate::pins::{Drives, MAX_CHANNELS};
+
+mod absorption;
 
 /// How many lines can drive: two chargers, two sinks of calibration resistors, the sensors' sinks.
 pub const LINES: usize = 4 + MAX_CHANNELS;
@@ -70,11 +74,22 @@ impl Sense {
     }
 }
 
+/// A part of a capacitor's charge that comes and goes slowly: a capacitor beside it, through a resistor.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Branch {
+    /// Its capacitance, of that of the capacitor.
+    pub share: f64,
+    /// Its resistance times its capacitance, s.
+    pub tau: f64,
+}
+
 /// A circuit as it is built, unknown to the estimators.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SimCircuit {
     /// Which capacitors there are.
     pub capacitors: Capacitors,
+    /// What the dielectrics absorb: of C_A or the only capacitor, and of C_B.
+    pub absorption: [Vec<Branch>; 2],
     /// Supply, volt.
     pub v_dd: f64,
     /// Rc1, ohm.
@@ -120,13 +135,29 @@ impl SimCircuit {
         [self.v_dd, self.v_dd]
     }
 
-    /// How the nodes go on from voltages `start` while exactly the lines of `on` drive.
+    /// How the nodes go on from voltages `start`, which have been there for ever, while exactly the lines of `on` drive.
     pub fn flow(&self, start: [f64; 2], on: Drives) -> Flow {
+        self.flow_from(start, &[], on)
+    }
+
+    /// How they go on from what has become of `before` after so many seconds.
+    pub fn flow_after(&self, before: &Flow, seconds: f64, on: Drives) -> Flow {
+        let mut branches = [0.0; MODES];
+        for (place, branch) in branches.iter_mut().zip(&before.branches) {
+            *place = branch.at(seconds);
+        }
+        self.flow_from(before.after(seconds), &branches[..before.branches.len()], on)
+    }
+
+    fn flow_from(&self, start: [f64; 2], branches: &[f64], on: Drives) -> Flow {
         let load_a = self.load_a(on);
+        if self.absorption.iter().any(|branches| !branches.is_empty()) {
+            return self.absorbing(start, branches, load_a, self.load_b(on));
+        }
         match self.capacitors {
             Capacitors::One { c } | Capacitors::Series { c } => {
                 let slope = load_a.current(start[0]) / c;
-                Flow { start, rates: [load_a.conductance / c, 0.0], slopes: [[slope, 0.0], [0.0, 0.0]] }
+                Flow::of_modes(start, [load_a.conductance / c, 0.0], [[slope, 0.0], [0.0, 0.0]])
             }
             Capacitors::Two { c_a, c_b } => two_modes(start, load_a, self.load_b(on), c_a, c_b),
         }
@@ -184,7 +215,7 @@ fn two_modes(start: [f64; 2], load_a: Load, load_b: Load, c_a: f64, c_b: f64) ->
     if g_b == 0.0 && load_b.source == 0.0 {
         // Nothing but the capacitors at node B: its charge moves with node A's, in a single mode.
         let slopes = [[i_a / c_a + i_a / c_b, 0.0], [i_a / c_b, 0.0]];
-        return Flow { start, rates: [g_a / c_a + g_a / c_b, 0.0], slopes };
+        return Flow::of_modes(start, [g_a / c_a + g_a / c_b, 0.0], slopes);
     }
     let (root_a, root_b) = (c_a.sqrt(), c_b.sqrt());
     let (first, coupling, second) = (g_a / c_a, g_a / (root_a * root_b), (g_a + g_b) / c_b);
@@ -206,26 +237,31 @@ fn two_modes(start: [f64; 2], load_a: Load, load_b: Load, c_a: f64, c_b: f64) ->
     let (m_fast, m_slow) = (cos * p + sin * q, cos * q - sin * p);
     let at_b = [m_fast * sin / root_b, m_slow * cos / root_b];
     let at_a = [m_fast * cos / root_a + at_b[0], at_b[1] - m_slow * sin / root_a];
-    Flow { start, rates: [fast, slow], slopes: [at_a, at_b] }
+    Flow::of_modes(start, [fast, slow], [at_a, at_b])
 }
 
 /// The node voltages as functions of the time since a change.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct Flow {
-    start: [f64; 2],
-    rates: [f64; 2],
-    slopes: [[f64; 2]; 2],
+    nodes: [Waveform; 2],
+    /// Across the capacitors of absorbing branches: those of C_A, then those of C_B.
+    branches: Vec<Waveform>,
 }
 
 impl Flow {
+    fn of_modes(start: [f64; 2], rates: [f64; 2], slopes: [[f64; 2]; 2]) -> Flow {
+        let nodes = [0, 1].map(|node| Waveform::new(start[node], rates.into_iter().zip(slopes[node])));
+        Flow { nodes, branches: Vec::new() }
+    }
+
     /// The voltages of A and B after `seconds`; B of a circuit without it keeps its start.
     pub fn after(&self, seconds: f64) -> [f64; 2] {
-        [self.waveform(Node::A).at(seconds), self.waveform(Node::B).at(seconds)]
+        self.nodes.map(|node| node.at(seconds))
     }
 
     /// One node's voltage.
     pub fn waveform(&self, node: Node) -> Waveform {
-        Waveform { start: self.start[node.index()], rates: self.rates, slopes: self.slopes[node.index()] }
+        self.nodes[node.index()]
     }
 }
 

@@ -1,6 +1,6 @@
 //! Simulated boards as TOML files. An effect that a scene does not name is off.
 
-use super::network::{Capacitors, LINES, Sense, SimCircuit, line_index};
+use super::network::{Branch, Capacitors, LINES, Sense, SimCircuit, line_index};
 use super::sensor::Sensor;
 use crate::circuit::Kind;
 use crate::pins::limits::SAMPLE_SECONDS;
@@ -82,6 +82,8 @@ pub struct Scene {
     pub noise: Option<NoiseScene>,
     /// What changes slowly, linearly from the start of the simulation on.
     pub drift: Option<DriftScene>,
+    /// What walks at random.
+    pub walk: Option<WalkScene>,
 }
 
 fn default_seed() -> u64 {
@@ -104,6 +106,9 @@ pub struct CircuitScene {
     pub c_b: Option<Farad>,
     /// From node A to ground.
     pub c: Option<Farad>,
+    /// What the dielectrics absorb.
+    #[serde(default)]
+    pub absorption: AbsorptionScene,
     /// The lower calibration resistor.
     pub r_c1: Ohm,
     /// The other one.
@@ -127,6 +132,28 @@ pub struct CircuitScene {
     pub node_b: NodeScene,
 }
 
+/// What each capacitor absorbs, by its key in the network: nothing where no branch is named.
+#[derive(Debug, Clone, PartialEq, Default, Deserialize)]
+#[serde(rename_all = "kebab-case", deny_unknown_fields, default)]
+pub struct AbsorptionScene {
+    /// Of `c-a`.
+    pub c_a: Vec<BranchScene>,
+    /// Of `c-b`.
+    pub c_b: Vec<BranchScene>,
+    /// Of `c`.
+    pub c: Vec<BranchScene>,
+}
+
+/// A resistor and a capacitor in series beside the capacitor proper.
+#[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
+#[serde(rename_all = "kebab-case", deny_unknown_fields)]
+pub struct BranchScene {
+    /// Its capacitance, of that of the capacitor proper.
+    pub share: f64,
+    /// Its time constant.
+    pub tau: Seconds,
+}
+
 /// Thresholds of a sense input.
 #[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
 #[serde(rename_all = "kebab-case", deny_unknown_fields)]
@@ -143,7 +170,7 @@ pub struct Threshold {
 pub struct NodeScene {
     /// Instead of the thresholds of the circuit.
     pub threshold: Option<Threshold>,
-    /// Constant current out of the node.
+    /// Constant current out of the node; negative: into it.
     pub leakage: Option<Ampere>,
     /// Leakage to ground.
     pub leakage_resistance: Option<Ohm>,
@@ -168,6 +195,9 @@ pub struct DelayScene {
 }
 
 /// Calls that switch lines: overhead + lines x slot.
+///
+/// A line that moves after its slot does so as a write that is posted: behind the writes before it, and before any levels
+/// that are read later, arming included.
 #[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
 #[serde(rename_all = "kebab-case", deny_unknown_fields)]
 pub struct CallsScene {
@@ -177,7 +207,8 @@ pub struct CallsScene {
     pub per_line: Seconds,
     /// Relative standard deviation of the whole duration.
     pub jitter: Option<f64>,
-    /// Where in its slot a line moves, from .. to, 0..=1; absent: in the middle.
+    /// Where a line moves, from .. to, in slots since its own began: up to 1 within it, up to 100 after it, even after the
+    /// call; absent: in the middle of it.
     pub moves_at: Option<[f64; 2]>,
     /// How often a call is preempted.
     pub tail_probability: Option<f64>,
@@ -209,6 +240,12 @@ pub struct EventsScene {
     pub coalesced: Option<f64>,
     /// How much later that second interrupt comes, on average.
     pub bounce: Option<Seconds>,
+    /// By how much more the stamps of node B are late than those of A.
+    pub b_later: Option<Seconds>,
+    /// A processor that has had nothing to do for longer than this when an edge comes wakes from a deeper sleep.
+    pub deep_sleep_after: Option<Seconds>,
+    /// By how much more a stamp is late then.
+    pub deep_sleep_late: Option<Seconds>,
 }
 
 /// Voltage noise.
@@ -232,6 +269,14 @@ pub struct DriftScene {
     pub v_th_per_minute: Option<Volt>,
     /// Of the supply.
     pub v_dd_per_minute: Option<Volt>,
+}
+
+/// Random walks. Each discharge runs with the values of the beginning of its charge.
+#[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
+#[serde(rename_all = "kebab-case", deny_unknown_fields)]
+pub struct WalkScene {
+    /// Output resistance of all pins alike, standard deviation after a second; it grows as the root of the time.
+    pub r_o: Ohm,
 }
 
 impl Scene {
@@ -297,6 +342,7 @@ impl Scene {
         }
         SimCircuit {
             capacitors: self.capacitors(),
+            absorption: self.absorption(),
             v_dd: circuit.v_dd.0,
             r_c1: circuit.r_c1.0,
             r_c2: circuit.r_c2.0,
@@ -316,6 +362,16 @@ impl Scene {
             Kind::SeriesCalibration => Capacitors::Series { c: farad(circuit.c) },
             Kind::TwoCapacitor => Capacitors::Two { c_a: farad(circuit.c_a), c_b: farad(circuit.c_b) },
         }
+    }
+
+    fn absorption(&self) -> [Vec<Branch>; 2] {
+        let AbsorptionScene { c_a, c_b, c } = &self.circuit.absorption;
+        let branches = match self.circuit.kind {
+            Kind::OneCapacitor | Kind::SeriesCalibration => [&c[..], &[]],
+            Kind::TwoCapacitor => [&c_a[..], &c_b[..]],
+        };
+        let branch = |scene: &BranchScene| Branch { share: scene.share, tau: scene.tau.0 };
+        branches.map(|branches| branches.iter().map(branch).collect())
     }
 }
 

@@ -3,6 +3,8 @@ use super::*;
 use crate::circuit::Node;
 use crate::units::{Ohm, Seconds};
 
+mod effects;
+
 const MS: i64 = 1_000_000;
 
 fn ideal() -> SimPins {

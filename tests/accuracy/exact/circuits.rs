@@ -76,6 +76,7 @@ pub fn cases() -> impl Strategy<Value = Case> {
             r_x_of[0] = r_x;
             let circuit = SimCircuit {
                 capacitors,
+                absorption: Default::default(),
                 v_dd,
                 r_c1,
                 r_c2: r_c1 * r_c2_by,

@@ -42,7 +42,7 @@ pub fn exact_discharge(
             return None;
         }
         first.waveform(node).falls_after(0.0, threshold, until).or_else(|| {
-            let rest = second?.waveform(node).falls_after(0.0, threshold, f64::INFINITY)?;
+            let rest = second.as_ref()?.waveform(node).falls_after(0.0, threshold, f64::INFINITY)?;
             Some(until + rest)
         })
     };
@@ -54,6 +54,7 @@ const X: Drives = Drives::x(0);
 fn circuit(capacitors: Capacitors) -> SimCircuit {
     SimCircuit {
         capacitors,
+        absorption: Default::default(),
         v_dd: 3.3,
         r_c1: 2320.0,
         r_c2: 12_700.0,
@@ -156,6 +157,15 @@ fn charge_gained(circuit: &SimCircuit, from: [f64; 2], to: [f64; 2]) -> [f64; 2]
     }
 }
 
+/// 1/s, at least 1.
+fn fastest(flow: &Flow) -> f64 {
+    Node::BOTH
+        .iter()
+        .flat_map(|node| flow.waveform(*node).modes().next())
+        .map(|mode| mode.0)
+        .fold(1.0, f64::max)
+}
+
 proptest! {
     #![proptest_config(crate::seed::cases(256))]
 
@@ -165,8 +175,7 @@ proptest! {
     fn charge_is_conserved(any in anything(), decades in -3.0..1.5f64) {
         let Anything { circuit, start, on } = any;
         let flow = circuit.flow(start, on);
-        let [fast, slow] = flow.rates;
-        let end = 10f64.powf(decades) / fast.max(slow).max(1.0);
+        let end = 10f64.powf(decades) / fastest(&flow);
         let steps = 100;
         let h = end / f64::from(steps);
         const NODES: [(f64, f64); 5] = [
@@ -204,7 +213,7 @@ proptest! {
     fn a_stretch_may_be_cut(any in anything(), first in -4.0..1.0f64, second in -4.0..1.0f64) {
         let Anything { circuit, start, on } = any;
         let flow = circuit.flow(start, on);
-        let scale = 1.0 / flow.rates[0].max(1.0);
+        let scale = 1.0 / fastest(&flow);
         let (s, t) = (scale * 10f64.powf(first), scale * 10f64.powf(second));
         let at_once = flow.after(s + t);
         let in_two = circuit.flow(flow.after(s), on).after(t);
@@ -221,7 +230,7 @@ proptest! {
         for node in Node::BOTH {
             let waveform = flow.waveform(node);
             let Some(t) = waveform.falls_after(0.0, threshold, f64::INFINITY) else {
-                let seen = (-60..60).map(|e| waveform.at(1.2f64.powi(e) / flow.rates[0].max(1.0)));
+                let seen = (-60..60).map(|e| waveform.at(1.2f64.powi(e) / fastest(&flow)));
                 prop_assert!(seen.into_iter().all(|v| v >= threshold - 1e-9));
                 continue;
             };
@@ -229,7 +238,7 @@ proptest! {
                 prop_assert!(waveform.start <= threshold);
                 continue;
             }
-            let rounding = 1e-14 * (1.0 + waveform.slopes[0].abs() * t + waveform.slopes[1].abs() * t);
+            let rounding = 1e-14 * (1.0 + waveform.modes().map(|(_, slope)| slope.abs() * t).sum::<f64>());
             let error = (waveform.at(t) - threshold).abs();
             prop_assert!(error <= 8.0 * f64::EPSILON * t * waveform.slope(t).abs() + rounding, "{} V at {} s, slope {}, {:?}", error, t, waveform.slope(t), waveform);
             for share in [0.01, 0.3, 0.7, 0.99] {
@@ -329,4 +338,164 @@ fn what_floats_stays_and_what_leaks_falls_linearly() {
     // C_A floats with node B: 2 V at 1 uA out of 1 uF.
     assert_close(found.a.unwrap(), 2.0, 1e-13);
     assert_close(found.b.unwrap(), 2.0, 1e-13);
+}
+
+fn branches(of: &[(f64, f64)]) -> Vec<Branch> {
+    of.iter().map(|&(share, tau)| Branch { share, tau }).collect()
+}
+
+#[test]
+fn without_a_share_the_matrix_is_the_closed_form() {
+    for capacitors in [
+        Capacitors::One { c: 470e-9 },
+        Capacitors::Two { c_a: 2.2e-6, c_b: 680e-9 },
+        Capacitors::Two { c_a: 1e-6, c_b: 1e-6 },
+    ] {
+        let mut plain = circuit(capacitors);
+        plain.sense[0].to_ground = 1e-6;
+        plain.sense[1].to_v_dd = 3e-7;
+        let absorbing =
+            SimCircuit { absorption: [branches(&[(1e-15, 1e-3)]), branches(&[])], ..plain.clone() };
+        for on in [Drives::NONE, Drives::CHARGE, Drives::C1, X.and(Drives::C2)] {
+            for start in [[0.0, 0.0], [3.3, 3.3], [1.0, 2.5]] {
+                for t in [1e-7, 1e-5, 1e-3, 0.1, 10.0] {
+                    let (found, wanted) =
+                        (absorbing.flow(start, on).after(t), plain.flow(start, on).after(t));
+                    for (found, wanted) in found.into_iter().zip(wanted) {
+                        assert!((found - wanted).abs() < 1e-11, "{on} {start:?} {t} s: {found} {wanted}");
+                    }
+                }
+            }
+        }
+    }
+}
+
+/// A capacitor that was charged for ever, is shorted for a while and then left alone recovers: what its branch has kept,
+/// V exp(-t / tau), spreads over both.
+#[test]
+fn a_shorted_capacitor_recovers_what_its_branch_kept() {
+    let (share, tau) = (0.025, 10e-3);
+    let mut circuit = circuit(Capacitors::One { c: 1e-6 });
+    (circuit.r_c1, circuit.r_o) = (1e-6, [1e-6; LINES]);
+    circuit.absorption[0] = branches(&[(share, tau)]);
+    let shorted = circuit.flow([3.3; 2], Drives::C1);
+    assert!(shorted.after(4e-3)[0].abs() < 1e-6);
+    let released = circuit.flow_after(&shorted, 4e-3, Drives::NONE);
+    let kept = 3.3 * (-0.4f64).exp();
+    assert_close(released.after(10.0)[0], kept * share / (1.0 + share), 1e-5);
+    // On the way with the time constant of both in series.
+    let wanted = kept * share / (1.0 + share) * -(-2e-3 * (1.0 + share) / tau).exp_m1();
+    assert_close(released.after(2e-3)[0], wanted, 1e-5);
+    // Another discharge finds what this one left.
+    let again =
+        circuit.flow_after(&circuit.flow_after(&released, 2e-3, Drives::CHARGE_A), 1e-3, Drives::NONE);
+    assert!(again.after(1.0)[0] < again.after(0.0)[0], "it is still taking in charge");
+}
+
+proptest! {
+    #![proptest_config(crate::seed::cases(64))]
+
+    /// Against a Runge-Kutta integration of Kirchhoff's laws with the branches as capacitors of their own; cut in the middle, so
+    /// that what the branches hold has to be carried on.
+    #[test]
+    fn absorbing_capacitors_obey_kirchhoff(
+        any in anything(),
+        a in prop::collection::vec((1e-4..0.1f64, -1.0..2.0f64), 0..4),
+        b in prop::collection::vec((1e-4..0.1f64, -1.0..2.0f64), 0..4),
+    ) {
+        let Anything { mut circuit, start, on } = any;
+        let scale = 1.0 / fastest(&circuit.flow(start, on));
+        let sized = |shares: &[(f64, f64)]| -> Vec<(f64, f64)> {
+            shares.iter().map(|(share, decades)| (*share, scale * 10f64.powf(*decades))).collect()
+        };
+        circuit.absorption = [branches(&sized(&a)), branches(&sized(&b))];
+        if !circuit.has_b() {
+            circuit.absorption[1].clear();
+        }
+        let half = circuit.flow(start, Drives::NONE);
+        let flow = circuit.flow_after(&circuit.flow_after(&half, 0.3 * scale, on), 0.7 * scale, on);
+        let found = flow.after(scale);
+        let mut state = Kept::new(&circuit, start);
+        state.integrate(&circuit, Drives::NONE, 0.3 * scale);
+        state.integrate(&circuit, on, 1.7 * scale);
+        let wanted = state.nodes(&circuit);
+        for i in 0..if circuit.has_b() { 2 } else { 1 } {
+            prop_assert!((found[i] - wanted[i]).abs() < 1e-6, "node {}: {} wanted {}", i, found[i], wanted[i]);
+        }
+        // Every turn is one, and between two of them the voltage is monotone.
+        for node in Node::BOTH {
+            let waveform = flow.waveform(node);
+            let most = waveform.modes().map(|(_, slope)| slope.abs()).fold(0.0, f64::max);
+            for turn in waveform.turns().iter() {
+                prop_assert!(waveform.slope(turn).abs() <= 1e-9 * most, "{} at {}", waveform.slope(turn), turn);
+            }
+            let mut sign = waveform.slope(0.0).signum();
+            let mut turns = waveform.turns().iter().count();
+            for step in 1..400 {
+                let slope = waveform.slope(scale * 1e-3 * 1.05f64.powi(step));
+                if slope * sign < -1e-9 * most {
+                    (sign, turns) = (slope.signum(), turns.checked_sub(1).ok_or_else(|| TestCaseError::fail("a turn is missing"))?);
+                }
+            }
+        }
+    }
+}
+
+/// The voltages across the capacitors and those of their branches, as Runge-Kutta takes them on.
+#[derive(Clone)]
+struct Kept {
+    mains: [f64; 2],
+    branches: [Vec<f64>; 2],
+}
+
+impl Kept {
+    fn new(circuit: &SimCircuit, [v_a, v_b]: [f64; 2]) -> Kept {
+        let mains = if circuit.has_b() { [v_a - v_b, v_b] } else { [v_a, 0.0] };
+        Kept { mains, branches: [0, 1].map(|i| vec![mains[i]; circuit.absorption[i].len()]) }
+    }
+
+    fn nodes(&self, circuit: &SimCircuit) -> [f64; 2] {
+        if circuit.has_b() { [self.mains[0] + self.mains[1], self.mains[1]] } else { self.mains }
+    }
+
+    fn slopes(&self, circuit: &SimCircuit, on: Drives) -> Kept {
+        let [i_a, i_b] = currents(circuit, on, self.nodes(circuit));
+        let (farad, mut into) = match circuit.capacitors {
+            Capacitors::Two { c_a, c_b } => ([c_a, c_b], [i_a, i_a + i_b]),
+            Capacitors::One { c } | Capacitors::Series { c } => ([c, 1.0], [i_a, 0.0]),
+        };
+        let mut branches = self.branches.clone();
+        for i in 0..2 {
+            for (place, branch) in branches[i].iter_mut().zip(&circuit.absorption[i]) {
+                let across = self.mains[i] - *place;
+                *place = across / branch.tau;
+                into[i] -= across * branch.share * farad[i] / branch.tau;
+            }
+        }
+        Kept { mains: [0, 1].map(|i| into[i] / farad[i]), branches }
+    }
+
+    fn plus(&self, slopes: &Kept, h: f64) -> Kept {
+        let mut sum = self.clone();
+        for i in 0..2 {
+            sum.mains[i] += h * slopes.mains[i];
+            sum.branches[i].iter_mut().zip(&slopes.branches[i]).for_each(|(v, slope)| *v += h * slope);
+        }
+        sum
+    }
+
+    fn integrate(&mut self, circuit: &SimCircuit, on: Drives, seconds: f64) {
+        let fastest = 1.0 / seconds + 10.0 * fastest(&circuit.flow([0.0; 2], on));
+        let steps = (20.0 * fastest * seconds).ceil();
+        let h = seconds / steps;
+        for _ in 0..steps as u64 {
+            let k1 = self.slopes(circuit, on);
+            let k2 = self.plus(&k1, h / 2.0).slopes(circuit, on);
+            let k3 = self.plus(&k2, h / 2.0).slopes(circuit, on);
+            let k4 = self.plus(&k3, h).slopes(circuit, on);
+            for (k, weight) in [(k1, 1.0), (k2, 2.0), (k3, 2.0), (k4, 1.0)] {
+                *self = self.plus(&k, weight * h / 6.0);
+            }
+        }
+    }
 }

@@ -1,8 +1,11 @@
 //! Whether the values of a scene make sense: the key and the remedy, before anything is simulated.
 
-use super::{CircuitScene, Kind, NodeScene, NoiseScene, ReadsScene, Scene, Threshold, line_named};
+use super::{
+    AbsorptionScene, BranchScene, CircuitScene, Kind, NodeScene, NoiseScene, ReadsScene, Scene, Threshold,
+    line_named,
+};
 use crate::pins::MAX_CHANNELS;
-use crate::pins::limits::MOST_EVENTS;
+use crate::pins::limits::{LATEST_MOVE, MOST_BRANCHES, MOST_EVENTS};
 use crate::pins::sim::sensor::Sensor;
 use crate::units::{Quantity, Seconds, Volt};
 use std::fmt::Display;
@@ -80,7 +83,24 @@ impl NodeScene {
             ("pull-up", &self.pull_up),
             ("pull-down", &self.pull_down),
         ];
-        all(POSITIVE, key, resistances)
+        all(POSITIVE, key, resistances)?;
+        all(FINITE, key, &[("leakage", &self.leakage)])
+    }
+}
+
+impl AbsorptionScene {
+    fn check(&self) -> Result<(), String> {
+        for (capacitor, branches) in [("c-a", &self.c_a), ("c-b", &self.c_b), ("c", &self.c)] {
+            let key = format!("circuit.absorption.{capacitor}");
+            let otherwise = format!("can have at most {MOST_BRANCHES} branches");
+            demand(branches.len() <= MOST_BRANCHES, &key, otherwise)?;
+            for BranchScene { share, tau } in branches {
+                all(POSITIVE, &key, &[("share", share), ("tau", tau)])?;
+                let otherwise = "is of the capacitor: write 0.0025 for 0.25 %, at most 1";
+                demand(*share <= 1.0, format!("{key}.share"), otherwise)?;
+            }
+        }
+        Ok(())
     }
 }
 
@@ -130,6 +150,7 @@ impl CircuitScene {
             demand(line_named(name).is_some(), format!("circuit.r-o-of.{name}"), otherwise)?;
             all(POSITIVE, "circuit.r-o-of", &[(name, value)])?;
         }
+        self.absorption.check()?;
         self.threshold.check("circuit.threshold", self.v_dd)?;
         self.node_a.check("circuit.node-a", self.v_dd)?;
         self.node_b.check("circuit.node-b", self.v_dd)
@@ -176,8 +197,10 @@ impl Scene {
                 &[("fixed", &calls.fixed), ("per-line", &calls.per_line), ("jitter", &calls.jitter)];
             all(NOT_NEGATIVE, "calls", values)?;
             tail("calls", calls.tail_probability, calls.tail_mean)?;
-            let is_ordered = calls.moves_at.is_none_or(|[from, to]| 0.0 <= from && from <= to && to <= 1.0);
-            demand(is_ordered, "calls.moves-at", "is [from, to] with 0 <= from <= to <= 1")?;
+            let is_ordered =
+                calls.moves_at.is_none_or(|[from, to]| 0.0 <= from && from <= to && to <= LATEST_MOVE);
+            let otherwise = format!("is [from, to] in slots, with 0 <= from <= to <= {LATEST_MOVE}");
+            demand(is_ordered, "calls.moves-at", otherwise)?;
         }
         let ReadsScene { clock, levels, arm } = &self.reads;
         all(NOT_NEGATIVE, "reads", &[("clock", clock), ("levels", levels), ("arm", arm)])
@@ -191,6 +214,13 @@ impl Scene {
         let is_whole = events.coalesced.is_some() == events.bounce.is_some();
         demand(is_whole, "events.bounce", "and coalesced belong together: name both or neither")?;
         all(POSITIVE, "events", &[("bounce", &events.bounce)])?;
+        all(NOT_NEGATIVE, "events", &[("b-later", &events.b_later)])?;
+        let is_whole = events.deep_sleep_after.is_some() == events.deep_sleep_late.is_some();
+        let otherwise = "and deep-sleep-late belong together: name both or neither";
+        demand(is_whole, "events.deep-sleep-after", otherwise)?;
+        let sleeps: &[Row] =
+            &[("deep-sleep-after", &events.deep_sleep_after), ("deep-sleep-late", &events.deep_sleep_late)];
+        all(POSITIVE, "events", sleeps)?;
         if let Some(NoiseScene { voltage, bandwidth }) = &self.noise {
             all(POSITIVE, "noise", &[("voltage", voltage), ("bandwidth", bandwidth)])?;
         }
@@ -200,6 +230,7 @@ impl Scene {
             ("v-th-per-minute", &drift.v_th_per_minute),
             ("v-dd-per-minute", &drift.v_dd_per_minute),
         ];
-        all(FINITE, "drift", rates)
+        all(FINITE, "drift", rates)?;
+        all(POSITIVE, "walk", &[("r-o", &self.walk.map(|walk| walk.r_o))])
     }
 }

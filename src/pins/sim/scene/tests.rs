@@ -44,6 +44,16 @@ fn errors_name_the_key_and_the_remedy() {
         ("c-b = \"680 nF\"", "", "circuit.c-b: is missing"),
         ("40 ohm", "-40 ohm", "circuit.r-o: has to be above 0"),
         ("constant = \"1 kohm\"", "constant = \"-1 ohm\"", "sensor 0: must not be negative"),
+        (
+            "v-dd =",
+            "absorption = { c-b = [{ share = 2.5, tau = \"1 ms\" }] }\nv-dd =",
+            "circuit.absorption.c-b.share: is of the capacitor",
+        ),
+        (
+            "v-dd =",
+            "absorption = { c-a = [{ share = 0.1, tau = \"0 s\" }] }\nv-dd =",
+            "circuit.absorption.c-a.tau: has to be above 0",
+        ),
     ] {
         let error = changed(from, to);
         assert!(error.starts_with(&format!("test.toml: {key}")), "{error}");
@@ -55,6 +65,16 @@ fn errors_name_the_key_and_the_remedy() {
         ("[stamps]\nmean = \"1 us\"\ntail-mean = \"1 us\"", "stamps: tail-probability and tail-mean"),
         ("[stamps]\nmean = \"-1 us\"", "stamps.mean: must not be negative"),
         ("[calls]\nfixed = \"1 us\"\nper-line = \"1 us\"\nmoves-at = [0.7, 0.2]", "calls.moves-at"),
+        (
+            "[calls]\nfixed = \"1 us\"\nper-line = \"1 us\"\nmoves-at = [0.0, 101.0]",
+            "calls.moves-at: is [from, to] in slots",
+        ),
+        ("[events]\nb-later = \"-1 us\"", "events.b-later: must not be negative"),
+        (
+            "[events]\ndeep-sleep-late = \"1 us\"",
+            "events.deep-sleep-after: and deep-sleep-late belong together",
+        ),
+        ("[walk]\nr-o = \"-1 ohm\"", "walk.r-o: has to be above 0"),
         ("[noise]\nvoltage = \"0 V\"", "noise.voltage: has to be above 0"),
         (
             "[[sensor]]\nsine = { mean = \"1 ohm\", amplitude = \"2 ohm\", frequency = \"1 Hz\" }",
@@ -64,6 +84,9 @@ fn errors_name_the_key_and_the_remedy() {
         let error = error(&format!("{IDEAL}\n{effect}"));
         assert!(error.starts_with(&format!("test.toml: {key}")), "{error}");
     }
+    let branch = "{ share = 0.01, tau = \"1 ms\" }, ".repeat(7);
+    let many = changed("v-dd =", &format!("absorption = {{ c = [{branch}] }}\nv-dd ="));
+    assert!(many.contains("circuit.absorption.c: can have at most 6 branches"), "{many}");
     let clock = error(&format!("clock-period = \"20 ns\"\n{IDEAL}\n[wake]\nmean = \"1 us\""));
     assert!(clock.contains("clock-period: excludes"), "{clock}");
 }
