@@ -93,9 +93,9 @@ impl Estimator {
     }
 
     /// Lets the tracked calibration know how steady readings are: [`Tracker::add_reading`].
-    pub fn add_reading(&mut self, beside_ns: f64) {
+    pub fn add_reading(&mut self, beside_ns: f64, steady: f64) {
         if let Some(tracker) = &mut self.tracker {
-            tracker.add_reading(beside_ns);
+            tracker.add_reading(beside_ns, steady);
         }
     }
 

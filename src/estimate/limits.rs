@@ -101,13 +101,15 @@ pub const MOST_REJECTED: usize = 8;
 pub const INNOVATION_GATE: f64 = 4.0;
 /// So many rejections in a row are a step.
 pub const REJECTED_OF_A_STEP: u32 = 3;
-/// How slowly and how fast Ro may walk, ohm per root second: the temperature of a board changes in minutes, that of a pin
-/// under load may do so sooner.
-pub const WALK_R_O: [f64; 2] = [0.02, 5.0];
-/// How fast d walks, per root second, in parts of its jitter: what makes the latency jitter makes its mean wander.
-pub const WALK_D: f64 = 0.02;
-/// How slowly and how fast g may walk, relative, per root second. Never slower than a drift by 1 % in a minute takes it
-/// in a second: a walk that was learned in quiet times lags behind a drift that begins.
-pub const WALK_G: [f64; 2] = [2e-4, 2e-3];
-/// How much one innovation changes the speed of the walk.
-pub const LEARN_WALK: f64 = 0.05;
+/// How slowly d, g and Ro walk, per root second: d in parts of its jitter, for what makes the latency jitter makes its mean
+/// wander; g relative, never slower than a drift by 1 % in a minute takes it in a second, since a walk that was learned in
+/// quiet times lags behind a drift that begins; Ro in ohm, for the temperature of a board changes in minutes.
+pub const SLOWEST_WALK: [f64; 3] = [0.02, 2e-4, 0.02];
+/// How fast they may walk.
+pub const FASTEST_WALK: [f64; 3] = [2.0, 2e-3, 5.0];
+/// How much one innovation changes the speed of a walk.
+pub const LEARN_WALK: f64 = 0.3;
+/// Innovations that a trend is the mean of.
+pub const TREND_OF: f64 = 8.0;
+/// Where nothing speaks for a faster walk it becomes slower by so much, in the square of a sigma.
+pub const WALK_CALM: f64 = 0.1;

@@ -37,8 +37,9 @@ pub struct SwitchScatter {
     /// Of variances, ns^-4, and the sum of what each has told with its weight, ns^-2.
     weight: f64,
     excess: f64,
-    /// The mean square by which successive readings of a sensor differ, as times of their switches, ns², and of how many.
-    readings: (f64, f64),
+    /// By how much successive readings of a sensor differ, as times of their switches: mean square, what of it is not the
+    /// switches', ns², and of how many.
+    readings: [f64; 3],
 }
 
 impl SwitchScatter {
@@ -53,11 +54,21 @@ impl SwitchScatter {
     }
 
     /// Takes by how much a reading of a sensor is beside those before and after it, as a time of their switches, ns: at rest
-    /// by no less than these scatter.
-    pub fn add_reading(&mut self, beside_ns: f64) {
-        let (mean, count) = &mut self.readings;
+    /// by no less than these scatter. `steady`: the variance if they did not, ns².
+    pub fn add_reading(&mut self, beside_ns: f64, steady: f64) {
+        let [mean, rest, count] = &mut self.readings;
         *count = (*count + 1.0).min(READINGS_OF_SCATTER[1]);
         *mean += (beside_ns * beside_ns - *mean) / *count;
+        *rest += (steady - *rest) / *count;
+    }
+
+    /// No steadier than this are switches if the sensor is at rest, and steadier if it is not, ns².
+    fn bound(&self) -> f64 {
+        let [mean, rest, count] = self.readings;
+        if count < READINGS_OF_SCATTER[0] {
+            return f64::INFINITY;
+        }
+        (mean - rest).max(0.0) + mean.max(rest) * (2.0 / count).sqrt()
     }
 
     /// What the discharges alone say, ns²; may be negative by chance.
@@ -68,9 +79,7 @@ impl SwitchScatter {
     /// 1 sigma, ns, and as much more as is not known of it; `expected_ns`: by the length of calls, which may be wrong by as
     /// much as it is, or as the discharges say, but is not less steady than readings are.
     pub fn u_ns(&self, expected_ns: f64) -> f64 {
-        let (square, count) = self.readings;
-        let bound = if count < READINGS_OF_SCATTER[0] { f64::INFINITY } else { square * (1.0 + (2.0 / count).sqrt()) };
-        let expected = (expected_ns * expected_ns).min(bound);
+        let expected = (expected_ns * expected_ns).min(self.bound());
         let doubt = expected.max(self.likely());
         let weight = if doubt > 0.0 { 1.0 / (doubt * doubt) } else { 0.0 };
         let all = weight + self.weight;

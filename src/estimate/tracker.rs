@@ -3,13 +3,13 @@
 //! The state walks at random (process noise per root second) and is observed by plain and split calibration discharges
 //! through the [law](crate::estimate::law). Innovations beyond the gate are rejected and counted; several in a row are a step, and
 //! everything is found again from the beginning. The noise of crossings is learned from the calibration discharges themselves
-//! ([`Noise`]); how fast g and Ro drift is learned from the innovations of plain and of split ones: their normalised square is
-//! 1 on average when the walk is as fast as the state.
+//! ([`Noise`]); how fast g, Ro and d drift is learned from their innovations: those of a walk that is as fast as the state have
+//! nothing to do with each other, those of a slower one go on in one direction.
 
 use crate::estimate::law::{Crossing, D, D_B, R_O, Route, State, UNKNOWNS};
 use crate::estimate::limits::{
-    BEGINNINGS, FIRST_ROUNDS, INNOVATION_GATE, LEARN_WALK, MOST_REJECTED, REJECTED_OF_A_STEP, SPLIT_FRACTION,
-    WALK_D, WALK_G, WALK_R_O,
+    BEGINNINGS, FASTEST_WALK, FIRST_ROUNDS, INNOVATION_GATE, LEARN_WALK, MOST_REJECTED, REJECTED_OF_A_STEP,
+    SLOWEST_WALK, SPLIT_FRACTION, TREND_OF, WALK_CALM,
 };
 use crate::estimate::noise::{Covariance, Noise};
 use crate::estimate::offset::{Offset, SplitCalibration};
@@ -55,8 +55,10 @@ pub struct Tracker {
     state: State,
     covariance: Matrix,
     at: Nanos,
-    /// How fast g and Ro walk.
-    walk: [f64; 2],
+    /// How fast d, g and Ro walk, and the running mean of the innovations that tell it, in sigma: each by one kind of
+    /// discharge.
+    walk: [f64; 3],
+    trend: [f64; 3],
     rejected_in_row: u32,
     counts: Counts,
     scatter: SwitchScatter,
@@ -89,7 +91,8 @@ impl Tracker {
             state: State::default(),
             covariance: Matrix::default(),
             at: Nanos::ZERO,
-            walk: [WALK_G[0], WALK_R_O[0]],
+            walk: SLOWEST_WALK,
+            trend: [0.0; 3],
             rejected_in_row: 0,
             counts: Counts::default(),
             scatter: SwitchScatter::default(),
@@ -120,6 +123,8 @@ impl Tracker {
         &self.covariance
     }
 
+    /// x
+    pub fn walk(&self) -> [f64; 3] { self.walk }
     /// The noise of crossings.
     pub fn noise(&self) -> &Noise {
         &self.noise
@@ -141,8 +146,8 @@ impl Tracker {
     }
 
     /// Takes by how much a reading was beside those before and after it, as [`SwitchScatter::add_reading`].
-    pub fn add_reading(&mut self, beside_ns: f64) {
-        self.scatter.add_reading(beside_ns);
+    pub fn add_reading(&mut self, beside_ns: f64, steady: f64) {
+        self.scatter.add_reading(beside_ns, steady);
     }
 
     /// Takes a calibration discharge.
@@ -226,10 +231,9 @@ impl Tracker {
         self.advance(record.start);
         let route = self.route(record).ok_or(Fault::NoCalibration)?;
         let expected = [0, 1].map(|node| route.crossing(&self.state, node).ns);
-        if let Some(normalised) = self.correct(record, times) {
+        if self.correct(record, times).is_some() {
             // What the filter takes is no spike, whatever the spread says.
             let _ = self.noise.add(kind, times, expected);
-            self.learn_walk(kind, normalised / self.nodes as f64);
             self.rejected_in_row = 0;
             self.counts.used += 1;
             return Ok(());
@@ -243,12 +247,20 @@ impl Tracker {
         Err(Fault::CalibrationStep)
     }
 
-    /// Plain discharges tell how fast g walks, split ones how fast Ro does.
-    fn learn_walk(&mut self, kind: CalibrationKind, normalised: f64) {
-        let which = usize::from(kind == CalibrationKind::Split);
-        let [slowest, fastest] = [WALK_G, WALK_R_O][which];
-        let faster = (LEARN_WALK * (normalised - 1.0)).clamp(-LEARN_WALK, 4.0 * LEARN_WALK);
-        self.walk[which] = (self.walk[which] * faster.exp()).clamp(slowest, fastest);
+    /// The discharge through R_1 tells how fast d walks, that through R_2 how fast g does, a split one how fast Ro does.
+    fn learn_walk(&mut self, kind: CalibrationKind, gain: &Gain, rows: &[State; 2], innovation: [f64; 2]) {
+        let mut direction = State::default();
+        match kind {
+            CalibrationKind::First => direction[D] = 1.0,
+            CalibrationKind::Second => direction[..2].copy_from_slice(&self.state[..2]),
+            CalibrationKind::Split => direction[R_O] = 1.0,
+        }
+        let by = rows.map(|row| (0..UNKNOWNS).map(|i| row[i] * direction[i]).sum::<f64>());
+        let away = gain.along(by, innovation);
+        let (walk, trend) = (&mut self.walk[kind as usize], &mut self.trend[kind as usize]);
+        let faster = (LEARN_WALK * (away * *trend - WALK_CALM)).clamp(-4.0 * LEARN_WALK, 4.0 * LEARN_WALK);
+        *walk = (*walk * faster.exp()).clamp(SLOWEST_WALK[kind as usize], FASTEST_WALK[kind as usize]);
+        *trend += (away - *trend) / TREND_OF;
     }
 
     /// After a step. Nothing of the old state may bias the new one: how far the step went is not known.
@@ -267,7 +279,8 @@ impl Tracker {
         self.at = now;
         // A crossing without delay has no other noise than latency.
         let jitter_ns = self.noise.covariance([0.0; 2]).map_or(0.0, |noise| noise.aa.sqrt());
-        let ([walk_g, walk_r_o], walk_d) = (self.walk, WALK_D * jitter_ns);
+        let [walk_d, walk_g, walk_r_o] = self.walk;
+        let walk_d = walk_d * jitter_ns;
         let walk_d_b = if self.nodes == 2 { walk_d } else { 0.0 };
         let walk = [walk_g * self.state[0], walk_g * self.state[1], walk_r_o, walk_d, walk_d_b];
         for (index, walk) in walk.into_iter().enumerate() {
@@ -321,6 +334,9 @@ impl Tracker {
         let normalised = gain.normalised(innovation);
         if normalised > INNOVATION_GATE * INNOVATION_GATE * self.nodes as f64 {
             return None;
+        }
+        if let Some(kind) = record.calibration_kind() {
+            self.learn_walk(kind, &gain, &states, innovation);
         }
         self.learn_scatter(&route, innovation);
         for index in 0..UNKNOWNS {

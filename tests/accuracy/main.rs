@@ -11,4 +11,5 @@ mod exact;
 mod methods;
 mod offset;
 mod paper;
+mod scratch;
 mod tracked;

@@ -38,6 +38,13 @@ impl Gain {
         self.inverse.of(v[0], v[1])
     }
 
+    /// An innovation in the direction that moves the observations by `by`, in sigma.
+    pub fn along(&self, by: [f64; 2], v: [f64; 2]) -> f64 {
+        let [a, b] = self.inverse.times(v);
+        let information = self.inverse.of(by[0], by[1]);
+        if information > 0.0 { (by[0] * a + by[1] * b) / information.sqrt() } else { 0.0 }
+    }
+
     /// The state's covariance once the observations are taken in.
     pub fn posterior(&self, p: &Matrix) -> Matrix {
         let taken = |i: usize, j: usize| self.of[i][0] * self.hp[0][j] + self.of[i][1] * self.hp[1][j];

@@ -127,7 +127,7 @@ fn the_walk_becomes_as_fast_as_the_drift() {
         }
         assert_eq!(tracker.counts().steps, 0);
         (
-            tracker.walk[0],
+            tracker.walk[1],
             (tracker.state()[0] / plant.state[0] - 1.0)
                 / (tracker.covariance()[0][0].sqrt() / plant.state[0]),
         )

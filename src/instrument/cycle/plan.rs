@@ -52,8 +52,12 @@ impl Memory {
                     let part = quadratic(tracker.covariance(), &predicted.by_state);
                     (predicted.by_state, (predicted.variance - part).max(0.0))
                 });
-                let by_switch = predicted.map(|predicted| predicted.by_switch);
-                self.steadiness(r_ohm.value, by_switch.filter(|_| switch.is_some()), estimator);
+                let switched = predicted.filter(|_| switch.is_some()).map(|predicted| {
+                    let steady = predicted.bound / predicted.by_switch.powi(2);
+                    let u_ns = estimator.offset().scatter.u_ns(self.u_switch_ns);
+                    (predicted.by_switch, (steady - u_ns * u_ns).max(0.0))
+                });
+                self.steadiness(r_ohm.value, switched, estimator);
             }
             // Where it is by now is known well enough for a plan.
             Status::Fault(Fault::Unsettled) => {
@@ -69,14 +73,14 @@ impl Memory {
 }
 
 impl Memory {
-    /// Lets the estimator know by how much the reading before this one was beside its neighbours; `by_switch`: what moves a
-    /// reading that was switched, ohm/ns.
-    fn steadiness(&mut self, r_ohm: f64, by_switch: Option<f64>, estimator: &mut Estimator) {
-        if let (Some(by_switch), [Some(first), Some(second)]) = (by_switch, self.switched_ohm) {
+    /// Lets the estimator know by how much the reading before this one was beside its neighbours; `switched`: what the instant
+    /// of the switch does to it, ohm/ns, and its variance but for that, as a time, ns².
+    fn steadiness(&mut self, r_ohm: f64, switched: Option<(f64, f64)>, estimator: &mut Estimator) {
+        if let (Some((by_switch, steady)), [Some(first), Some(second)]) = (switched, self.switched_ohm) {
             // Its variance is 6 times that of a reading; a steady change is not in it.
-            estimator.add_reading((first - 2.0 * second + r_ohm) / 6f64.sqrt() / by_switch);
+            estimator.add_reading((first - 2.0 * second + r_ohm) / 6f64.sqrt() / by_switch, steady);
         }
-        self.switched_ohm = [self.switched_ohm[1], by_switch.map(|_| r_ohm)];
+        self.switched_ohm = [self.switched_ohm[1], switched.map(|_| r_ohm)];
     }
 }
 
