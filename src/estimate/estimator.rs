@@ -199,8 +199,7 @@ impl Estimator {
             return Ok((Estimate { branch: solution.branch, r_ohm }, solution.evidence));
         }
         let (times, branch) = self.times(record)?;
-        let (ratio, evidence) =
-            self.ratio(&times, branch, expected_ns(record)).ok_or(Fault::MissedEdge)?;
+        let (ratio, evidence) = self.ratio(&times, branch, expected_ns(record)).ok_or(Fault::MissedEdge)?;
         let span = self.r2_ohm - self.r1_ohm;
         let r_ohm = self.r1_ohm + ratio.value * span;
         let u = ratio.u.map(|u| u * span);

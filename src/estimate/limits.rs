@@ -113,3 +113,8 @@ pub const LEARN_WALK: f64 = 0.3;
 pub const TREND_OF: f64 = 8.0;
 /// Where nothing speaks for a faster walk it becomes slower by so much, in the square of a sigma.
 pub const WALK_CALM: f64 = 0.1;
+/// Discharges of a kind that its mean innovation is taken over.
+pub const MISFIT_OF: f64 = 64.0;
+/// Mean innovations contradict the state when their mean square is so many times what chance makes it: of six it is more
+/// once in fifty.
+pub const MISFIT_SHOWS: f64 = 2.5;

@@ -168,7 +168,9 @@ impl SplitCalibration {
             kept.filter_map(|round| Some((round.difference_ns - slope * round.s_ns, round.variance?)));
         let mut scatter = SwitchScatter::default();
         if let Some(Measured { value, .. }) = mean(known.clone().map(|(misfit, _)| misfit)) {
-            known.for_each(|(misfit, variance)| scatter.add((misfit - value) / slope, variance / (slope * slope)));
+            known.for_each(|(misfit, variance)| {
+                scatter.add((misfit - value) / slope, variance / (slope * slope))
+            });
         }
         Some(Offset {
             d_ns: d.0,

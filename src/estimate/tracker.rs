@@ -8,8 +8,8 @@
 
 use crate::estimate::law::{Crossing, D, D_B, R_O, Route, State, UNKNOWNS};
 use crate::estimate::limits::{
-    BEGINNINGS, FASTEST_WALK, FIRST_ROUNDS, INNOVATION_GATE, LEARN_WALK, MOST_REJECTED, REJECTED_OF_A_STEP,
-    SLOWEST_WALK, SPLIT_FRACTION, TREND_OF, WALK_CALM,
+    BEGINNINGS, FASTEST_WALK, FIRST_ROUNDS, INNOVATION_GATE, LEARN_WALK, MISFIT_OF, MISFIT_SHOWS,
+    MOST_REJECTED, REJECTED_OF_A_STEP, SLOWEST_WALK, SPLIT_FRACTION, TREND_OF, WALK_CALM,
 };
 use crate::estimate::noise::{Covariance, Noise};
 use crate::estimate::offset::{Offset, SplitCalibration};
@@ -25,12 +25,12 @@ mod gain;
 pub type Matrix = [State; UNKNOWNS];
 
 /// v^T M v.
-pub fn quadratic(matrix: &Matrix, v: &State) -> f64 {
+fn quadratic(matrix: &Matrix, v: &State) -> f64 {
     bilinear(matrix, v, v)
 }
 
 /// u^T M v.
-pub fn bilinear(matrix: &Matrix, u: &State, v: &State) -> f64 {
+fn bilinear(matrix: &Matrix, u: &State, v: &State) -> f64 {
     (0..UNKNOWNS).map(|i| u[i] * (0..UNKNOWNS).map(|j| matrix[i][j] * v[j]).sum::<f64>()).sum()
 }
 
@@ -59,6 +59,8 @@ pub struct Tracker {
     /// discharge.
     walk: [f64; 3],
     trend: [f64; 3],
+    /// What each crossing of each kind of discharge is beside its expectation on average, in sigma.
+    means: [[f64; 2]; 3],
     rejected_in_row: u32,
     counts: Counts,
     scatter: SwitchScatter,
@@ -93,6 +95,7 @@ impl Tracker {
             at: Nanos::ZERO,
             walk: SLOWEST_WALK,
             trend: [0.0; 3],
+            means: [[0.0; 2]; 3],
             rejected_in_row: 0,
             counts: Counts::default(),
             scatter: SwitchScatter::default(),
@@ -123,8 +126,6 @@ impl Tracker {
         &self.covariance
     }
 
-    /// x
-    pub fn walk(&self) -> [f64; 3] { self.walk }
     /// The noise of crossings.
     pub fn noise(&self) -> &Noise {
         &self.noise
@@ -263,6 +264,33 @@ impl Tracker {
         *trend += (away - *trend) / TREND_OF;
     }
 
+    /// A state that is right leaves nothing over on average, whatever the kind of discharge.
+    fn learn_misfit(&mut self, kind: CalibrationKind, gain: &Gain, innovation: [f64; 2]) {
+        for (node, mean) in self.means[kind as usize].iter_mut().enumerate().take(self.nodes) {
+            *mean += (gain.sigmas(node, innovation) - *mean) / MISFIT_OF;
+        }
+    }
+
+    /// By how much more the state is uncertain than its covariance says, since discharges of different kinds contradict each
+    /// other (Birge's ratio): whatever it is that no state explains, readings have it too.
+    fn misfit(&self) -> f64 {
+        // The variance of such a running mean of values of variance 1.
+        let chance = 1.0 / (2.0 * MISFIT_OF - 1.0);
+        let squares: f64 = self.means.iter().flatten().map(|mean| mean * mean / chance).sum();
+        let per_crossing = squares / (3 * self.nodes) as f64;
+        if per_crossing > MISFIT_SHOWS { per_crossing } else { 1.0 }
+    }
+
+    /// The variance of v times the state.
+    pub fn variance(&self, v: &State) -> f64 {
+        self.misfit() * quadratic(&self.covariance, v)
+    }
+
+    /// The covariance of u and of v times the state.
+    pub fn covariance_of(&self, u: &State, v: &State) -> f64 {
+        self.misfit() * bilinear(&self.covariance, u, v)
+    }
+
     /// After a step. Nothing of the old state may bias the new one: how far the step went is not known.
     pub fn begin_anew(&mut self) {
         let counts = Counts { steps: self.counts.steps + 1, ..self.counts };
@@ -336,6 +364,7 @@ impl Tracker {
             return None;
         }
         if let Some(kind) = record.calibration_kind() {
+            self.learn_misfit(kind, &gain, innovation);
             self.learn_walk(kind, &gain, &states, innovation);
         }
         self.learn_scatter(&route, innovation);

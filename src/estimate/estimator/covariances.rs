@@ -3,7 +3,7 @@
 use crate::estimate::law;
 use crate::estimate::method::dual::Gradient;
 use crate::estimate::noise::Covariance;
-use crate::estimate::tracker::{Tracker, quadratic};
+use crate::estimate::tracker::Tracker;
 
 /// The covariance matrix of all [`Times`](crate::estimate::method::Times), block by block.
 pub(super) struct Covariances<'a> {
@@ -49,5 +49,5 @@ fn tracked_part(tracker: &Tracker, by: &Gradient) -> f64 {
             }
         }
     }
-    quadratic(tracker.covariance(), &by_state)
+    tracker.variance(&by_state)
 }

@@ -20,7 +20,7 @@ use crate::estimate::law::{D, D_B, R_O, Route, State, d_ns};
 use crate::estimate::limits::{BEYOND_NOISE, COVERAGE, DOUBT, RESOLVED};
 use crate::estimate::motion::Evidence;
 use crate::estimate::noise::Covariance;
-use crate::estimate::tracker::{Tracker, bilinear, quadratic};
+use crate::estimate::tracker::Tracker;
 use crate::reading::{Branch, Fault};
 use crate::record::Switch;
 
@@ -212,11 +212,10 @@ impl Fit {
         let by_switch = of_nodes(&|one| one.by_switch(near));
         own.add_outer(by_switch.map(|by| by * u_switch_ns));
         let rows = nodes.map(|node| node.map_or(State::default(), |one| one.by_state(state, near)));
-        let p = tracker.covariance();
         let all = Covariance {
-            aa: own.aa + quadratic(p, &rows[0]),
-            bb: own.bb + quadratic(p, &rows[1]),
-            ab: own.ab + bilinear(p, &rows[0], &rows[1]),
+            aa: own.aa + tracker.variance(&rows[0]),
+            bb: own.bb + tracker.variance(&rows[1]),
+            ab: own.ab + tracker.covariance_of(&rows[0], &rows[1]),
         };
         let (inverse, own) = (all.inverse(seen)?, own.inverse(seen)?);
         let information = inverse.of(through[0], through[1]);

@@ -10,7 +10,8 @@ pub struct Gain {
     pub of: [[f64; 2]; UNKNOWNS],
     /// Rows of the observation times the covariance.
     hp: [State; 2],
-    /// Inverse of the innovation's covariance.
+    /// The innovation's variances, and the inverse of its covariance.
+    variances: [f64; 2],
     inverse: Covariance,
 }
 
@@ -30,12 +31,17 @@ impl Gain {
         let ab = dot(&hp[0], &rows[1]) + noise.ab;
         let inverse = Covariance { aa, bb, ab }.inverse(seen)?;
         let of = std::array::from_fn(|i| inverse.times([hp[0][i], hp[1][i]]));
-        Some(Gain { of, hp, inverse })
+        Some(Gain { of, hp, variances: [aa, bb], inverse })
     }
 
     /// The normalised square of an innovation.
     pub fn normalised(&self, v: [f64; 2]) -> f64 {
         self.inverse.of(v[0], v[1])
+    }
+
+    /// An innovation of one observation, in sigma.
+    pub fn sigmas(&self, which: usize, v: [f64; 2]) -> f64 {
+        v[which] / self.variances[which].sqrt()
     }
 
     /// An innovation in the direction that moves the observations by `by`, in sigma.

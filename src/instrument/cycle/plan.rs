@@ -7,7 +7,6 @@ use crate::estimate::limits::{LEAK_HOLD, SPLIT_FRACTION};
 use crate::estimate::method::Switching;
 use crate::estimate::motion::Motion;
 use crate::estimate::scatter::expected_ns;
-use crate::estimate::tracker::quadratic;
 use crate::instrument::limits::{
     CALIBRATION_SHARE, HYSTERESIS, LONGEST_IDLE, OFFSET_SHARE, OUTLIERS_OF_DOUBT, SWITCH_FRACTIONS,
 };
@@ -33,7 +32,13 @@ pub struct Memory {
 
 impl Memory {
     /// Learns from a reading.
-    pub fn take(&mut self, status: &Status, record: Option<Record>, zero_ohm: f64, estimator: &mut Estimator) {
+    pub fn take(
+        &mut self,
+        status: &Status,
+        record: Option<Record>,
+        zero_ohm: f64,
+        estimator: &mut Estimator,
+    ) {
         if let Some(record) = record {
             self.u_switch_ns = expected_ns(&record);
         }
@@ -49,7 +54,7 @@ impl Memory {
                 let switch = record.and_then(|record| record.switch).filter(|_| self.inferred);
                 let predicted = estimator.predict_tracked(r_ohm.value + zero_ohm, switch, self.u_switch_ns);
                 self.dependence = predicted.zip(estimator.tracker()).map(|(predicted, tracker)| {
-                    let part = quadratic(tracker.covariance(), &predicted.by_state);
+                    let part = tracker.variance(&predicted.by_state);
                     (predicted.by_state, (predicted.variance - part).max(0.0))
                 });
                 let switched = predicted.filter(|_| switch.is_some()).map(|predicted| {
@@ -219,7 +224,7 @@ impl Cycle {
     pub(super) fn wanted(&self) -> Option<CalibrationKind> {
         let tracker = self.estimator.tracker()?;
         let share = |(by_state, rest): &(State, f64)| {
-            let part = quadratic(tracker.covariance(), by_state);
+            let part = tracker.variance(by_state);
             part / (part + rest)
         };
         let worst = self
