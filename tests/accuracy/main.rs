@@ -11,5 +11,4 @@ mod exact;
 mod methods;
 mod offset;
 mod paper;
-mod scratch;
 mod tracked;
