@@ -368,8 +368,8 @@ impl Discharge {
             }),
             a_ns,
             b_ns,
-            // Anywhere in the middle half of its call, each of two lines.
-            u_switch_ns: Some(single_ns / 2.0 / 6f64.sqrt()),
+            // Anywhere in its call, each of two lines.
+            u_switch_ns: Some(single_ns / 6f64.sqrt()),
             waited_ns: self.waited.map(since_start),
         }
     }

@@ -7,7 +7,7 @@ use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 
 const R: [f64; 2] = [2320.0, 12_700.0];
-const TRUTH: State = [570.0, 1070.0, 40.0, 8000.0];
+const TRUTH: State = [570.0, 1070.0, 40.0, 8000.0, 300.0];
 
 struct Plant {
     rng: ChaCha8Rng,
@@ -67,7 +67,7 @@ fn tracked(seed: u64, rounds: usize) -> (Plant, Tracker) {
 #[test]
 fn the_truth_lies_within_the_stated_covariance() {
     const SEEDS: u64 = 200;
-    let mut pulls = [const { Vec::new() }; 4];
+    let mut pulls = [const { Vec::new() }; UNKNOWNS];
     for seed in 0..SEEDS {
         let (_, tracker) = tracked(seed, FIRST_ROUNDS + 30);
         for (index, pulls) in pulls.iter_mut().enumerate() {
@@ -133,7 +133,7 @@ fn the_walk_becomes_as_fast_as_the_drift() {
         }
         assert_eq!(tracker.counts().steps, 0);
         (
-            tracker.walk_g,
+            tracker.walk[1],
             (tracker.state()[0] / plant.state[0] - 1.0)
                 / (tracker.covariance()[0][0].sqrt() / plant.state[0]),
         )
