@@ -44,14 +44,14 @@
 
 #[cfg(test)]
 #[path = "../tests/common/chance.rs"]
-#[allow(dead_code, clippy::unwrap_used, clippy::panic, reason = "shared with all other tests")]
+#[allow(dead_code, reason = "shared with all other tests")]
 pub(crate) mod chance;
 pub mod circuit;
 #[cfg(feature = "programs")]
 pub mod config;
 #[cfg(all(test, feature = "programs"))]
 #[path = "../tests/common/config.rs"]
-#[allow(dead_code, clippy::unwrap_used, clippy::panic, reason = "shared with all other tests")]
+#[allow(dead_code, reason = "shared with all other tests")]
 pub(crate) mod config_file;
 #[cfg(feature = "programs")]
 #[doc(hidden)]

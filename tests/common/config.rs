@@ -1,6 +1,7 @@
 //! Files of tests, configurations and scenes: what most have in common, and what one changes.
 //!
 //! Shared by the tests of the crate (tests/common) and those of its modules (src/lib.rs).
+#![allow(clippy::unwrap_used, clippy::panic, reason = "of tests and benchmarks")]
 
 use cermd::config::Config;
 use std::fmt;

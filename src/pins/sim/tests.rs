@@ -166,6 +166,7 @@ fn a_chip_that_was_left_alone_moves_its_lines_late_unless_levels_are_read_before
         }
         let release = pins.drive(Drives::NONE).unwrap();
         assert_eq!(release.width(), Nanos(1100), "the write is posted");
+        pins.sleep_until(release.after + Nanos(5000)).unwrap();
         pins.truth().changes()[1].0 - release.before.as_ns() + start.before.as_ns()
     };
     assert_eq!([released_ns(10_000, false), released_ns(11_000, false)], [0.0, 2000.0]);
