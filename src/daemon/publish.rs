@@ -59,9 +59,11 @@ impl Known {
     fn log_leak(&mut self, stats: &Stats) {
         if let (Some(siemens), false) = (stats.leak_siemens, self.leak) {
             self.leak = true;
+            let what =
+                if siemens > 0.0 { "a leak" } else { "something that feeds node A, as a pull-up does," };
             log::warn!(
-                "a leak of about {:.2}: readings are less certain by what it does to them; {}",
-                Ohm(1.0 / siemens),
+                "{what} of about {:.2}: readings are less certain by what it does to them; {}",
+                Ohm(1.0 / siemens.abs()),
                 Suspect::Leak.look()
             );
         }
@@ -127,7 +129,7 @@ pub fn stats(known: &Known, config: &Config, uptime: Nanos) -> InstrumentStats {
         short: stats.short,
         faults: faults.into(),
         hint: stats.suspect.map(|suspect| suspect.to_string()),
-        leak_ohm: stats.leak_siemens.map(|siemens| 1.0 / siemens),
+        leak_ohm: stats.leak_siemens.filter(|siemens| *siemens > 0.0).map(|siemens| 1.0 / siemens),
         retried: stats.retried,
         offset_known: stats.offset_is_known,
         offset_ns: offset.map(|offset| offset.d_ns),

@@ -49,8 +49,9 @@ pub struct Estimator {
     noise: Noise,
     c1: Option<[f64; 2]>,
     c2: Option<[f64; 2]>,
-    /// What leaks, as far as that is known.
+    /// What leaks, as far as that is known, and whether it has been seen to.
     leak_siemens: f64,
+    leak_shows: bool,
     /// With it, c1 and c2 are only used until it is ready.
     tracker: Option<Tracker>,
 }
@@ -70,6 +71,7 @@ impl Estimator {
             c1: None,
             c2: None,
             leak_siemens: 0.0,
+            leak_shows: false,
             tracker: None,
         }
     }

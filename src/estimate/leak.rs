@@ -1,15 +1,17 @@
 //! Leakage, by discharges that were held back.
 //!
-//! While everything floats for the time h, a leak of conductance G takes G h off the way to the threshold. The discharge
-//! through R_1 that follows is shorter by G h (R_1+Ro) than one that begins at once. Nothing else does that but a dielectric
-//! that goes on taking charge in, as that of X7R does. A pull-up does nothing then, since the nodes are at V_DD already: it
-//! shows in Ro ([`Fault::PullUp`](crate::reading::Fault::PullUp)).
+//! A discharge is interrupted at [half of its way](LEAK_HELD_AT) for the time h. While everything floats, a leak of conductance
+//! G takes G h off the rest of it, so that it ends G h (R_2+Ro) earlier; what feeds the node, as a pull-up does, makes it
+//! later. At that voltage either does what it does on average over a discharge, so that one number tells both. A dielectric
+//! that takes charge in or gives it back looks the same.
 //!
 //! What a leak at node A does to a reading: a discharge through R takes g (R+Ro) / (1 + G (R+Ro)), and two-point calibration
 //! makes of it a resistance that is too high between R_1 and R_2 and too low elsewhere: [`error_ohm`].
 
+#[cfg(doc)]
+use crate::estimate::limits::LEAK_HELD_AT;
 use crate::estimate::limits::{
-    LEAK_EVERY, LEAK_FIRST, LEAK_HOLD, LEAK_REMEMBERED, LEAK_SHOWS, LEAK_SURPRISE,
+    LEAK_EVERY, LEAK_FIRST, LEAK_HOLD, LEAK_REMEMBERED, LEAK_SHOWS, LEAK_SURPRISE, LIKELY_LEAK_SIEMENS,
 };
 use crate::estimate::scatter::median;
 use crate::units::Nanos;
@@ -19,6 +21,8 @@ use crate::units::Nanos;
 pub struct LeakTest {
     siemens: [f64; LEAK_REMEMBERED],
     taken: usize,
+    /// Those that came to nothing.
+    failed: usize,
     /// Of those that are remembered.
     median: f64,
     /// Of the last one, siemens².
@@ -32,16 +36,19 @@ pub struct LeakTest {
 
 impl LeakTest {
     /// Whether a held discharge is due.
-    pub fn is_due(&mut self, now: Nanos) -> bool {
-        let last = *self.last.get_or_insert(now);
-        (1..LEAK_FIRST).contains(&self.taken) || self.is_surprised || now - last >= LEAK_EVERY
+    pub fn is_due(&self, now: Nanos) -> bool {
+        let is_old = self.last.is_none_or(|last| now - last >= LEAK_EVERY);
+        self.taken < LEAK_FIRST && self.failed < LEAK_FIRST || self.is_surprised || is_old
     }
 
-    /// Takes one, whether it told something or not. `lost_ns`: by how much it was shorter, with its variance; `r_ohm`: R_1.
+    /// Takes one, whether it told something or not. `lost_ns`: by how much it was shorter, with its variance; `r_ohm`: R_2.
     pub fn add(&mut self, lost: Option<(f64, f64)>, r_ohm: f64, now: Nanos) {
         self.last = Some(now);
         self.is_surprised = false;
-        let Some((lost_ns, variance)) = lost.filter(|(lost_ns, _)| lost_ns.is_finite()) else { return };
+        let Some((lost_ns, variance)) = lost.filter(|(lost_ns, _)| lost_ns.is_finite()) else {
+            self.failed += 1;
+            return;
+        };
         self.siemens[self.taken % LEAK_REMEMBERED] = siemens_by(lost_ns, r_ohm);
         self.variance = siemens_by(variance.sqrt(), r_ohm).powi(2);
         self.taken += 1;
@@ -52,16 +59,16 @@ impl LeakTest {
         self.is_surprised = away.abs() > LEAK_SURPRISE * self.variance.sqrt();
     }
 
-    /// The leak, siemens, if there is one that shows.
+    /// The leak, siemens, if there is one that shows; negative for what feeds the node.
     pub fn siemens(&self) -> Option<f64> {
         let leak = self.likely_siemens();
-        (leak > self.gate()).then_some(leak)
+        (self.is_known() && leak.abs() > self.gate()).then_some(leak)
     }
 
     /// Whether the leak has come, grown or gone since this last was so.
     pub fn has_changed(&mut self) -> bool {
         let leak = self.likely_siemens();
-        let has_changed = (leak - self.before).abs() > self.gate();
+        let has_changed = self.is_known() && (leak - self.before).abs() > self.gate();
         if has_changed {
             self.before = leak;
         }
@@ -74,9 +81,15 @@ impl LeakTest {
             * (self.variance * std::f64::consts::FRAC_PI_2 / self.taken.min(LEAK_REMEMBERED) as f64).sqrt()
     }
 
-    /// The likely leak, siemens, whether it shows or not: nobody has seen that there is none.
+    /// Whether there has been a look.
+    pub fn is_known(&self) -> bool {
+        self.taken >= LEAK_FIRST
+    }
+
+    /// The likely leak, siemens, whether it shows or not: nobody has seen that there is none. Before there has been a look, one
+    /// that could be.
     pub fn likely_siemens(&self) -> f64 {
-        if self.taken < LEAK_FIRST { 0.0 } else { self.median.max(0.0) }
+        if self.is_known() { self.median } else { LIKELY_LEAK_SIEMENS }
     }
 }
 
@@ -100,24 +113,26 @@ mod tests {
     fn tested(count: usize, lost_ns: impl Fn(usize) -> f64) -> LeakTest {
         let mut test = LeakTest::default();
         for index in 0..count {
-            test.add(Some((lost_ns(index), 2.0 * 2000f64.powi(2))), 2320.0, Nanos::ZERO);
+            test.add(Some((lost_ns(index), 2.0 * 3000f64.powi(2))), 12_700.0, Nanos::ZERO);
         }
         test
     }
 
     #[test]
     fn a_megohm_shows_at_once_and_spikes_do_not() {
-        // 20 ms / 1 Mohm * 2320 ohm.
-        assert_eq!(tested(LEAK_FIRST - 1, |_| 46_400.0).siemens(), None);
-        let found = tested(LEAK_FIRST, |_| 46_400.0).siemens().unwrap();
-        assert!((found * 1e6 - 1.0).abs() < 1e-9, "{found}");
+        // 20 ms / 1 Mohm * 12.7 kohm.
+        assert_eq!(tested(LEAK_FIRST - 1, |_| 254_000.0).siemens(), None);
+        assert_eq!(tested(LEAK_FIRST - 1, |_| 0.0).likely_siemens(), LIKELY_LEAK_SIEMENS);
+        for sign in [1.0, -1.0] {
+            let found = tested(LEAK_FIRST, |_| sign * 254_000.0).siemens().unwrap();
+            assert!((found * 1e6 - sign).abs() < 1e-9, "{found}");
+        }
         let spikes = tested(LEAK_FIRST, |index| if index % 4 == 0 { 200_000.0 } else { 1000.0 });
         assert_eq!(spikes.siemens(), None);
         // What does not show may still be there.
-        assert!((spikes.likely_siemens() - siemens_by(1000.0, 2320.0)).abs() < 1e-15);
-        assert_eq!(tested(LEAK_FIRST, |_| -1000.0).likely_siemens(), 0.0);
+        assert!((spikes.likely_siemens() - siemens_by(1000.0, 12_700.0)).abs() < 1e-15);
         // One that goes is forgotten.
-        let gone = tested(2 * LEAK_REMEMBERED, |index| if index < LEAK_REMEMBERED { 46_400.0 } else { 0.0 });
+        let gone = tested(2 * LEAK_REMEMBERED, |index| if index < LEAK_REMEMBERED { 254_000.0 } else { 0.0 });
         assert_eq!((gone.siemens(), gone.likely_siemens()), (None, 0.0));
     }
 
@@ -134,14 +149,13 @@ mod tests {
     }
 
     #[test]
-    fn the_first_tests_follow_each_other_and_a_failed_one_counts_for_nothing() {
-        let mut test = tested(LEAK_FIRST, |_| 0.0);
-        let mut new = LeakTest::default();
-        assert!(!new.is_due(Nanos(1)) && new.is_due(LEAK_EVERY + Nanos(1)) && !test.is_due(Nanos(1)));
-        assert!(tested(1, |_| 0.0).is_due(Nanos(1)));
-        assert!(test.is_due(LEAK_EVERY));
-        test.add(None, 2320.0, LEAK_EVERY);
-        assert!(!test.is_due(LEAK_EVERY + Nanos(1)) && test.siemens().is_none());
+    fn the_first_tests_follow_each_other_and_failed_ones_end_too() {
+        assert!(LeakTest::default().is_due(Nanos(1)) && tested(LEAK_FIRST - 1, |_| 0.0).is_due(Nanos(1)));
+        let test = tested(LEAK_FIRST, |_| 0.0);
+        assert!(!test.is_due(Nanos(1)) && test.is_due(LEAK_EVERY));
+        let mut failed = LeakTest::default();
+        (0..LEAK_FIRST).for_each(|_| failed.add(None, 12_700.0, LEAK_EVERY));
+        assert!(!failed.is_due(LEAK_EVERY + Nanos(1)) && failed.siemens().is_none());
     }
 
     #[test]
@@ -149,7 +163,7 @@ mod tests {
         let mut test = tested(LEAK_REMEMBERED, |_| 0.0);
         let mut more = 0;
         while !test.has_changed() {
-            test.add(Some((46_400.0, 8e6)), 2320.0, Nanos::ZERO);
+            test.add(Some((254_000.0, 1.8e7)), 12_700.0, Nanos::ZERO);
             more += 1;
             assert!(test.is_due(Nanos(1)) || test.siemens().is_some());
         }

@@ -24,14 +24,19 @@ pub const UNKNOWN_JITTER_NS: f64 = 10_000.0;
 pub const RESISTOR_TOLERANCE: f64 = 0.08;
 
 // Leaks, by discharges that were held back.
-/// How long a discharge is held back.
+/// After which part of a discharge it is held: where a current into or out of the node does what it does on average, whatever
+/// the threshold (from 0.52 for one of 0.6 V_DD to 0.58 for one of 0.15 V_DD).
+pub const LEAK_HELD_AT: f64 = 0.55;
+/// A leak of which nobody knows before there has been a look, siemens: that of a board with flux on it.
+pub const LIKELY_LEAK_SIEMENS: f64 = 1e-6;
+/// How long a discharge is held.
 pub const LEAK_HOLD: Nanos = Nanos(20_000_000);
 /// From one held discharge to the next.
 pub const LEAK_EVERY: Nanos = Nanos(5_000_000_000);
 /// Held discharges that are remembered: of three minutes.
 pub const LEAK_REMEMBERED: usize = 32;
 /// The first held discharges follow each other; fewer tell little.
-pub const LEAK_FIRST: usize = 16;
+pub const LEAK_FIRST: usize = 8;
 /// A leak is one beyond so many sigma.
 pub const LEAK_SHOWS: f64 = 4.0;
 /// Beyond so many sigma from the others a single held discharge may be news: another look does no harm.

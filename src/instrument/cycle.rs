@@ -54,7 +54,7 @@ pub enum Next {
 enum Step {
     Start,
     Calibrate(CalibrationKind),
-    /// R_1, held back: looks for a leak.
+    /// R_2, held on its way: looks for a leak.
     Hold,
     Sensor(usize),
 }
@@ -92,14 +92,17 @@ impl Cycle {
         } else {
             Estimator::new(method, r1, r2, nodes, Offset::given(settings.offset_ns.unwrap_or(0.0)))
         };
+        let (leak, mut estimator) =
+            (LeakTest::default(), estimator.with_resolution(settings.resolution.as_ns()));
+        estimator.set_leak(&leak);
         let finds_offset = !settings.tracked && settings.offset_ns.is_none();
         let split = finds_offset.then(|| SplitCalibration::new(r1, r2, nodes, WINDOW));
         Cycle {
-            estimator: estimator.with_resolution(settings.resolution.as_ns()),
+            estimator,
             split,
             memory: vec![Memory::default(); settings.channels.len()],
             calls: CallGate::default(),
-            leak: LeakTest::default(),
+            leak,
             diagnosis: Diagnosis::new(settings.board()),
             step: Step::Start,
             retries: 0,
@@ -286,24 +289,20 @@ impl Cycle {
         }
     }
 
-    /// Shorter than an ordinary discharge through R_1 by what has leaked away meanwhile. One that came to nothing tells
+    /// Shorter than an ordinary discharge through R_2 by what has leaked away meanwhile. One that came to nothing tells
     /// nothing.
     fn held_done(&mut self, outcome: &Outcome, now: Nanos) {
         self.step = Step::Start;
-        let nodes = self.settings.nodes();
-        let usual = self.estimator.calibration().map(|(c1, _)| c1);
+        let usual = self.estimator.calibration().map(|(_, c2)| c2);
         let lost = outcome.result.ok().zip(usual).and_then(|(record, usual)| {
-            let noise = self.estimator.noise().covariance(usual)?;
-            let [a_ns, b_ns] = [usual[0] - record.a_ns?, usual[1] - record.b_ns.unwrap_or(0.0)];
+            let switch = record.switch?;
+            let held_ns = switch.on_ns - switch.at_ns;
             // The two discharges have their own noise each.
-            Some(if nodes == 1 {
-                (a_ns, 2.0 * noise.aa)
-            } else {
-                ((a_ns + b_ns) / 2.0, 2.0 * noise.of(0.5, 0.5))
-            })
+            let variance = 2.0 * self.estimator.noise().covariance(usual)?.aa;
+            Some((usual[0] + held_ns - record.a_ns?, variance))
         });
-        self.leak.add(lost, self.settings.r_ohm()[0], now);
-        self.estimator.set_leak(self.leak.likely_siemens());
+        self.leak.add(lost, self.settings.r_ohm()[1], now);
+        self.estimator.set_leak(&self.leak);
         if self.leak.has_changed() {
             self.estimator.begin_anew();
         }

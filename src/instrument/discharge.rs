@@ -88,6 +88,8 @@ enum Phase {
 enum Timed {
     Start,
     Switch(Through),
+    /// The end of a hold.
+    Sink(Through),
 }
 
 /// A switch that was made, by two calls for one line each: one that releases, one that sinks.
@@ -182,6 +184,7 @@ impl Discharge {
             }
             (Phase::Awake(Timed::Start), Event::Slept) => self.start(),
             (Phase::Awake(Timed::Switch(to)), Event::Slept) => self.switch_to(to),
+            (Phase::Awake(Timed::Sink(to)), Event::Slept) => self.sink(to),
             (Phase::Starting, Event::Drove(bracket)) => self.started(bracket),
             (Phase::Releasing(to), Event::Drove(bracket)) => self.released(bracket, to),
             (Phase::Sinking(to), Event::Drove(bracket)) => self.sunk(bracket, to),
@@ -261,7 +264,8 @@ impl Discharge {
     /// discharge: in a call for several lines it would be another time, and unknown.
     fn switch_to(&mut self, to: Through) -> Action {
         self.phase = Phase::Releasing(to);
-        Action::Drive(self.plan.through.drives().only(to.drives()))
+        let goes_on = if self.is_held() { Drives::NONE } else { to.drives() };
+        Action::Drive(self.plan.through.drives().only(goes_on))
     }
 
     fn released(&mut self, bracket: Bracket, to: Through) -> Action {
@@ -269,11 +273,22 @@ impl Discharge {
         if bracket.width() > self.plan.widest_bracket {
             return self.stop(Some(Fault::WideBracket));
         }
-        if self.plan.through.drives().contains(to.drives()) {
-            return self.sunk(bracket, to);
+        if self.is_held() {
+            return self.time(bracket.before + self.plan.hold, Timed::Sink(to));
         }
+        match self.plan.through.drives().contains(to.drives()) {
+            true => self.sunk(bracket, to),
+            false => self.sink(to),
+        }
+    }
+
+    fn sink(&mut self, to: Through) -> Action {
         self.phase = Phase::Sinking(to);
         Action::Drive(to.drives())
+    }
+
+    fn is_held(&self) -> bool {
+        self.plan.hold > Nanos::ZERO
     }
 
     fn sunk(&mut self, bracket: Bracket, to: Through) -> Action {

@@ -2,7 +2,7 @@
 //! nearly does.
 
 use super::Estimator;
-use crate::estimate::leak;
+use crate::estimate::leak::{self, LeakTest};
 use crate::estimate::limits::{
     BEYOND_NOISE, COVERAGE, GROSS_LEAK_SIEMENS, HIGHEST_R_O_OHM, LATEST_STAMP_NS, RESISTOR_TOLERANCE,
     UNKNOWN_JITTER_NS,
@@ -10,16 +10,16 @@ use crate::estimate::limits::{
 use crate::reading::{Fault, Measured};
 
 impl Estimator {
-    /// Takes over how strong a leak there likely is, siemens.
-    pub fn set_leak(&mut self, siemens: f64) {
-        self.leak_siemens = siemens;
+    /// Takes over how strong a leak there likely is, and whether it shows.
+    pub fn set_leak(&mut self, leak: &LeakTest) {
+        (self.leak_siemens, self.leak_shows) = (leak.likely_siemens(), leak.siemens().is_some());
     }
 
     /// Whether a discharge through 0 ohm would take the time that a pin explains: Ro if d is known, Ro + d/g if not. A path
     /// of its own bends the straight line of times against resistors, and where that line begins tells it.
     pub(super) fn check_paths(&self) -> Result<(), Fault> {
-        if self.leak_siemens > GROSS_LEAK_SIEMENS {
-            return Err(Fault::Leakage);
+        if self.leak_siemens.abs() > GROSS_LEAK_SIEMENS {
+            return Err(if self.leak_siemens > 0.0 { Fault::Leakage } else { Fault::PullUp });
         }
         let Some((at_zero_ohm, u_ohm, unknown_ohm)) = self.at_zero() else { return Ok(()) };
         let tolerance_ohm = RESISTOR_TOLERANCE * self.r1_ohm * self.r2_ohm / (self.r2_ohm - self.r1_ohm);
@@ -48,11 +48,13 @@ impl Estimator {
         Some(((c1[0] - self.offset.d_ns) / per_ohm - self.r1_ohm, u_ns / per_ohm, unknown_ns / per_ohm))
     }
 
-    /// The same estimate with what the leak may have made of it in its uncertainty; `None` if the sensor may have any higher
-    /// resistance.
+    /// The same estimate less what a leak that shows has made of it; that, or what one that does not show may have made of it,
+    /// is in its uncertainty. `None` if the sensor may have any higher resistance.
     pub(super) fn with_leak(&self, r_ohm: Measured) -> Option<Measured> {
         let error_ohm = leak::error_ohm(self.leak_siemens, [self.r1_ohm, self.r2_ohm], r_ohm.value)?;
         let is_bounded = r_ohm.value < self.r2_ohm || r_ohm.value > COVERAGE * error_ohm.abs();
-        is_bounded.then(|| Measured { u: r_ohm.u.map(|u| u.hypot(error_ohm)), ..r_ohm })
+        let known_ohm = if self.leak_shows { error_ohm } else { 0.0 };
+        let u = r_ohm.u.map(|u| u.hypot(error_ohm));
+        is_bounded.then_some(Measured { value: r_ohm.value - known_ohm, u })
     }
 }

@@ -3,7 +3,7 @@
 use super::{Branch, CalibrationKind, Cycle, Estimator, Fault, Plan, Record, Status, Through};
 use crate::estimate::Predicted;
 use crate::estimate::law::{R_O, State};
-use crate::estimate::limits::{LEAK_HOLD, SPLIT_FRACTION};
+use crate::estimate::limits::{LEAK_HELD_AT, LEAK_HOLD, SPLIT_FRACTION};
 use crate::estimate::method::Switching;
 use crate::estimate::motion::Motion;
 use crate::estimate::scatter::expected_ns;
@@ -111,10 +111,11 @@ impl Cycle {
         crossings.map_or([None; 2], |crossings| crossings.map(|ns| Some(Nanos(ns as i64))))
     }
 
-    /// R_1 after a pause in which a leak would show.
+    /// R_2 with a pause on the way, in which a leak would show.
     pub(super) fn held_plan(&self) -> Plan {
-        let plan = self.calibration_plan(CalibrationKind::First);
-        Plan { settle: plan.settle + LEAK_HOLD, ..plan }
+        let at = self.estimator.calibration().map(|(_, c2)| Nanos((LEAK_HELD_AT * c2[0]) as i64));
+        let second = self.settings.second();
+        Plan { hold: LEAK_HOLD, ..self.plan(second, at.map(|at| (at, second)), None) }
     }
 
     pub(super) fn sensor_plan(&self, channel: usize) -> Plan {
@@ -137,6 +138,7 @@ impl Cycle {
         Plan {
             through,
             switch,
+            hold: Nanos::ZERO,
             limit,
             chargers: settings.chargers(),
             last: settings.last(),

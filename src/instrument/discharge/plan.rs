@@ -12,6 +12,8 @@ pub struct Plan {
     pub through: Through,
     /// After how long to switch, and to what. Comes to nothing if the last node crosses earlier.
     pub switch: Option<(Nanos, Through)>,
+    /// How long nothing sinks between the release and the next sinking of that switch.
+    pub hold: Nanos,
     /// Chargers of the circuit.
     pub chargers: Drives,
     /// The node whose crossing ends the discharge: B, or A in circuits that have no other.
@@ -42,6 +44,7 @@ impl Plan {
         Plan {
             through,
             switch: None,
+            hold: Nanos::ZERO,
             chargers: Drives::CHARGE,
             last,
             drain: Nanos::ZERO,
