@@ -4,7 +4,7 @@
 //! fixed; every check has two sides.
 
 use crate::common::chance::{Figure, WITHIN_2U, mean_of};
-use crate::common::{Bench, check_page, read, rest, settle};
+use crate::common::{self, Bench, check_page, read, rest, settle};
 use cermd::pins::Pins;
 use cermd::pins::sim::Sensor;
 use cermd::pins::sim::scene::DelayScene;
@@ -103,17 +103,9 @@ impl Seen {
     }
 }
 
-/// The board `pi4` without what happens once in some hundred readings: late stamps, preempted calls.
 fn quiet(method: Method, rest_ohm: f64, seed: u64) -> Bench {
-    let mut bench = Bench::new("pi4", method, rest_ohm, seed, "");
-    for delay in [&mut bench.scene.stamps, &mut bench.scene.wake, &mut bench.scene.sleep] {
-        *delay = delay.map(|delay| DelayScene { tail_probability: None, tail_mean: None, ..delay });
-    }
-    bench.scene.calls = bench.scene.calls.map(|mut calls| {
-        (calls.tail_probability, calls.tail_mean) = (None, None);
-        calls
-    });
-    bench
+    let bench = Bench::new("pi4", method, rest_ohm, seed, "");
+    Bench { scene: common::quiet(bench.scene), ..bench }
 }
 
 /// Readings of `sensor` by instruments that have settled with another one at rest, from the `skip`th on.
