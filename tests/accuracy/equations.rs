@@ -3,7 +3,7 @@
 //! Discharges of the `fpga-paper` board; "without clock" and "without noise" switch one of its two sources of error off.
 //! Every bound is the standard error of a standard deviation from so many discharges, as often as chance allows.
 
-use crate::common::chance::sigmas;
+use crate::common::chance::{sd_of, sigmas};
 use crate::common::seed;
 use cermd::circuit::Node;
 use cermd::estimate::method::{Switched, Times, cerm, tcdic, tpcm};
@@ -62,8 +62,7 @@ fn mean(values: &[f64]) -> f64 {
 }
 
 fn sd(values: &[f64]) -> f64 {
-    let mean = mean(values);
-    (values.iter().map(|value| (value - mean).powi(2)).sum::<f64>() / (values.len() - 1) as f64).sqrt()
+    sd_of(values).value
 }
 
 #[track_caller]

@@ -2,7 +2,7 @@
 //!
 //! Writes `docs/methods.md` with `UPDATE_DOCS=1 cargo test --test accuracy methods`, and fails when it is out of date.
 
-use crate::common::{Bench, Errors, check_page, read, settle};
+use crate::common::{Bench, Errors, check_page, read, rms, settle};
 use cermd::reading::Method;
 use plotters::prelude::*;
 use std::fmt::Write;
@@ -47,10 +47,6 @@ fn measure(method: Method, r_ohm: f64) -> Row {
         });
     }
     Row { errors, seconds }
-}
-
-fn rms(values: &[f64]) -> f64 {
-    (values.iter().map(|value| value * value).sum::<f64>() / values.len() as f64).sqrt()
 }
 
 /// On a background of its own, so that it is legible on a dark page, too.

@@ -7,7 +7,7 @@ mod report;
 
 use crate::common::chance::{Figure, mean_of, share_is_in};
 use crate::common::seed::rng;
-use crate::common::{Bench, Errors, check_page, read, settle, spread_of};
+use crate::common::{Bench, Errors, check_page, read, rms, settle, spread_of};
 use cermd::pins::sim::{Kind, Sensor};
 use cermd::reading::Method;
 use cermd::units::{Farad, Ohm};
@@ -74,10 +74,6 @@ fn errors(scene: &str, way: Way, r_ohm: f64, seed: u64, tolerance: f64, count: u
     (errors, cycles_us[count / 2])
 }
 
-fn rms(values: impl Iterator<Item = f64> + Clone) -> f64 {
-    (values.clone().map(|value| value * value).sum::<f64>() / values.count() as f64).sqrt()
-}
-
 /// Root mean square error and mean of eq. (28) over many boards.
 fn over_boards(way: Way, r_ohm: f64, readings: usize) -> [Figure; 2] {
     let (mut all, mut mae) = (Errors::default(), Vec::new());
@@ -86,7 +82,7 @@ fn over_boards(way: Way, r_ohm: f64, readings: usize) -> [Figure; 2] {
         mae.push(errors.max());
         all.add_board(errors);
     }
-    [all.together(|errors| rms(errors.iter().copied())), mean_of(&mae)]
+    [all.together(rms), mean_of(&mae)]
 }
 
 #[test]
@@ -129,7 +125,7 @@ fn the_predicted_uncertainty_of_both_branches_is_right_within_10_percent() {
                     let variance = [expected.direct, expected.inferred][index];
                     predicted.push((R_C2 - R_C1) * variance.sqrt());
                 }
-                let predicted = rms(predicted.into_iter());
+                let predicted = rms(&predicted);
                 let ratio = all.together(spread_of).times(1.0 / predicted);
                 wrong |= !ratio.is_in(0.9..=1.1);
                 writeln!(

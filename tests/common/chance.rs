@@ -1,4 +1,6 @@
 //! What chance allows: bounds from the sampling error of a figure. What is known to be off besides has a budget of its own.
+//!
+//! Shared by the tests of the crate (tests/common) and those of its modules (src/lib.rs).
 
 use std::f64::consts::FRAC_PI_2;
 use std::fmt;

@@ -75,7 +75,7 @@ impl ConfigFile {
     }
 
     pub fn parse(&self) -> Config {
-        Config::parse(&self.to_string(), "test").unwrap_or_else(|error| panic!("{error}\n{self}"))
+        Config::parse(&self.to_string(), "test").map_err(|error| format!("{error}\n{self}")).unwrap()
     }
 
     /// The table of this name; made if it is not there.

@@ -120,8 +120,19 @@ pub fn read(instrument: &mut Instrument<SimPins>, count: usize, mut each: impl F
     assert_eq!(instrument.pins().conflicts(), 0, "two outputs against each other");
 }
 
+/// A board without what happens once in some hundred readings: late stamps, preempted calls.
+pub fn quiet(mut scene: Scene) -> Scene {
+    for delay in [&mut scene.stamps, &mut scene.wake, &mut scene.sleep] {
+        let delay = delay.as_mut().unwrap();
+        (delay.tail_probability, delay.tail_mean) = (None, None);
+    }
+    let calls = scene.calls.as_mut().unwrap();
+    (calls.tail_probability, calls.tail_mean) = (None, None);
+    scene
+}
+
 /// Steps until the offset is known.
-pub fn settle(instrument: &mut Instrument<SimPins>) {
+pub fn settle<P: Pins>(instrument: &mut Instrument<P>) {
     let mut steps = 0;
     while !instrument.stats().offset_is_known {
         instrument.step(&mut |_| {}).unwrap();
@@ -154,6 +165,11 @@ pub fn records(instrument: &mut Instrument<SimPins>, count: usize) -> Vec<Record
 
 fn mean_square(values: &[f64]) -> f64 {
     values.iter().map(|value| value * value).sum::<f64>() / values.len() as f64
+}
+
+/// The root mean square.
+pub fn rms(values: &[f64]) -> f64 {
+    mean_square(values).sqrt()
 }
 
 /// Errors of readings against the truth.
@@ -269,7 +285,7 @@ impl Errors {
     }
 
     pub fn mean_u(&self) -> f64 {
-        (self.us.iter().map(|u| u * u).sum::<f64>() / self.count() as f64).sqrt()
+        rms(&self.us)
     }
 
     /// The share of readings within two of their own sigma.

@@ -1,7 +1,7 @@
 //! A scenario: a board, what is expected of each method on it, and the row of the table that comes of it.
 
 use crate::common::chance::{Figure, Verdict, share_below, share_is_in};
-use crate::common::{Bench, Errors, file_for, kind_of};
+use crate::common::{self, Bench, Errors, file_for, kind_of};
 use crate::paper::{Parts, Times};
 use cermd::circuit::Node;
 use cermd::instrument::discharge::{Plan, run};
@@ -109,14 +109,8 @@ pub struct Board {
 impl Board {
     /// `pi4` with other capacitors and resistors, and without its rare long delays.
     pub fn quiet(parts: Parts) -> Board {
-        let mut board = Board::pi4(parts);
-        for delay in [&mut board.scene.stamps, &mut board.scene.wake, &mut board.scene.sleep] {
-            let delay = delay.as_mut().unwrap();
-            (delay.tail_probability, delay.tail_mean) = (None, None);
-        }
-        let calls = board.scene.calls.as_mut().unwrap();
-        (calls.tail_probability, calls.tail_mean) = (None, None);
-        board
+        let board = Board::pi4(parts);
+        Board { scene: common::quiet(board.scene), ..board }
     }
 
     /// `pi4` with other capacitors and resistors.
@@ -210,7 +204,7 @@ pub const FIRST_ORDER: f64 = 0.03;
 
 /// The root mean square of all errors.
 pub fn rms(errors: &Errors) -> f64 {
-    (errors.errors.iter().map(|error| error * error).sum::<f64>() / errors.count() as f64).sqrt()
+    common::rms(&errors.errors)
 }
 
 /// The share of readings without a number.
@@ -345,11 +339,4 @@ impl<P: Pins> ByHand<P> {
         self.pins.drive(Drives::NONE).unwrap();
         (last - start).as_seconds()
     }
-}
-
-/// Mean and standard deviation.
-pub fn moments(values: &[f64]) -> (f64, f64) {
-    let count = values.len() as f64;
-    let mean = values.iter().sum::<f64>() / count;
-    (mean, (values.iter().map(|value| (value - mean).powi(2)).sum::<f64>() / (count - 1.0)).sqrt())
 }

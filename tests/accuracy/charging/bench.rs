@@ -1,11 +1,11 @@
 //! Two sensors on one board, charges of any length, and wake-ups that come late.
 
 use crate::common::chance::{Figure, mean_of};
-use crate::common::{Bench, Errors, seed};
+use crate::common::{Bench, Errors, quiet, seed, settle};
 use cermd::circuit::Node;
 use cermd::config::Config;
 use cermd::instrument::{Instrument, Message};
-use cermd::pins::sim::{Scene, Sensor, SimPins};
+use cermd::pins::sim::{Sensor, SimPins};
 use cermd::pins::{Armed, Bracket, Drives, Edge, Levels, Particulars, Pins, PinsError};
 use cermd::reading::{Method, Reading};
 use cermd::units::{Nanos, Ohm, Seconds};
@@ -91,17 +91,6 @@ impl Found {
     }
 }
 
-/// Without rare long delays, which have errors of their own.
-fn quiet(mut scene: Scene) -> Scene {
-    for delay in [&mut scene.stamps, &mut scene.wake, &mut scene.sleep] {
-        let delay = delay.as_mut().unwrap();
-        (delay.tail_probability, delay.tail_mean) = (None, None);
-    }
-    let calls = scene.calls.as_mut().unwrap();
-    (calls.tail_probability, calls.tail_mean) = (None, None);
-    scene
-}
-
 impl Board {
     fn config(self, measure: &str) -> Config {
         Bench::new("pi4", self.method, self.r_ohm, 0, measure).config.channel("y").parse()
@@ -134,7 +123,7 @@ impl Board {
             let settings = config.settings().unwrap();
             let mut instrument = Instrument::new(self.pins(&[neighbour_ohm, self.r_ohm], seed), settings);
             let mut errors = Errors::default();
-            until_known(&mut instrument);
+            settle(&mut instrument);
             readings(&mut instrument, 1, BEFORE, |_| {});
             readings(&mut instrument, 1, READINGS, |reading| errors.add(reading, self.r_ohm));
             means.push(errors.mean());
@@ -148,7 +137,7 @@ impl Board {
         let bench = Bench::new("pi4", self.method, self.r_ohm, 0, &self.charge(taus));
         let settings = bench.config.parse().settings().unwrap();
         let mut instrument = Instrument::new(self.pins(&[self.r_ohm], 1), settings);
-        until_known(&mut instrument);
+        settle(&mut instrument);
         readings(&mut instrument, 0, BEFORE, |_| {});
         let mut seconds = 0.0;
         readings(&mut instrument, 0, 1000, |reading| seconds += reading.duration.as_seconds());
@@ -184,15 +173,6 @@ impl Board {
         // The charge lasts until the program is awake.
         let late = LATE_NS[0] * 1e-9 / self.tau().0;
         Some(memory / g * depths * (-taus - late).exp())
-    }
-}
-
-fn until_known(instrument: &mut Instrument<Late>) {
-    let mut steps = 0;
-    while !instrument.stats().offset_is_known {
-        instrument.step(&mut |_| {}).unwrap();
-        steps += 1;
-        assert!(steps < 100_000, "the offset is never found");
     }
 }
 
