@@ -192,7 +192,7 @@ impl Estimator {
         }
         let (times, branch) = self.times(record)?;
         let (ratio, evidence) =
-            self.ratio(&times, branch, record.u_switch_ns.unwrap_or(0.0)).ok_or(Fault::MissedEdge)?;
+            self.ratio(&times, branch, self.u_switch_ns(record, branch)).ok_or(Fault::MissedEdge)?;
         let span = self.r2_ohm - self.r1_ohm;
         let r_ohm = self.r1_ohm + ratio.value * span;
         let u = ratio.u.map(|u| u * span);
@@ -207,8 +207,18 @@ impl Estimator {
     fn observed(&self, record: &Record) -> Result<Observed, Fault> {
         record.crossing(self.last()).ok_or(Fault::MissedEdge)?;
         let switch = record.switch.map(|switch| (switch, self.ohm_after(switch)));
-        let u_switch_ns = record.u_switch_ns.unwrap_or(0.0);
+        let branch = if switch.is_some() { Branch::Inferred } else { Branch::Direct };
+        let u_switch_ns = self.u_switch_ns(record, branch).ok_or(Fault::NoCalibration)?;
         Ok(Observed { crossings: record.crossings(), switch, u_switch_ns })
+    }
+
+    /// The uncertainty of the switch of a discharge, ns: as its recorder says, or else what switches scatter by; `None` where
+    /// nobody knows.
+    fn u_switch_ns(&self, record: &Record, branch: Branch) -> Option<f64> {
+        match branch {
+            Branch::Direct => Some(0.0),
+            Branch::Inferred => record.u_switch_ns.or(self.offset().switch_ns),
+        }
     }
 
     fn ohm_after(&self, switch: Switch) -> f64 {
@@ -254,12 +264,18 @@ impl Estimator {
     }
 
     /// The ratio and what it rests on; `None` if a time was not seen that the equation needs.
-    fn ratio(&self, times: &Times<f64>, branch: Branch, u_switch_ns: f64) -> Option<(Measured, Evidence)> {
+    fn ratio(
+        &self,
+        times: &Times<f64>,
+        branch: Branch,
+        u_switch_ns: Option<f64>,
+    ) -> Option<(Measured, Evidence)> {
         let late = match branch {
             Branch::Direct => times.x,
             Branch::Inferred => times.c2,
         };
-        let covariances = self.covariances(late.map(|crossing| crossing.unwrap_or(0.0)), u_switch_ns);
+        let late = late.map(|crossing| crossing.unwrap_or(0.0));
+        let covariances = u_switch_ns.and_then(|u_switch_ns| self.covariances(late, u_switch_ns));
         let u = |of: &Dual| covariances.as_ref().map(|covariances| covariances.of(&of.by).sqrt());
         let (rules, variables) = (self.method.rules(), dual::variables(times));
         let ratio = (rules.ratio)(&variables, branch)?;

@@ -296,7 +296,7 @@ impl Tracker {
         let gain = Gain::new(
             &self.covariance,
             &states,
-            &self.observation(&route, record.u_switch_ns.unwrap_or(0.0))?,
+            &self.observation(&route, record.u_switch_ns.or(self.scatter.bound_ns()).unwrap_or(0.0))?,
             self.seen(),
         )?;
         let normalised = gain.normalised(innovation);
