@@ -85,7 +85,7 @@ pub struct Record {
     /// The crossing of node B.
     pub b_ns: Option<f64>,
     /// 1-sigma type-B uncertainty of the time from start to switch, from how long a call takes for a line, ns; `None` where
-    /// nobody has told, as on an old tape.
+    /// nobody has told, as on an old tape: then what switches scatter by is all that is known.
     pub u_switch_ns: Option<f64>,
     /// When a wait ended in vain, ns: a node that had not crossed was still above its threshold then.
     pub waited_ns: Option<f64>,

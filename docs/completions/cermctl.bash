@@ -364,7 +364,7 @@ _cermctl() {
             return 0
             ;;
         cermctl__subcmd__estimate)
-            opts="-h --method --offset --help"
+            opts="-h --method --offset --summary --json --help"
             if [[ ${cur} == -* || ${COMP_CWORD} -eq 2 ]] ; then
                 COMPREPLY=( $(compgen -W "${opts}" -- "${cur}") )
                 return 0

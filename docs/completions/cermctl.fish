@@ -67,12 +67,14 @@ complete -c cermctl -n "__fish_cermctl_using_subcommand record" -s o -l output -
 complete -c cermctl -n "__fish_cermctl_using_subcommand record" -l socket -d 'The socket of the daemon' -r -F
 complete -c cermctl -n "__fish_cermctl_using_subcommand record" -l raw -d 'A tape: the timings of the discharges in the place of readings, for `cermctl estimate`'
 complete -c cermctl -n "__fish_cermctl_using_subcommand record" -s h -l help -d 'Print help (see more with \'--help\')'
-complete -c cermctl -n "__fish_cermctl_using_subcommand estimate" -l method -d 'How to estimate' -r -f -a "tpcm\t''
+complete -c cermctl -n "__fish_cermctl_using_subcommand estimate" -l method -d 'How to estimate; several times for several methods beside each other' -r -f -a "tpcm\t''
 qerm\t''
 tcdic\t''
 cerm\t''
 tracked\t''"
 complete -c cermctl -n "__fish_cermctl_using_subcommand estimate" -l offset -d 'How late the kernel stamps a crossing: a duration such as "8 us", or auto for what the split calibration discharges on the tape tell [default: what the tape says, or else auto]' -r
+complete -c cermctl -n "__fish_cermctl_using_subcommand estimate" -l summary -d 'What all estimates come to, in the place of each: for each channel and method how many numbers, their mean, their standard deviation, the uncertainty that they state, and the root mean square of their deviations in units of that'
+complete -c cermctl -n "__fish_cermctl_using_subcommand estimate" -l json -d 'The summary as lines of JSON, as estimates always are'
 complete -c cermctl -n "__fish_cermctl_using_subcommand estimate" -s h -l help -d 'Print help'
 complete -c cermctl -n "__fish_cermctl_using_subcommand calibrate; and not __fish_seen_subcommand_from zero reference force help" -s h -l help -d 'Print help'
 complete -c cermctl -n "__fish_cermctl_using_subcommand calibrate; and not __fish_seen_subcommand_from zero reference force help" -f -a "zero" -d 'With a short circuit in the sensor\'s place: find the zero'

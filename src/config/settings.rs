@@ -3,9 +3,10 @@
 use super::pairs;
 use super::{Characteristic, Config};
 use crate::circuit::Node;
+use crate::estimate::offset::Offset;
 use crate::instrument::settings::{OffsetSource, Settings};
 use crate::sensor::{Channel, Force};
-use crate::stream::tape::{Header, TapeCircuit};
+use crate::stream::tape::{Header, PROTO_MAJOR, TapeCircuit, TapeOffset};
 use crate::units::Nanos;
 
 /// Why a configuration that passes its check still cannot be run.
@@ -60,10 +61,29 @@ impl Config {
     }
 }
 
-/// The header of what an instrument with these settings records. `found_ns`: the latency offset where it had to be found, and
+/// The header of what an instrument with these settings records. `found`: the latency offset where it had to be found, and
 /// has been.
-pub fn tape_header(settings: &Settings, found_ns: Option<f64>) -> Header {
+pub fn tape_header(settings: &Settings, found: Option<Offset>) -> Header {
     let [r_c1_ohm, r_c2_ohm] = settings.r_c_ohm;
-    let circuit = TapeCircuit { kind: settings.kind, r_c1_ohm, r_c2_ohm };
-    Header::new(circuit, settings.offset_ns.or(found_ns), settings.channels.clone())
+    // Where it cancels and nobody has given it, it is not known.
+    let needs_none = |d_ns: &f64| *d_ns == 0.0 && !settings.method.needs_offset();
+    let offset = match settings.offset_ns.filter(|d_ns| !needs_none(d_ns)) {
+        Some(d_ns) => TapeOffset { offset_ns: Some(d_ns), ..TapeOffset::default() },
+        None => found.map_or_else(TapeOffset::default, |found| TapeOffset {
+            offset_ns: Some(found.d_ns),
+            offset_u_ns: Some(found.u_d_ns),
+            offset_by_switch: Some(found.by_switch),
+            switch_u_ns: found.scatter.found_ns(),
+            r_o_ohm: found.r_o_ohm.map(|(r_o_ohm, _)| r_o_ohm),
+            r_o_u_ohm: found.r_o_ohm.map(|(_, u_ohm)| u_ohm),
+        }),
+    };
+    Header {
+        proto_major: PROTO_MAJOR,
+        circuit: TapeCircuit { kind: settings.kind, r_c1_ohm, r_c2_ohm },
+        resolution_ns: Some(settings.resolution.as_ns()),
+        offset,
+        tracked: settings.tracked,
+        channels: settings.channels.clone(),
+    }
 }

@@ -181,13 +181,20 @@ pub struct Estimate {
     /// The tape, or - for standard input
     #[arg(value_name = "TAPE")]
     pub tape: PathBuf,
-    /// How to estimate
-    #[arg(long)]
-    pub method: Method,
+    /// How to estimate; several times for several methods beside each other
+    #[arg(long, required = true)]
+    pub method: Vec<Method>,
     /// How late the kernel stamps a crossing: a duration such as "8 us", or auto for what the split calibration
     /// discharges on the tape tell [default: what the tape says, or else auto]
     #[arg(long, value_name = "DURATION|auto", value_parser = offset)]
     pub offset: Option<OffsetSource>,
+    /// What all estimates come to, in the place of each: for each channel and method how many numbers, their mean, their
+    /// standard deviation, the uncertainty that they state, and the root mean square of their deviations in units of that
+    #[arg(long)]
+    pub summary: bool,
+    /// The summary as lines of JSON, as estimates always are
+    #[arg(long, requires = "summary")]
+    pub json: bool,
 }
 
 /// `cermctl calibrate`.

@@ -1,23 +1,53 @@
-//! `cermctl estimate`: from a tape to resistances and forces, a line for each discharge of a sensor.
+//! `cermctl estimate`: from a tape to resistances and forces, a line for each discharge of a sensor as soon as it is read.
+
+mod summary;
 
 use super::{CtlError, print};
 use crate::ctl::cli;
-use crate::ctl::replay;
+use crate::ctl::replay::Replay;
+use crate::stream::tape::Reader;
+use serde::Serialize;
+use std::fs::File;
+use std::io::{self, BufRead, BufReader};
 use std::path::Path;
-use std::{fs, io};
+use summary::Summary;
 
 /// Prints the estimates, or says which line is wrong.
 pub fn run(arguments: &cli::Estimate) -> Result<(), CtlError> {
     let path = &arguments.tape;
     let is_stdin = path == Path::new("-");
-    let name = if is_stdin { Path::new("standard input") } else { path };
-    let text = if is_stdin { io::read_to_string(io::stdin()) } else { fs::read_to_string(path) };
-    let text = text.map_err(CtlError::file(name))?;
-    let estimates = replay::estimate(&text, arguments.method, arguments.offset)
-        .map_err(|why| CtlError::Said(format!("{}: {why}", name.display())))?;
-    for estimate in estimates {
-        // Numbers and texts always serialise.
-        print(&(serde_json::to_string(&estimate).unwrap_or_default() + "\n"))?;
+    let name = if is_stdin { "standard input".to_owned() } else { path.display().to_string() };
+    let input: Box<dyn BufRead> = if is_stdin {
+        Box::new(io::stdin().lock())
+    } else {
+        Box::new(BufReader::new(File::open(path).map_err(CtlError::file(path))?))
+    };
+    let wrong = |why: &dyn std::fmt::Display| CtlError::Said(format!("{name}: {why}"));
+    let tape = Reader::open(input).map_err(|error| wrong(&error))?;
+    let new = |method: &_| Replay::new(tape.header(), *method, arguments.offset).map_err(|why| wrong(&why));
+    let mut replays: Vec<Replay> = arguments.method.iter().map(new).collect::<Result<_, _>>()?;
+    let mut summary = Summary::default();
+    for entry in tape {
+        let entry = match entry {
+            Err(error) if error.is_cut => {
+                eprintln!("cermctl: {name}: the tape is cut off in its last line: {error}");
+                break;
+            }
+            entry => entry.map_err(|error| wrong(&error))?,
+        };
+        for replay in &mut replays {
+            let estimate = replay.take(&entry).map_err(|why| wrong(&why))?;
+            match estimate {
+                Some(estimate) if arguments.summary => summary.add(estimate),
+                Some(estimate) => print(&line(&estimate))?,
+                None => {}
+            }
+        }
     }
-    Ok(())
+    summary.rows().iter().try_for_each(|row| print(&if arguments.json { line(row) } else { row.to_string() }))
+}
+
+/// Numbers and texts always serialise.
+fn line(message: &impl Serialize) -> String {
+    serde_json::to_string(message).unwrap_or_default() + "\n"
 }

@@ -100,7 +100,7 @@ impl<'a> Recording<'a> {
                 self.header = Some(header);
                 self.write(line)
             }
-            Some(first) if *first == (Header { offset_ns: first.offset_ns, ..header }) => Ok(()),
+            Some(first) if *first == (Header { offset: first.offset, ..header }) => Ok(()),
             Some(_) => Err(ended("the configuration of cermd has changed")),
         }
     }

@@ -1,150 +1,139 @@
-//! Estimating from a tape: for every x discharge one line, from the most recent calibration discharges before it.
+//! Estimating from a tape: the discharges go through the instrument's own order of things, so that a tape is read as the
+//! daemon has read it.
 
-use crate::circuit::Kind;
-use crate::estimate::Estimator;
-use crate::estimate::offset::{Offset, SplitCalibration};
-use crate::instrument::settings::OffsetSource;
-use crate::reading::{Fault, Method, Status};
-use crate::record::CalibrationKind;
-use crate::sensor::Channel;
-use crate::stream::tape::{Entry, Header};
+use crate::estimate::offset::Offset;
+use crate::estimate::scatter::SwitchScatter;
+use crate::instrument::cycle::Cycle;
+use crate::instrument::settings::{OffsetSource, Settings};
+use crate::reading::{Fault, Method};
+use crate::stream::tape::{Entry, Header, TapeOffset};
 use crate::stream::wire::StateLine;
+use crate::units::Nanos;
 use serde::Serialize;
 
 /// What is said about one x discharge.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[serde(tag = "class", rename = "ESTIMATE")]
 pub struct Estimate {
-    seq: u64,
-    channel: String,
+    /// The number of the discharge on the tape.
+    pub seq: u64,
+    /// The id of the channel.
+    pub channel: String,
+    /// As in the READING of this discharge, if the tape tells when it was.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub t_mono_ns: Option<i64>,
+    /// What is known.
     #[serde(flatten)]
-    state: StateLine,
+    pub state: StateLine,
 }
 
-/// The estimates of a whole tape, or the first thing that is wrong with it. `offset`: where d comes from; `None`: from the
-/// header, or else from the split discharges on the tape.
-///
-/// # Errors
-/// What is wrong, with the line number, or what to do.
-pub fn estimate(text: &str, method: Method, offset: Option<OffsetSource>) -> Result<Vec<Estimate>, String> {
-    let (header, entries) = parse(text)?;
-    replay(&header, &entries, method, offset, line)
-}
-
-/// The estimates of one channel as they are, ohm: no zero taken off, and below 0 too, where a reading says `short`; a
-/// fault for each discharge that gives none.
-///
-/// # Errors
-/// The method does not belong to the circuit, or d is needed and not known.
-pub(crate) fn signed_ohm(
-    header: &Header,
-    entries: &[Entry],
+/// One method on its way along a tape.
+#[derive(Debug)]
+pub struct Replay {
+    header: Header,
     method: Method,
-    id: &str,
-) -> Result<Vec<Result<f64, Fault>>, String> {
-    let signed = replay(header, entries, method, None, |estimator, channel, entry| {
-        let estimate = || estimator.estimate(&entry.record).map(|estimate| estimate.r_ohm.value);
-        (channel.id == id).then(estimate)
-    })?;
-    Ok(signed.into_iter().flatten().collect())
+    cycle: Cycle,
 }
 
-/// Calibrates with the calibration discharges of a tape, and asks `each` about those of sensors.
-fn replay<T>(
-    header: &Header,
-    entries: &[Entry],
-    method: Method,
-    offset: Option<OffsetSource>,
-    each: impl Fn(&Estimator, &Channel, &Entry) -> T,
-) -> Result<Vec<T>, String> {
-    let nodes = nodes_of(method, header.circuit.kind)?;
-    let [r1, r2] = header.r_ohm();
-    let new = |offset| Estimator::new(method, r1, r2, nodes, offset);
-    let offset = match (offset, header.offset_ns) {
-        (Some(OffsetSource::Given(d_ns)), _) | (None, Some(d_ns)) => Offset::given(d_ns),
-        // It cancels in the equations of these, or is part of what is tracked.
-        _ if !method.needs_offset() => Offset::default(),
-        _ => split_offset(new(Offset::default()), [r1, r2], nodes, entries).ok_or_else(|| {
-            format!(
-                "{method} needs the latency offset, and the tape has neither offset_ns nor enough split calibration \
-                 discharges; give it with --offset, e.g. --offset \"8 us\""
-            )
-        })?,
-    };
-    let mut estimator =
-        if method.is_tracked() { Estimator::tracked(method, r1, r2, nodes) } else { new(offset) };
-    let mut estimates = Vec::new();
-    for entry in entries {
-        match (entry.record.through.channel(), entry.record.switch) {
-            (Some(channel), _) => estimates.push(each(&estimator, &header.channels[channel], entry)),
-            // The calibration in force stays when a discharge is of no use.
-            (None, None) => drop(estimator.calibrate(&entry.record)),
-            (None, Some(_)) if method.is_tracked() => drop(estimator.calibrate(&entry.record)),
-            (None, Some(_)) => {}
+impl Replay {
+    /// At the beginning of a tape. `offset`: where d comes from; `None`: from the header, or else from the split discharges on
+    /// the tape.
+    ///
+    /// # Errors
+    /// The method does not work on the circuit.
+    pub fn new(header: &Header, method: Method, offset: Option<OffsetSource>) -> Result<Replay, String> {
+        let (kind, header) = (header.circuit.kind, header.clone());
+        let circuits = method.rules().circuits;
+        if !circuits.contains(&kind) {
+            let names: Vec<&str> = Method::on(kind).map(Method::as_str).collect();
+            let (last, others) = names.split_last().unwrap_or((&"", &[]));
+            let others = others.join(", ");
+            return Err(format!("{method} does not work on a {kind} tape; take {others} or {last}"));
         }
+        let tracked =
+            method.is_tracked() || (header.tracked && !Method::Qerm.rules().circuits.contains(&kind));
+        let offset = match (offset, header.offset.offset_ns) {
+            (Some(OffsetSource::Given(d_ns)), _) => Some(Offset::given(d_ns)),
+            (None, Some(d_ns)) => Some(of_header(d_ns, &header.offset)),
+            // It cancels in the equations of these, or is part of what is tracked.
+            _ if tracked || !method.needs_offset() => Some(Offset::default()),
+            _ => None,
+        };
+        let mut cycle = Cycle::new(Settings {
+            method,
+            kind,
+            r_c_ohm: [header.circuit.r_c1_ohm, header.circuit.r_c2_ohm],
+            offset_ns: offset.map(|offset| offset.d_ns),
+            resolution: Nanos(header.resolution_ns.unwrap_or(1.0) as i64),
+            tracked,
+            channels: header.channels.clone(),
+            // What is planned is on the tape already.
+            nominal: Nanos::ZERO,
+            drain: Nanos::ZERO,
+            charge: Nanos::ZERO,
+            settle: Nanos::ZERO,
+            deadline: Nanos::MAX,
+            period: None,
+            t_l: None,
+            switch_fraction: 1.0,
+        });
+        if let Some(offset) = offset.filter(|_| !tracked) {
+            cycle.set_offset(offset);
+        }
+        Ok(Replay { header, method, cycle })
     }
-    Ok(estimates)
-}
 
-fn parse(text: &str) -> Result<(Header, Vec<Entry>), String> {
-    let mut lines = text.lines().enumerate();
-    let (_, first) = lines.next().ok_or("line 1: the tape is empty")?;
-    let header = Header::parse(first).map_err(|error| error.to_string())?;
-    let mut entries: Vec<Entry> = Vec::new();
-    for (index, line) in lines.filter(|(_, line)| !line.trim().is_empty()) {
-        let entry = header.parse_discharge(index + 1, line).map_err(|error| error.to_string())?;
-        if let Some(before) = entries.last().filter(|before| before.seq >= entry.seq) {
+    /// Takes the next discharge; the estimate, if it was a sensor's.
+    ///
+    /// # Errors
+    /// d is needed, and not known.
+    pub fn take(&mut self, entry: &Entry) -> Result<Option<Estimate>, String> {
+        let Entry { seq, is_timed, is_held, record } = entry;
+        let is_switched = record.through.channel().is_some() && record.switch.is_some();
+        if is_switched
+            && !self.cycle.offset_is_known()
+            && self.method.needs_offset()
+            && !self.cycle.settle_offset()
+        {
             return Err(format!(
-                "line {}: seq {} comes after {}; the lines are out of order, or two tapes were joined",
-                index + 1,
-                entry.seq,
-                before.seq
+                "{} needs the latency offset, and the tape has neither offset_ns nor enough split calibration \
+                 discharges; give it with --offset, e.g. --offset \"8 us\"",
+                self.method
             ));
         }
-        entries.push(entry);
+        let Some(reading) = self.cycle.replay(record, *is_timed, *is_held) else { return Ok(None) };
+        let mut state = StateLine::new(&reading.status, self.method);
+        state.method = Some(self.method.to_string());
+        let channel = self.header.channels[reading.channel].id.clone();
+        Ok(Some(Estimate { seq: *seq, channel, t_mono_ns: is_timed.then_some(reading.at.0), state }))
     }
-    Ok((header, entries))
+
+    /// Takes the next discharge; the estimate as it is, ohm, if it was a sensor's and there is a calibration: no zero taken
+    /// off, and below 0 too, where a reading says `short`.
+    pub fn signed_ohm(&mut self, entry: &Entry) -> Option<Result<f64, Fault>> {
+        let (record, estimator) = (&entry.record, self.cycle.estimator());
+        let is_known = record.through.channel().is_some() && estimator.calibration().is_some();
+        let signed = is_known.then(|| estimator.estimate(record).map(|estimate| estimate.r_ohm.value));
+        self.cycle.replay(record, entry.is_timed, entry.is_held);
+        signed
+    }
+
+    /// What all discharges belong to.
+    pub fn header(&self) -> &Header {
+        &self.header
+    }
 }
 
-fn nodes_of(method: Method, kind: Kind) -> Result<usize, String> {
-    let rules = method.rules();
-    if rules.circuits.contains(&kind) {
-        return Ok(rules.last(kind).index() + 1);
+fn of_header(d_ns: f64, known: &TapeOffset) -> Offset {
+    Offset {
+        d_ns,
+        u_d_ns: known.offset_u_ns.unwrap_or(0.0),
+        r_o_ohm: known.r_o_ohm.zip(known.r_o_u_ohm),
+        scatter: known.switch_u_ns.map(SwitchScatter::of).unwrap_or_default(),
+        by_switch: known.offset_by_switch.unwrap_or(0.0),
+        ..Offset::default()
     }
-    let names: Vec<&str> = Method::on(kind).map(Method::as_str).collect();
-    let (last, others) = names.split_last().unwrap_or((&"", &[]));
-    let others = others.join(", ");
-    let kind = kind.as_str();
-    Err(format!("{method} does not work on a {kind} tape; take {others} or {last}"))
 }
 
-fn split_offset(
-    mut estimator: Estimator,
-    [r1, r2]: [f64; 2],
-    nodes: usize,
-    entries: &[Entry],
-) -> Option<Offset> {
-    let mut split = SplitCalibration::new(r1, r2, nodes, entries.len());
-    for Entry { record, .. } in entries.iter().filter(|entry| entry.record.through.channel().is_none()) {
-        match record.calibration_kind() {
-            Some(CalibrationKind::Split) => {
-                if let Some((c1, c2)) = estimator.calibration() {
-                    split.add(c1, c2, record, estimator.noise());
-                }
-            }
-            _ => drop(estimator.calibrate(record)),
-        }
-    }
-    split.result()
-}
-
-fn line(estimator: &Estimator, channel: &Channel, entry: &Entry) -> Estimate {
-    let status = match estimator.status(&entry.record, channel.zero_ohm, channel.force.as_ref()) {
-        // A tape does not say how long was waited for a crossing that is not on it, so `open` never comes of it.
-        Status::Open { .. } => Status::Fault(Fault::MissedEdge),
-        status => status,
-    };
-    let mut state = StateLine::new(&status, estimator.method());
-    state.method = Some(estimator.method().to_string());
-    Estimate { seq: entry.seq, channel: channel.id.clone(), state }
-}
+#[cfg(test)]
+mod tests;

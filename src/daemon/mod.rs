@@ -253,8 +253,8 @@ impl Daemon {
     /// With the offset as soon as it is known: a tape that begins later holds no split discharges to find it from.
     fn announce_tape_header(&mut self) {
         let stats = &self.known.stats;
-        let found_ns = stats.offset_is_known.then_some(stats.offset.d_ns);
-        let header = tape_header(&self.loaded.settings, found_ns);
+        let found = stats.offset_is_known.then_some(stats.offset);
+        let header = tape_header(&self.loaded.settings, found);
         self.server.set_tape_header(&header);
     }
 

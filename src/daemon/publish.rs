@@ -77,9 +77,9 @@ pub fn publish(server: &mut Server, known: &mut Known, loaded: &Loaded, update: 
             known.log_suspect(&reading);
             server.publish_reading(&reading, wall_time(reading.at + to_wall));
         }
-        Update::Message(Message::Discharge { seq, record }) => {
+        Update::Message(Message::Discharge { seq, record, is_held }) => {
             if server.wants_raw() {
-                server.publish_discharge(loaded.tape_header.discharge(seq, &record));
+                server.publish_discharge(loaded.tape_header.discharge(seq, &record, is_held));
             }
         }
         Update::Stats(stats) => {

@@ -6,7 +6,6 @@ use crate::estimate::method::{Scale, Switched, Switching, Times, dual};
 use crate::estimate::motion::Evidence;
 use crate::estimate::noise::{Covariance, Noise};
 use crate::estimate::offset::Offset;
-use crate::estimate::scatter::expected_ns;
 use crate::estimate::tracker::Tracker;
 use crate::reading::{Branch, Fault, Measured, Method};
 use crate::record::{CalibrationKind, Record, Switch, Through, UNLIKE_CALLS};
@@ -201,7 +200,8 @@ impl Estimator {
             return Ok((Estimate { branch: solution.branch, r_ohm }, solution.evidence));
         }
         let (times, branch) = self.times(record)?;
-        let (ratio, evidence) = self.ratio(&times, branch, expected_ns(record)).ok_or(Fault::MissedEdge)?;
+        let (ratio, evidence) =
+            self.ratio(&times, branch, self.u_switch_ns(record, branch)).ok_or(Fault::MissedEdge)?;
         let span = self.r2_ohm - self.r1_ohm;
         let r_ohm = self.r1_ohm + ratio.value * span;
         let u = ratio.u.map(|u| u * span);
@@ -216,8 +216,18 @@ impl Estimator {
     fn observed(&self, record: &Record) -> Result<Observed, Fault> {
         record.crossing(self.last()).ok_or(Fault::MissedEdge)?;
         let switch = record.switch.map(|switch| (switch, self.ohm_after(switch)));
-        let u_switch_ns = expected_ns(record);
+        let branch = if switch.is_some() { Branch::Inferred } else { Branch::Direct };
+        let u_switch_ns = self.u_switch_ns(record, branch).ok_or(Fault::NoCalibration)?;
         Ok(Observed { crossings: record.crossings(), switch, u_switch_ns })
+    }
+
+    /// The uncertainty of the switch of a discharge, ns: as its recorder says, or else what switches scatter by; `None` where
+    /// nobody knows.
+    fn u_switch_ns(&self, record: &Record, branch: Branch) -> Option<f64> {
+        match branch {
+            Branch::Direct => Some(0.0),
+            Branch::Inferred => record.u_switch_ns.or(self.offset().scatter.found_ns()),
+        }
     }
 
     fn ohm_after(&self, switch: Switch) -> f64 {
@@ -264,12 +274,18 @@ impl Estimator {
     }
 
     /// The ratio and what it rests on; `None` if a time was not seen that the equation needs.
-    fn ratio(&self, times: &Times<f64>, branch: Branch, u_switch_ns: f64) -> Option<(Measured, Evidence)> {
+    fn ratio(
+        &self,
+        times: &Times<f64>,
+        branch: Branch,
+        u_switch_ns: Option<f64>,
+    ) -> Option<(Measured, Evidence)> {
         let late = match branch {
             Branch::Direct => times.x,
             Branch::Inferred => times.c2,
         };
-        let covariances = self.covariances(late.map(|crossing| crossing.unwrap_or(0.0)), u_switch_ns);
+        let late = late.map(|crossing| crossing.unwrap_or(0.0));
+        let covariances = u_switch_ns.and_then(|u_switch_ns| self.covariances(late, u_switch_ns));
         let u = |of: &Dual| covariances.as_ref().map(|covariances| covariances.of(&of.by).sqrt());
         let (rules, variables) = (self.method.rules(), dual::variables(times));
         let ratio = (rules.ratio)(&variables, branch)?;

@@ -53,6 +53,18 @@ impl SwitchScatter {
         self.weight = keep * self.weight + weight;
     }
 
+    /// One that is known from elsewhere, 1 sigma, ns.
+    pub fn of(u_ns: f64) -> SwitchScatter {
+        let variance = u_ns * u_ns;
+        let weight = if variance > 0.0 { SCATTER_MEMORY / (2.0 * variance * variance) } else { 0.0 };
+        SwitchScatter { weight, excess: weight * variance, ..SwitchScatter::default() }
+    }
+
+    /// What the discharges alone say of it, 1 sigma, ns; `None` of none.
+    pub fn found_ns(&self) -> Option<f64> {
+        (self.weight > 0.0).then(|| self.u_ns(UNKNOWN_SWITCH_NS))
+    }
+
     /// Takes by how much a reading of a sensor is beside those before and after it, as a time of their switches, ns: at rest
     /// by no less than these scatter. `steady`: the variance if they did not, ns².
     pub fn add_reading(&mut self, beside_ns: f64, steady: f64) {

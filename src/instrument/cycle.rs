@@ -177,6 +177,38 @@ impl Cycle {
         }
     }
 
+    /// Takes a discharge as a tape has it, whatever would be next here; answers a reading when it was a sensor's. One whose
+    /// start is not known has nothing to do with those before it.
+    pub fn replay(&mut self, record: &Record, is_timed: bool, is_held: bool) -> Option<Reading> {
+        self.step = match (record.through.channel(), record.calibration_kind()) {
+            (Some(channel), _) => Step::Sensor(channel),
+            (None, _) if is_held => Step::Hold,
+            (None, Some(kind)) => Step::Calibrate(kind),
+            (None, None) => return None,
+        };
+        match record.through.channel() {
+            _ if is_timed => self.estimator.advance(record.start),
+            Some(channel) => self.memory[channel].motion.forget(),
+            None => {}
+        }
+        self.failed = None;
+        self.done(&Outcome { result: Ok(*record), start_call: None, charged: None }, record.start)
+    }
+
+    /// Puts another offset in force, one that is known from elsewhere.
+    pub fn set_offset(&mut self, offset: Offset) {
+        self.estimator.set_offset(offset);
+    }
+
+    /// Puts the offset in force, however few split discharges have told it; whether there is one.
+    pub fn settle_offset(&mut self) -> bool {
+        let found = self.split.as_mut().and_then(SplitCalibration::result);
+        if let Some(offset) = found {
+            self.estimator.set_offset(offset);
+        }
+        found.is_some()
+    }
+
     /// The calibration discharge that follows `last` in this cycle, or the first sensor.
     fn next_calibration(&self, last: Option<CalibrationKind>) -> Step {
         let next = if self.estimator.tracker().is_some() {

@@ -60,6 +60,8 @@ pub enum Message {
         seq: u64,
         /// Its timings.
         record: Record,
+        /// It was held back, to look for a leak.
+        is_held: bool,
     },
 }
 
@@ -133,13 +135,12 @@ impl<P: Pins> Instrument<P> {
         match self.cycle.next(now) {
             Next::Report(reading) => out(Message::Reading(reading)),
             Next::Discharge(plan) => {
-                // One that was held back is no calibration for whoever reads the tape.
-                let is_told = !self.cycle.is_holding();
+                let is_held = self.cycle.is_holding();
                 let outcome = discharge::run_on(&mut self.pins, plan, &mut self.lead)?;
                 let reading = self.cycle.done(&outcome, self.pins.now());
-                if let Some(record) = outcome.result.ok().filter(|_| is_told) {
+                if let Ok(record) = outcome.result {
                     self.discharges += 1;
-                    out(Message::Discharge { seq: self.discharges, record });
+                    out(Message::Discharge { seq: self.discharges, record, is_held });
                 }
                 if let Some(reading) = reading {
                     out(Message::Reading(reading));

@@ -14,6 +14,10 @@ pub const UNCERTAINTY_DIGITS: usize = 3;
 /// Significant digits of a time since the start, and of a rate: ns in a second.
 pub const TIME_DIGITS: usize = 9;
 
+/// Decimal places of a time on a tape, ns, and digits that no number of those has more of.
+pub const TIME_PLACES: usize = 2;
+pub const WHOLE_DIGITS: usize = 17;
+
 /// Characters of a client's own text that an answer repeats: answers stay short whatever was sent.
 pub const EXCERPT: usize = 40;
 /// Characters of serde's complaint about a request, which may repeat that text, too.

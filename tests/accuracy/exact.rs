@@ -7,7 +7,7 @@ mod circuits;
 
 use crate::common::seed;
 use cermd::circuit::Network;
-use cermd::ctl::replay;
+use cermd::ctl::replay::Replay;
 use cermd::estimate::Estimator;
 use cermd::estimate::offset::Offset;
 use cermd::instrument::settings::OffsetSource;
@@ -15,7 +15,7 @@ use cermd::pins::Drives;
 use cermd::pins::sim::Scene;
 use cermd::reading::Method;
 use cermd::record::Through;
-use cermd::stream::tape::Header;
+use cermd::stream::tape::{Header, Reader};
 use cermd::units::{Farad, Ohm, Volt};
 use circuits::{Case, cases, record, walk};
 use proptest::prelude::*;
@@ -65,14 +65,17 @@ fn tape(case: &Case, offset_ns: Option<f64>, splits: usize) -> String {
     let calibration = [case.full(Through::C1), case.full(case.second())];
     let split = std::iter::repeat_n(case.split(0.9), splits);
     let records = calibration.into_iter().chain(split).chain([case.of_sensor()]);
-    let lines =
-        records.zip(1..).map(|(record, seq)| serde_json::to_string(&header.discharge(seq, &record)).unwrap());
+    let lines = records
+        .zip(1..)
+        .map(|(record, seq)| serde_json::to_string(&header.discharge(seq, &record, false)).unwrap());
     [serde_json::to_string(&header).unwrap()].into_iter().chain(lines).collect::<Vec<_>>().join("\n")
 }
 
 /// What `cermctl estimate` prints, as relative error of R_x.
 fn error_from_tape(case: &Case, text: &str, offset: Option<OffsetSource>) -> f64 {
-    let estimates = replay::estimate(text, case.way.method, offset).unwrap();
+    let tape = Reader::open(text.as_bytes()).unwrap();
+    let mut replay = Replay::new(tape.header(), case.way.method, offset).unwrap();
+    let estimates: Vec<_> = tape.filter_map(|entry| replay.take(&entry.unwrap()).unwrap()).collect();
     assert_eq!(estimates.len(), 1);
     let line = serde_json::to_value(&estimates[0]).unwrap();
     assert_eq!(line["branch"], case.way.branch.as_str(), "{line}");

@@ -6,12 +6,10 @@
 use super::{CtlError, Target, Value, silent, wait_for};
 use crate::config::LARGEST_ZERO_OHM;
 use crate::ctl::cli::Zero;
-use crate::ctl::replay;
+use crate::ctl::replay::Replay;
 use crate::ctl::stream::Stream;
 use crate::estimate::fit;
-use crate::reading::Method;
-use crate::record::Through;
-use crate::stream::tape::{Entry, Header};
+use crate::reading::{Fault, Method};
 use crate::stream::wire::ServerMessage;
 use crate::units::measured;
 use serde::Serialize;
@@ -63,15 +61,26 @@ fn take(target: &Target, arguments: &Zero, part: &str) -> Result<Vec<f64>, CtlEr
         ));
     }
     stream.watch(None, true)?;
-    let mut tape = Tape::default();
-    while tape.of_sensor < arguments.count {
-        wait_for(&mut stream, "discharge", |message| tape.take(message))?;
+    let (mut replay, mut estimates) = (None, Vec::new());
+    while (estimates.len() as u64) < arguments.count {
+        let is_of_tape =
+            |message: &_| matches!(message, ServerMessage::Tape(_) | ServerMessage::Discharge(_));
+        match wait_for(&mut stream, "discharge", |message| is_of_tape(&message).then_some(message))? {
+            // A later one tells an offset that was found meanwhile: what is before it does not count.
+            ServerMessage::Tape(header) => {
+                replay = Some(Replay::new(&header, method, None).map_err(CtlError::said)?);
+                estimates.clear();
+            }
+            ServerMessage::Discharge(line) => {
+                let Some(replay) = &mut replay else { continue };
+                let entry = replay.header().entry(&line).map_err(CtlError::said)?;
+                estimates.extend(replay.signed_ohm(&entry));
+            }
+            _ => {}
+        }
     }
-    let Some(header) = tape.header else { return Err(silent("discharge")) };
-    let estimates = replay::signed_ohm(&header, &tape.entries, method, &target.id)
-        .map_err(|why| CtlError::Said(format!("{}: {why}", arguments.connection.socket.display())))?;
     let discharges = estimates.len();
-    let fault = estimates.iter().rev().find_map(|estimate| estimate.err());
+    let fault = estimates.iter().rev().find_map(|estimate: &Result<f64, Fault>| estimate.err());
     let numbers: Vec<f64> = estimates.into_iter().flatten().collect();
     if 2 * numbers.len() < discharges || numbers.len() < 2 {
         let fault = fault.map(|fault| format!(" (the last fault: {fault})")).unwrap_or_default();
@@ -88,39 +97,4 @@ fn method(stream: &mut Stream) -> Result<Method, CtlError> {
     let (_, stats) = stream.stats()?;
     let known = Method::ALL.into_iter().find(|method| method.as_str() == stats.instrument.method);
     known.ok_or_else(|| silent("method that this release knows"))
-}
-
-/// A header, both calibration discharges, and then discharges of the sensor among others.
-#[derive(Default)]
-struct Tape {
-    header: Option<Header>,
-    entries: Vec<Entry>,
-    is_calibrated: [bool; 2],
-    of_sensor: u64,
-}
-
-impl Tape {
-    /// Takes a line; `None` if it is of no use.
-    fn take(&mut self, message: ServerMessage) -> Option<()> {
-        let entry = match message {
-            // A later one tells an offset that was found meanwhile: what is before it does not count.
-            ServerMessage::Tape(header) => {
-                *self = Tape { header: Some(*header), ..Tape::default() };
-                return Some(());
-            }
-            ServerMessage::Discharge(line) => self.header.as_ref()?.entry(&line).ok()?,
-            _ => return None,
-        };
-        let Entry { record, .. } = entry;
-        if record.through.channel().is_some() {
-            if self.is_calibrated != [true; 2] {
-                return None;
-            }
-            self.of_sensor += 1;
-        } else if record.switch.is_none() {
-            self.is_calibrated[usize::from(record.through != Through::C1)] = true;
-        }
-        self.entries.push(entry);
-        Some(())
-    }
 }

@@ -24,10 +24,14 @@ impl Header {
         if r1 >= r2 {
             return Err(format!("r_c1_ohm = {r1} is not below r_c2_ohm = {r2}; are they swapped?"));
         }
+        let is_period = |ns: f64| ns > 0.0 && ns <= LONGEST_LATENCY.as_ns();
+        if self.resolution_ns.is_some_and(|ns| !is_period(ns)) {
+            return Err("resolution_ns is the period of a clock: above 0 and up to 1 ms".to_owned());
+        }
         if self.channels.is_empty() || self.channels.len() > MAX_CHANNELS {
             return Err(format!("a tape has 1 to {MAX_CHANNELS} channels"));
         }
-        if self.offset_ns.is_some_and(|d_ns| d_ns.abs() >= LONGEST_LATENCY.as_ns()) {
+        if self.offset.offset_ns.is_some_and(|d_ns| d_ns.abs() >= LONGEST_LATENCY.as_ns()) {
             return Err("offset_ns is a latency: it must be below 1 ms".to_owned());
         }
         for (index, channel) in self.channels.iter().enumerate() {
@@ -81,6 +85,7 @@ pub(super) fn times(record: &Record) -> Result<(), String> {
         ("b_ns", record.b_ns),
         ("switch.at_ns", record.switch.map(|switch| switch.at_ns)),
         ("switch.on_ns", record.switch.map(|switch| switch.on_ns)),
+        ("waited_ns", record.waited_ns),
     ];
     for (name, time) in times.into_iter().filter_map(|(name, time)| Some((name, time?))) {
         if time <= 0.0 {
@@ -90,8 +95,10 @@ pub(super) fn times(record: &Record) -> Result<(), String> {
             return Err(format!("{name} is {time:e}; times are in nanoseconds"));
         }
     }
-    if let Some(second_ns) = record.second_ns.filter(|second_ns| !(0.0..=LONGEST_NS).contains(second_ns)) {
-        return Err(format!("second_ns is {second_ns}; it is 0 or a short time"));
+    for (name, time) in [("second_ns", record.second_ns), ("switch.u_ns", record.u_switch_ns)] {
+        if let Some(time) = time.filter(|time| !(0.0..=LONGEST_NS).contains(time)) {
+            return Err(format!("{name} is {time}; it is 0 or a short time"));
+        }
     }
     if record.switch.is_some_and(|switch| switch.on_ns < switch.at_ns) {
         return Err(

@@ -14,9 +14,12 @@
 //! ```
 
 mod check;
+mod reader;
 
-use super::limits::{MAX_LINE_BYTES, PROTO_MAJOR};
-use super::line::{Class, is_unknown};
+pub use reader::Reader;
+
+pub(crate) use super::limits::PROTO_MAJOR;
+use super::line::{Class, is_unknown, maybe_ns, ns, uncertainty, value};
 use crate::circuit::Kind;
 use crate::record::{Record, Switch, Through};
 use crate::sensor::Channel;
@@ -32,11 +35,41 @@ pub struct Header {
     pub proto_major: u32,
     /// The resistors and how they are wired.
     pub circuit: TapeCircuit,
-    /// The latency offset d of the crossings, ns; absent: not known.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub offset_ns: Option<f64>,
+    /// Period of the clock that stamps crossings, ns; absent: 1, as Linux counts.
+    #[serde(default, skip_serializing_if = "is_unknown")]
+    pub resolution_ns: Option<f64>,
+    /// The latency offset.
+    #[serde(flatten)]
+    pub offset: TapeOffset,
+    /// The calibration was followed, not taken anew for each reading.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub tracked: bool,
     /// The sensors.
     pub channels: Vec<Channel>,
+}
+
+/// What is known of the latency offset at the beginning of a tape, and with it; what is absent is not known.
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
+#[serde(default)]
+pub struct TapeOffset {
+    /// The latency offset d of the crossings, ns.
+    #[serde(serialize_with = "value", skip_serializing_if = "is_unknown")]
+    pub offset_ns: Option<f64>,
+    /// 1 sigma, ns.
+    #[serde(serialize_with = "uncertainty", skip_serializing_if = "is_unknown")]
+    pub offset_u_ns: Option<f64>,
+    /// By how much d changes with an error that all switches have in common.
+    #[serde(serialize_with = "uncertainty", skip_serializing_if = "is_unknown")]
+    pub offset_by_switch: Option<f64>,
+    /// How much the instants of switches scatter at the most, ns.
+    #[serde(serialize_with = "uncertainty", skip_serializing_if = "is_unknown")]
+    pub switch_u_ns: Option<f64>,
+    /// Output resistance of a calibration pin, ohm.
+    #[serde(serialize_with = "value", skip_serializing_if = "is_unknown")]
+    pub r_o_ohm: Option<f64>,
+    /// 1 sigma, ohm.
+    #[serde(serialize_with = "uncertainty", skip_serializing_if = "is_unknown")]
+    pub r_o_u_ohm: Option<f64>,
 }
 
 /// The circuit of a tape.
@@ -56,34 +89,48 @@ pub struct TapeCircuit {
 pub struct DischargeLine {
     /// Its number on the tape.
     pub seq: u64,
+    /// When it started, `CLOCK_MONOTONIC`, ns; absent: not known.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub t_ns: Option<i64>,
     /// The channel whose sensor takes part; absent: a calibration.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub channel: Option<String>,
     /// What it started through.
     pub through: Resistor,
+    /// It was held back, to look for a leak: no calibration.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub held: bool,
     /// The second of two resistors was sunk by then; absent: at the start.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[serde(default, serialize_with = "maybe_ns", skip_serializing_if = "is_unknown")]
     pub second_ns: Option<f64>,
     /// Where it was switched to another resistor.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub switch: Option<SwitchLine>,
     /// The crossing of node A; absent: not seen.
-    #[serde(default, skip_serializing_if = "is_unknown")]
+    #[serde(default, serialize_with = "maybe_ns", skip_serializing_if = "is_unknown")]
     pub a_ns: Option<f64>,
     /// The crossing of node B; absent: not seen.
-    #[serde(default, skip_serializing_if = "is_unknown")]
+    #[serde(default, serialize_with = "maybe_ns", skip_serializing_if = "is_unknown")]
     pub b_ns: Option<f64>,
+    /// When a wait for a crossing ended in vain, the node being above its threshold still.
+    #[serde(default, serialize_with = "maybe_ns", skip_serializing_if = "is_unknown")]
+    pub waited_ns: Option<f64>,
 }
 
 /// From one resistor to the next, ns since the start.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct SwitchLine {
     /// The first resistor was released.
+    #[serde(serialize_with = "ns")]
     pub at_ns: f64,
     /// The next one was sunk.
+    #[serde(serialize_with = "ns")]
     pub on_ns: f64,
     /// The next one.
     pub to: Resistor,
+    /// 1 sigma of each of these instants as far as the recorder knows; absent: only the tape's own scatter tells.
+    #[serde(default, serialize_with = "maybe_ns", skip_serializing_if = "is_unknown")]
+    pub u_ns: Option<f64>,
 }
 
 /// What a discharge runs through.
@@ -114,6 +161,8 @@ pub struct TapeError {
     pub line: usize,
     /// What, and what to do.
     pub reason: String,
+    /// The tape ends in the middle of this line.
+    pub is_cut: bool,
 }
 
 /// One discharge of a tape.
@@ -121,16 +170,15 @@ pub struct TapeError {
 pub struct Entry {
     /// The number that it has on the tape.
     pub seq: u64,
+    /// Whether its start is known.
+    pub is_timed: bool,
+    /// Whether it was held back, to look for a leak.
+    pub is_held: bool,
     /// Its timings.
     pub record: Record,
 }
 
 impl Header {
-    /// A header of this release's protocol. `offset_ns`: `None` while it is not known.
-    pub fn new(circuit: TapeCircuit, offset_ns: Option<f64>, channels: Vec<Channel>) -> Header {
-        Header { proto_major: PROTO_MAJOR, circuit, offset_ns, channels }
-    }
-
     /// R_1 and R_2 of the ratio that the methods know R_x by, ohm.
     pub fn r_ohm(&self) -> [f64; 2] {
         let TapeCircuit { kind, r_c1_ohm, r_c2_ohm } = self.circuit;
@@ -142,7 +190,7 @@ impl Header {
     /// # Errors
     /// [`TapeError`] of line 1.
     pub fn parse(text: &str) -> Result<Header, TapeError> {
-        let at = |reason: String| TapeError { line: 1, reason };
+        let at = |reason: String| TapeError { line: 1, reason, is_cut: false };
         let header: Header = read(text, "TAPE")
             .map_err(|error| at(format!("not the header of a tape: {}", explain(&error))))?;
         header.check().map_err(at)?;
@@ -150,16 +198,24 @@ impl Header {
     }
 
     /// A record as a line.
-    pub fn discharge(&self, seq: u64, record: &Record) -> DischargeLine {
+    pub fn discharge(&self, seq: u64, record: &Record, held: bool) -> DischargeLine {
         let channel = record.through.channel().and_then(|index| self.channels.get(index));
         DischargeLine {
             seq,
+            t_ns: Some(record.start.0),
             channel: channel.map(|channel| channel.id.clone()),
             through: record.through.into(),
+            held,
             second_ns: record.second_ns.filter(|second_ns| *second_ns > 0.0),
-            switch: record.switch.map(|s| SwitchLine { at_ns: s.at_ns, on_ns: s.on_ns, to: s.to.into() }),
+            switch: record.switch.map(|s| SwitchLine {
+                at_ns: s.at_ns,
+                on_ns: s.on_ns,
+                to: s.to.into(),
+                u_ns: record.u_switch_ns,
+            }),
             a_ns: record.a_ns,
             b_ns: record.b_ns,
+            waited_ns: record.waited_ns,
         }
     }
 
@@ -168,10 +224,7 @@ impl Header {
     /// # Errors
     /// [`TapeError`] of that line.
     pub fn parse_discharge(&self, number: usize, text: &str) -> Result<Entry, TapeError> {
-        let at = |reason: String| TapeError { line: number, reason };
-        if text.len() > MAX_LINE_BYTES {
-            return Err(at(format!("{} bytes long; a line has {MAX_LINE_BYTES} at most", text.len())));
-        }
+        let at = |reason: String| TapeError { line: number, reason, is_cut: false };
         let line = read(text, "DISCHARGE").map_err(|error| at(explain(&error)))?;
         self.entry(&line).map_err(at)
     }
@@ -191,16 +244,16 @@ impl Header {
             |s: SwitchLine| Ok::<_, String>(Switch { at_ns: s.at_ns, on_ns: s.on_ns, to: through(s.to)? });
         let record = Record {
             through: through(line.through)?,
-            start: Nanos::ZERO,
+            start: Nanos(line.t_ns.unwrap_or(0)),
             second_ns: line.second_ns,
             switch: line.switch.map(switch).transpose()?,
             a_ns: line.a_ns,
             b_ns: line.b_ns,
-            u_switch_ns: None,
-            waited_ns: None,
+            u_switch_ns: line.switch.and_then(|switch| switch.u_ns),
+            waited_ns: line.waited_ns,
         };
         check::times(&record)?;
-        Ok(Entry { seq: line.seq, record })
+        Ok(Entry { seq: line.seq, is_timed: line.t_ns.is_some(), is_held: line.held, record })
     }
 
     fn through(&self, resistor: Resistor, channel: Option<usize>) -> Result<Through, String> {

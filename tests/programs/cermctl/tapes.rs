@@ -3,6 +3,9 @@
 use super::daemon::{Daemon, config, ctl, json_lines, lines_of, scene};
 use crate::waiting::until_so;
 use serde_json::Value;
+use std::collections::BTreeMap;
+use std::io::{BufRead, BufReader, Write};
+use std::process::Stdio;
 
 const TAPE: &str = r#"{"class":"TAPE","proto_major":1,"circuit":{"kind":"two-capacitor","r_c1_ohm":2320,"r_c2_ohm":12700},"offset_ns":8000,"channels":[{"id":"thumb","force":{"fc1_n":5.75,"fc2_n":1.05}}]}
 {"class":"DISCHARGE","seq":1,"through":"c1","a_ns":1440112,"b_ns":2598211}
@@ -141,7 +144,6 @@ fn bad_tapes_say_which_line() {
     };
     let cases = [
         ("", "line 1: the tape is empty"),
-        (&TAPE[..TAPE.len() - 40], "line 5: "),
         (&TAPE[..100], "line 1: not the header of a tape"),
         (&swap(TAPE, 2, 3), "line 4: seq 2 comes after 3"),
         (&swap(TAPE, 0, 1), "line 1: not the header of a tape"),
@@ -157,7 +159,7 @@ fn bad_tapes_say_which_line() {
         ("\u{0}\u{1}\u{2}", "line 1: not the header of a tape"),
     ];
     for (tape, wanted) in cases {
-        let assert = estimate("cerm", &[], tape).assert().code(1).stdout("");
+        let assert = estimate("cerm", &[], tape).assert().code(1);
         let complaint = String::from_utf8(assert.get_output().stderr.clone()).unwrap();
         let begin = format!("cermctl: standard input: {wanted}");
         assert!(complaint.starts_with(&begin) && complaint.lines().count() == 1, "{wanted}: {complaint}");
@@ -167,4 +169,97 @@ fn bad_tapes_say_which_line() {
     );
     let mut binary = ctl(&["estimate", "--method", "cerm", "-"]);
     binary.write_stdin(vec![0xff, 0xfe]).assert().code(1);
+}
+
+#[test]
+fn a_tape_that_ends_in_half_a_line_gives_all_before_it() {
+    let assert = estimate("cerm", &[], &TAPE[..TAPE.len() - 40]).assert().success();
+    let warning = String::from_utf8(assert.get_output().stderr.clone()).unwrap();
+    assert!(
+        warning.starts_with("cermctl: standard input: the tape is cut off in its last line: line 5: "),
+        "{warning}"
+    );
+    let lines = json_lines(&assert.get_output().stdout);
+    assert_eq!(lines, estimates("cerm", &[], TAPE)[..1]);
+}
+
+#[test]
+fn a_tape_without_end_is_estimated_as_it_comes() {
+    let mut child = std::process::Command::new(env!("CARGO_BIN_EXE_cermctl"))
+        .args(["estimate", "--method", "tcdic", "-"])
+        .stdin(Stdio::piped())
+        .stdout(Stdio::piped())
+        .spawn()
+        .unwrap();
+    let (mut input, output) = (child.stdin.take().unwrap(), child.stdout.take().unwrap());
+    let mut output = BufReader::new(output);
+    for (index, line) in TAPE.lines().take(4).enumerate() {
+        writeln!(input, "{line}").unwrap();
+        if index == 3 {
+            let mut estimate = String::new();
+            output.read_line(&mut estimate).unwrap();
+            assert!(estimate.contains("\"seq\":3"), "{estimate}");
+        }
+    }
+    drop(input);
+    assert!(child.wait().unwrap().success());
+}
+
+#[test]
+fn a_summary_tells_each_channel_by_each_method() {
+    let again = TAPE.replace("\"seq\":4", "\"seq\":5");
+    let x = again.lines().nth(3).unwrap().replace("\"seq\":3", "\"seq\":4").replace("650000", "651000");
+    let tape: String = again.lines().take(4).chain([x.as_str()]).map(|line| format!("{line}\n")).collect();
+    let rows = estimates("cerm", &["--method", "tpcm", "--summary", "--json"], &tape);
+    let each = estimates("tpcm", &[], &tape);
+    let [a, b] = [0, 1].map(|index: usize| each[index]["r_ohm"].as_f64().unwrap());
+    assert_eq!(rows.len(), 2);
+    assert_eq!(
+        (&rows[0]["method"], &rows[1]["method"], &rows[1]["n"]),
+        (&"cerm".into(), &"tpcm".into(), &2.into())
+    );
+    assert!((rows[1]["r_mean_ohm"].as_f64().unwrap() - (a + b) / 2.0).abs() < 1e-3, "{rows:?}");
+    assert!((rows[1]["r_sd_ohm"].as_f64().unwrap() / ((b - a).abs() / 2f64.sqrt()) - 1.0).abs() < 5e-3);
+    let text = estimate("tpcm", &["--summary"], &tape).assert().success().get_output().stdout.clone();
+    assert!(String::from_utf8(text).unwrap().starts_with("thumb  tpcm  n 2  mean "));
+}
+
+#[test]
+fn a_tape_of_a_running_daemon_has_its_uncertainties_and_states() {
+    let daemon = Daemon::start();
+    wait_until("the offset is found", || daemon.stats()["offset_known"] == true);
+    let (tape, readings) = (daemon.path("tape"), daemon.path("readings"));
+    let mut watch = daemon.spawn(&["record", "-o", readings.to_str().unwrap()]);
+    wait_until("readings are recorded", || std::fs::metadata(&readings).is_ok_and(|file| file.len() > 0));
+    daemon.ctl(&["record", "--raw", "--count", "1600", "-o", tape.to_str().unwrap()]).assert().success();
+    watch.interrupt();
+    watch.end();
+    let read: BTreeMap<i64, Value> =
+        lines_of(&readings).into_iter().map(|line| (line["t_mono_ns"].as_i64().unwrap(), line)).collect();
+    let output = ctl(&["estimate", "--method", "cerm", tape.to_str().unwrap()]).output().unwrap();
+    let (mut ratios, mut within) = ([Vec::new(), Vec::new()], 0);
+    // It begins in the middle of a cycle.
+    let estimates = json_lines(&output.stdout).into_iter();
+    for estimate in estimates.skip_while(|estimate| estimate["fault"] == "no-calibration") {
+        let at = estimate["t_mono_ns"].as_i64().unwrap();
+        // The last ones may come after the last reading.
+        let Some((_, read)) = read.range(at - 1..=at + 1).next() else { continue };
+        let names = ["channel", "status", "branch"].map(|name| (&estimate[name], &read[name]));
+        assert!(names.iter().all(|(again, read)| again == read), "{read} {estimate}");
+        let numbers = ["r_ohm", "r_u_ohm"].map(|name| estimate[name].as_f64().zip(read[name].as_f64()));
+        // Until it knows the noise, a tape tells no uncertainty.
+        if let [Some((r_ohm, read)), Some((u, read_u))] = numbers {
+            within += usize::from((r_ohm - read).abs() < 0.2 * u);
+            ratios[usize::from(estimate["branch"] == "inferred")].push(u / read_u);
+        }
+    }
+    for (ratios, branch) in ratios.iter_mut().zip(["direct", "inferred"]) {
+        assert!(ratios.len() > 200, "{branch}: {}", ratios.len());
+        ratios.sort_unstable_by(f64::total_cmp);
+        // What is learned of the noise from the discharges of a tape alone is known to about a tenth.
+        let median = ratios[ratios.len() / 2];
+        assert!((0.7..1.4).contains(&median), "{branch}: {median}");
+    }
+    let count = ratios[0].len() + ratios[1].len();
+    assert!(within * 20 > count * 19, "{within} of {count}");
 }
