@@ -170,8 +170,9 @@ struct V1 {
 }
 
 impl Held for V1 {
-    fn switch(&mut self, from: Drives, to: Drives) -> Result<(), Failed> {
+    fn switch(&mut self, from: Drives, to: Drives) -> Result<bool, Failed> {
         switch(&mut self.switches, from, to)
+            .map(|()| false)
             .map_err(|(title, error)| ("SET_LINE_VALUES", last_call(error.inner()), title))
     }
 

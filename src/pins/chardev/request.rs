@@ -33,13 +33,18 @@ const _: () = assert!(size_of::<LineEdgeEvent>() == 48);
 /// All drive lines in one request, every one released: the request itself drives nothing.
 pub(super) fn drive_request(lines: &Lines, consumer: &str) -> LineRequest {
     let offsets: Vec<u32> = lines.drives.iter().map(|drive| drive.offset).collect();
+    request(&offsets, drive_config(lines), consumer)
+}
+
+/// The same for lines that are held already.
+pub(super) fn drive_config(lines: &Lines) -> LineConfig {
     let mut config = LineConfig { flags: SINK, ..Default::default() };
     let chargers = mask(lines, Drives::CHARGE);
     if chargers != 0 {
         config.add_flags(CHARGER, chargers);
     }
     config.add_values(&released(lines));
-    request(&offsets, config, consumer)
+    config
 }
 
 /// The sense lines in one request: watched from the start and for ever, or, where they charge too, plain inputs.
@@ -88,7 +93,7 @@ pub(super) fn charging(chargers: Drives) -> LineConfig {
 }
 
 /// Values that release every drive line.
-pub(super) fn released(lines: &Lines) -> LineValues {
+fn released(lines: &Lines) -> LineValues {
     let all = mask(lines, lines.wired());
     LineValues { bits: all & !mask(lines, Drives::CHARGE), mask: all }
 }
