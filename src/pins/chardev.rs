@@ -90,11 +90,11 @@ impl Chardev {
 
 /// A failed call: the chip is gone, or what is known of the failure without looking anything up.
 fn explain(chip: &str, (call, source, line): Failed) -> PinsError {
-    let errno = source.raw_os_error().unwrap_or_default();
-    if is_gone(errno) {
+    if is_gone(&source) {
         return PinsError::Gone { chip: chip.to_owned(), call, line };
     }
-    PinsError::Call { call, line, source, hint: hint(errno) }
+    let hint = hint(source.raw_os_error().unwrap_or_default());
+    PinsError::Call { call, line, source, hint }
 }
 
 /// What is to drive when `on` is asked for and these lines are wired. A circuit without a charger of node B is

@@ -47,12 +47,11 @@ pub(super) fn drive_config(lines: &Lines) -> LineConfig {
     config
 }
 
-/// The sense lines in one request: watched from the start and for ever, or, where they charge too, plain inputs.
-/// The kernel keeps its default of edges, 16 a line.
-pub(super) fn sense_request(lines: &Lines, consumer: &str) -> LineRequest {
-    let offsets: Vec<u32> = lines.sense.iter().map(|line| line.offset).collect();
-    let config = if lines.sense_charges { inputs() } else { watching() };
-    request(&offsets, config, consumer)
+/// Sense lines in one request, watched from the start and, where they do not charge, for ever. The kernel keeps its default
+/// of edges, 16 a line.
+pub(super) fn sense_request(sense: &[WiredLine], consumer: &str) -> LineRequest {
+    let offsets: Vec<u32> = sense.iter().map(|line| line.offset).collect();
+    request(&offsets, watching(), consumer)
 }
 
 /// One line as an input and nothing else, its bias as it is.
@@ -192,7 +191,7 @@ mod tests {
 
     #[test]
     fn dedicated_sense_lines_are_watched_for_ever() {
-        let request = sense_request(&lines(&wiring()), "cermd");
+        let request = sense_request(&lines(&wiring()).sense, "cermd");
         assert_eq!(&request.offsets.0[..2], &[5, 6]);
         assert_eq!((request.num_lines, request.event_buffer_size), (2, 0));
         assert_eq!(
@@ -203,10 +202,8 @@ mod tests {
     }
 
     #[test]
-    fn sense_lines_that_charge_begin_as_plain_inputs() {
-        let wiring = Wiring { charge_a: None, charge_b: None, ..wiring() };
-        let lines = lines(&wiring);
-        assert_eq!(sense_request(&lines, "cermd").config.flags, LineFlags::INPUT | LineFlags::BIAS_DISABLED);
+    fn where_sense_lines_charge_all_that_drives_sinks() {
+        let lines = lines(&Wiring { charge_a: None, charge_b: None, ..wiring() });
         let drive = drive_request(&lines, "cermd");
         assert_eq!(drive.num_lines, 4);
         assert!((0..4).all(|bit| flags_of(&drive.config, bit).contains(LineFlags::OPEN_DRAIN)));

@@ -5,10 +5,10 @@
 //! the published wiring, where the sense lines charge as well, they are reconfigured (SET_CONFIG) around each charge, but
 //! never between [`arm`](crate::pins::Pins::arm) and the next charge: setting up an edge interrupt takes tens of microseconds.
 
-use super::chips::Chip;
+use super::chips::{Chip, refused_edges};
 use super::error::{ChardevError, as_io};
 use super::request::{charging, drive_config, drive_request, inputs, sense_request, switching, watching};
-use super::wiring::{Lines, Wiring, titles};
+use super::wiring::{Lines, WiredLine, Wiring, titles};
 use super::{Chardev, Failed, Held, SENSE_LINES};
 use crate::pins::{Drives, Edge};
 use crate::units::Nanos;
@@ -16,6 +16,7 @@ use gpiocdev_uapi::v2::{self, LineConfig, LineEdgeEvent, LineValues};
 use nix::fcntl::{FcntlArg, OFlag, fcntl};
 use std::fs::File;
 use std::os::fd::{AsFd, BorrowedFd};
+use std::slice;
 
 struct V2 {
     lines: Lines,
@@ -40,12 +41,19 @@ impl Chardev {
                 .map_err(|error| chip.refusal("GET_LINE", titles, &offsets, as_io(error)))
         };
         let drive_file = get_line(drive_request(&lines, &wiring.consumer), &titles(&lines.drives))?;
-        let sense_titles = titles(&lines.sense);
-        let sense_file = get_line(sense_request(&lines, &wiring.consumer), &sense_titles)?;
+        let watch = |sense: &[WiredLine]| {
+            let titles = titles(sense);
+            get_line(sense_request(sense, &wiring.consumer), &titles)
+                .map_err(|error| refused_edges(error, &chip, &titles))
+        };
+        let sense_file = watch(&lines.sense).map_err(|error| {
+            // That of a single line is the better one to read.
+            lines.sense.iter().find_map(|line| watch(slice::from_ref(line)).err()).unwrap_or(error)
+        })?;
         fcntl(&sense_file, FcntlArg::F_SETFL(OFlag::O_NONBLOCK))
-            .map_err(|errno| chip.refusal("F_SETFL", &sense_titles, &[], errno.into()))?;
-        let (wired, watching) = (lines.wired(), !lines.sense_charges);
-        let held = V2 { lines, drive_file, sense_file, watching };
+            .map_err(|errno| chip.refusal("F_SETFL", &titles(&lines.sense), &[], errno.into()))?;
+        let wired = lines.wired();
+        let held = V2 { lines, drive_file, sense_file, watching: true };
         Ok(Chardev::new(Box::new(held), chip.title(), wired, Vec::new()))
     }
 }
