@@ -168,12 +168,13 @@ impl Suspect {
             }
             Suspect::Leak => (
                 "current leaves the nodes by a path of its own",
-                "look for pull-downs, leaking capacitors, moisture, a sensor wired to ground, and whether r-c1 and r-c2 are as \
-                 measured",
+                "look for pull-downs (some drivers leave them on), leaking capacitors, moisture, a sensor wired to ground, and \
+                 whether r-c1 and r-c2 are as measured",
             ),
             Suspect::Pull => (
                 "current enters the nodes by a path of its own",
-                "look for pull-ups left on, and whether r-c1 and r-c2 are as measured",
+                "look for pull-ups (some drivers leave them on, whatever they are asked), and whether r-c1 and r-c2 are as \
+                 measured",
             ),
         }
     }

@@ -4,7 +4,7 @@ use cermd::config::Config;
 use cermd::config::backend;
 use cermd::ctl::check;
 use cermd::ctl::cli::{Cermd, NO_HARDWARE};
-use cermd::daemon;
+use cermd::daemon::{self, DaemonError};
 use clap::Parser;
 use nix::sys::stat::fstat;
 use std::error::Error;
@@ -12,6 +12,9 @@ use std::io::{self, Write};
 use std::os::fd::{AsFd, BorrowedFd};
 use std::path::Path;
 use std::process::ExitCode;
+
+/// EX_CONFIG of sysexits.h, which the service manager does not start again (systemd/cermd.service).
+const NO_USE_TO_RESTART: u8 = 78;
 
 fn main() -> ExitCode {
     let arguments = Cermd::parse();
@@ -36,7 +39,8 @@ fn main() -> ExitCode {
         Ok(false) => ExitCode::FAILURE,
         Err(error) => {
             log::error!("{error}");
-            ExitCode::FAILURE
+            let is_lasting = error.downcast_ref::<DaemonError>().is_some_and(DaemonError::is_lasting);
+            if is_lasting { ExitCode::from(NO_USE_TO_RESTART) } else { ExitCode::FAILURE }
         }
     }
 }

@@ -16,6 +16,7 @@ use crate::config::backend::{self, AnyPins, OpenError};
 use crate::config::{Backend, Config, ConfigError, Findings, Severity};
 use crate::config::{SettingsError, tape_header};
 use crate::instrument::settings::Settings;
+use crate::pins::chardev::ChardevError;
 use crate::pins::{clock, monotonic};
 use crate::stream::server::{Limits, ListenError, Listener, Server};
 use crate::stream::tape::Header;
@@ -70,6 +71,13 @@ pub enum DaemonError {
     /// The measuring thread has panicked, which is a mistake of the program.
     #[error("the measuring thread has died; every line is released. Please report this with the lines above")]
     Died,
+}
+
+impl DaemonError {
+    /// Whether the next start would end in the same way: the wiring asks for what the chip does not have.
+    pub fn is_lasting(&self) -> bool {
+        matches!(self, DaemonError::Open(OpenError::Hardware(ChardevError::Wiring(_))))
+    }
 }
 
 fn system(call: &'static str) -> impl Fn(io::Error) -> DaemonError {
@@ -334,5 +342,17 @@ fn start_measuring(pins: Option<AnyPins>, loaded: &Loaded) -> Result<Measuring, 
 fn notify(states: &[NotifyState<'_>]) {
     if let Err(error) = sd_notify::notify(states) {
         log::debug!("sd_notify: {error}");
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_chip_that_is_away_may_come_a_line_without_an_interrupt_stays_so() {
+        let opened = |error| DaemonError::Open(OpenError::Hardware(error)).is_lasting();
+        assert!(opened(ChardevError::Wiring("sense-a (GPIO5) has no interrupt".into())));
+        assert!(!opened(ChardevError::NoChip { wanted: "pinctrl-rp1".into(), present: String::new() }));
     }
 }

@@ -137,6 +137,7 @@ pub fn stats(known: &Known, config: &Config, uptime: Nanos) -> InstrumentStats {
         r_o_ohm: r_o_ohm.map(|(r_o, _)| r_o),
         r_o_u_ohm: r_o_ohm.map(|(_, u_r_o)| u_r_o),
         spin_margin_ns: stats.spin_margin.map(|margin| margin.0.unsigned_abs()),
+        lines_renewed: stats.renewed,
         blind_spots: stats.blind_spots as u64,
         realtime: wishes.map(|(key, outcome)| ((*key).to_owned(), outcome.to_string())).collect(),
     }

@@ -88,6 +88,7 @@ impl<P: Pins> Instrument<P> {
         let particulars = self.pins.particulars();
         Stats {
             spin_margin: particulars.spin_margin,
+            renewed: particulars.renewed,
             blind_spots: particulars.blind_spots.len(),
             ..self.cycle.stats()
         }

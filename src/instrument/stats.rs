@@ -35,6 +35,8 @@ pub struct Stats {
     pub tracking: Option<Counts>,
     /// How long before an instant the backend turns from sleeping to spinning, if it does.
     pub spin_margin: Option<Nanos>,
+    /// How often the backend had to configure lines anew.
+    pub renewed: u64,
     /// How many kinds of trouble the backend cannot notice.
     pub blind_spots: usize,
 }

@@ -37,8 +37,9 @@ pub(super) type Failed = (&'static str, io::Error, String);
 
 /// The lines of a circuit as one version of the uAPI holds them; when dropped, all of them are inputs.
 pub(super) trait Held: Send {
-    /// Switches from one set of driving lines to another: releases, then drives.
-    fn switch(&mut self, from: Drives, to: Drives) -> Result<(), Failed>;
+    /// Switches from one set of driving lines to another: releases, then drives. Whether lines had to be configured anew for
+    /// that: all of them were released then.
+    fn switch(&mut self, from: Drives, to: Drives) -> Result<bool, Failed>;
     /// Watches for falling edges of the sense lines from here on, if that is not so already; nothing drives.
     fn watch(&mut self) -> Result<(), Failed>;
     /// The next edge that is there, without waiting.
@@ -61,6 +62,7 @@ pub struct Chardev {
     seqno: u32,
     line_seqno: [u32; 2],
     margin: SpinMargin,
+    renewed: u64,
     blind_spots: Vec<&'static str>,
 }
 
@@ -73,7 +75,7 @@ impl Chardev {
         blind_spots: Vec<&'static str>,
     ) -> Chardev {
         let (driving, margin) = (Some(Drives::NONE), SpinMargin::default());
-        Chardev { held, chip, wired, driving, seqno: 0, line_seqno: [0; 2], margin, blind_spots }
+        Chardev { held, chip, wired, driving, seqno: 0, line_seqno: [0; 2], margin, renewed: 0, blind_spots }
     }
 
     fn next_edge(&mut self) -> Result<Option<Edge>, PinsError> {
@@ -88,11 +90,11 @@ impl Chardev {
 
 /// A failed call: the chip is gone, or what is known of the failure without looking anything up.
 fn explain(chip: &str, (call, source, line): Failed) -> PinsError {
-    let errno = source.raw_os_error().unwrap_or_default();
-    if is_gone(errno) {
+    if is_gone(&source) {
         return PinsError::Gone { chip: chip.to_owned(), call, line };
     }
-    PinsError::Call { call, line, source, hint: hint(errno) }
+    let hint = hint(source.raw_os_error().unwrap_or_default());
+    PinsError::Call { call, line, source, hint }
 }
 
 /// What is to drive when `on` is asked for and these lines are wired. A circuit without a charger of node B is
@@ -120,9 +122,12 @@ impl Pins for Chardev {
         let before = monotonic();
         let released = match self.driving.take() {
             Some(driving) => Ok(driving),
-            None => self.held.switch(self.wired, Drives::NONE).map(|()| Drives::NONE),
+            None => self.held.switch(self.wired, Drives::NONE).map(|_| Drives::NONE),
         };
-        released.and_then(|from| self.held.switch(from, on)).map_err(|failed| explain(&self.chip, failed))?;
+        let is_renewed = released
+            .and_then(|from| self.held.switch(from, on))
+            .map_err(|failed| explain(&self.chip, failed))?;
+        self.renewed += u64::from(is_renewed);
         self.driving = Some(on);
         Ok(Bracket { before, after: monotonic() })
     }
@@ -142,13 +147,13 @@ impl Pins for Chardev {
         loop {
             // Before the look: an edge of the last moment counts.
             let is_last = monotonic() >= until;
-            let edge = self.next_edge()?;
+            let mut watched = self.held.descriptors().map(|fd| PollFd::new(fd, PollFlags::POLLIN));
+            let is_there = readable(&mut watched, until)
+                .map_err(|errno| explain(&self.chip, ("ppoll", errno.into(), SENSE_LINES.to_owned())))?;
+            let edge = if is_there { self.next_edge()? } else { None };
             if edge.is_some() || is_last {
                 return Ok(edge);
             }
-            let mut watched = self.held.descriptors().map(|fd| PollFd::new(fd, PollFlags::POLLIN));
-            readable(&mut watched, until)
-                .map_err(|errno| explain(&self.chip, ("ppoll", errno.into(), SENSE_LINES.to_owned())))?;
         }
     }
 
@@ -173,7 +178,8 @@ impl Pins for Chardev {
     }
 
     fn particulars(&self) -> Particulars<'_> {
-        Particulars { spin_margin: Some(self.margin.get()), blind_spots: &self.blind_spots }
+        let (spin_margin, renewed) = (Some(self.margin.get()), self.renewed);
+        Particulars { spin_margin, renewed, blind_spots: &self.blind_spots }
     }
 }
 

@@ -11,7 +11,7 @@
 //! calibration discharges as well it is part of the noise that is learned from them, and if it is far off it is refused as an
 //! outlier. A pull-down is looked for as a leak is.
 
-use super::chardev::chips::Chip;
+use super::chardev::chips::{Chip, refused_edges};
 use super::chardev::error::ChardevError;
 use super::chardev::release::each_line;
 use super::chardev::wiring::{WiredLine, Wiring};
@@ -69,8 +69,9 @@ pub fn open(wiring: &Wiring) -> Result<Chardev, ChardevError> {
     let switches = switches.collect::<Result<_, _>>()?;
     let sense = Node::BOTH.into_iter().zip(&lines.sense).map(|(node, line)| {
         let (flags, edges) = (LineRequestFlags::INPUT | bias.clone(), EventRequestFlags::FALLING_EDGE);
-        let handle =
-            requests.ask("GET_LINEEVENT", line, |found| found.events(flags, edges, &wiring.consumer))?;
+        let handle = requests
+            .ask("GET_LINEEVENT", line, |found| found.events(flags, edges, &wiring.consumer))
+            .map_err(|error| refused_edges(error, &chip, &line.title))?;
         fcntl(&handle, FcntlArg::F_SETFL(OFlag::O_NONBLOCK))
             .map_err(|errno| chip.refusal("F_SETFL", &line.title, &[], errno.into()))?;
         Ok(Sense { node, title: line.title.clone(), count: 0, handle })
@@ -170,8 +171,9 @@ struct V1 {
 }
 
 impl Held for V1 {
-    fn switch(&mut self, from: Drives, to: Drives) -> Result<(), Failed> {
+    fn switch(&mut self, from: Drives, to: Drives) -> Result<bool, Failed> {
         switch(&mut self.switches, from, to)
+            .map(|()| false)
             .map_err(|(title, error)| ("SET_LINE_VALUES", last_call(error.inner()), title))
     }
 

@@ -240,6 +240,8 @@ pub struct Armed {
 pub struct Particulars<'a> {
     /// How long before an instant sleeping turns into spinning, as learned so far.
     pub spin_margin: Option<Nanos>,
+    /// How often lines had to be configured anew, because somebody else had made the kernel take them for inputs.
+    pub renewed: u64,
     /// What it cannot notice, in sentences.
     pub blind_spots: &'a [&'static str],
 }

@@ -2,7 +2,7 @@
 //!
 //! Numbers of chips change between kernels (the Raspberry Pi 5 went from gpiochip4 to gpiochip0), labels do not.
 
-use super::error::{ChardevError, as_io};
+use super::error::{ChardevError, as_io, is_gone};
 use gpiocdev_uapi::{v1, v2};
 use serde::Serialize;
 use std::fs::{File, OpenOptions};
@@ -99,6 +99,24 @@ impl Chip {
         }
         let held = offsets.iter().filter_map(|offset| line(&self.file, *offset).ok());
         explain_busy(error, &held.filter(|line| line.used).collect::<Vec<_>>())
+    }
+}
+
+/// What a refused request for edges of `line` means: a chip that is still there has no interrupt for it. For which lines it
+/// has one the kernel tells only to those who request them, which makes them inputs.
+pub(in crate::pins) fn refused_edges(error: ChardevError, chip: &Chip, line: &str) -> ChardevError {
+    no_interrupt(error, v2::get_chip_info(&chip.file).is_ok(), &format!("{line} of {}", chip.title()))
+}
+
+fn no_interrupt(error: ChardevError, is_there: bool, line: &str) -> ChardevError {
+    match error {
+        ChardevError::Call { call, source, .. } if is_there && is_gone(&source) => {
+            ChardevError::Wiring(format!(
+                "{line} has no interrupt ({call}: {source}), so its crossings cannot be stamped; sense by a line that has one, \
+             of a controller in the processor rather than of an expander"
+            ))
+        }
+        other => other,
     }
 }
 
@@ -295,6 +313,23 @@ mod tests {
         assert!(error.to_string().ends_with(holders), "{error}");
         assert!(error.is_busy() && error.is_held_by("gpioset") && !error.is_held_by("cermd"));
         assert!(!explain_busy(refused(libc::EIO), &held).is_held_by("gpioset"));
+    }
+
+    #[test]
+    fn a_line_without_an_interrupt_is_told_from_a_chip_that_is_gone() {
+        let refused = |errno| {
+            let source = io::Error::from_raw_os_error(errno);
+            ChardevError::call("GET_LINE", "sense-b (GPIO6)".to_owned(), source, Path::new("/nonexistent"))
+        };
+        // ENXIO from Linux 6.3 on, ENODEV before.
+        for errno in [libc::ENXIO, libc::ENODEV] {
+            let error = no_interrupt(refused(errno), true, "sense-b (GPIO6) of gpiochip0 [pcf8574]");
+            let text = error.to_string();
+            assert!(text.starts_with("sense-b (GPIO6) of gpiochip0 [pcf8574] has no interrupt"), "{text}");
+            assert!(!error.is_gone() && matches!(error, ChardevError::Wiring(_)));
+            assert!(no_interrupt(refused(errno), false, "").is_gone());
+        }
+        assert!(no_interrupt(refused(libc::EBUSY), true, "").is_busy());
     }
 
     #[test]

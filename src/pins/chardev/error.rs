@@ -43,7 +43,7 @@ impl ChardevError {
         let errno = source.raw_os_error().unwrap_or_default();
         let hint = match Errno::from_raw(errno) {
             Errno::EACCES | Errno::EPERM => closed(node),
-            _ if is_gone(errno) => "the chip is gone".to_owned(),
+            _ if is_gone(&source) => "the chip is gone".to_owned(),
             _ => hint(errno).to_owned(),
         };
         ChardevError::Call { call, line, source, hint, consumers: Vec::new() }
@@ -61,12 +61,16 @@ impl ChardevError {
 
     /// Whether opening again later may help: the chip is not there (any more, or yet).
     pub fn is_gone(&self) -> bool {
-        matches!(self, ChardevError::NoChip { .. }) || self.errno().is_some_and(is_gone)
+        match self {
+            ChardevError::NoChip { .. } => true,
+            ChardevError::Call { source, .. } => is_gone(source),
+            ChardevError::Wiring(_) => false,
+        }
     }
 
     /// Whether another program holds a line that was asked for.
     pub fn is_busy(&self) -> bool {
-        self.errno() == Some(libc::EBUSY)
+        matches!(self, ChardevError::Call { source, .. } if source.raw_os_error() == Some(libc::EBUSY))
     }
 
     /// Whether a consumer of this name holds a line that was asked for.
@@ -77,11 +81,6 @@ impl ChardevError {
     /// Whether a group may do what this user may not.
     pub(super) fn asks_for_a_group(&self) -> bool {
         matches!(self, ChardevError::Call { hint, .. } if hint.contains(JOIN))
-    }
-
-    fn errno(&self) -> Option<i32> {
-        let ChardevError::Call { source, .. } = self else { return None };
-        source.raw_os_error()
     }
 }
 
@@ -104,9 +103,9 @@ pub(super) fn hint(errno: i32) -> &'static str {
     }
 }
 
-/// Whether `errno` says that the chip itself has disappeared.
-pub(super) fn is_gone(errno: i32) -> bool {
-    matches!(Errno::from_raw(errno), Errno::ENODEV | Errno::ENXIO | Errno::ENOENT)
+/// Whether an answer of the kernel says that the chip itself has disappeared.
+pub(super) fn is_gone(answer: &io::Error) -> bool {
+    matches!(answer.raw_os_error(), Some(libc::ENODEV | libc::ENXIO | libc::ENOENT))
 }
 
 /// How to be let in by a device node: by way of the group that owns it (its number, if it has no name), unless that is root's.

@@ -33,21 +33,25 @@ const _: () = assert!(size_of::<LineEdgeEvent>() == 48);
 /// All drive lines in one request, every one released: the request itself drives nothing.
 pub(super) fn drive_request(lines: &Lines, consumer: &str) -> LineRequest {
     let offsets: Vec<u32> = lines.drives.iter().map(|drive| drive.offset).collect();
+    request(&offsets, drive_config(lines), consumer)
+}
+
+/// The same for lines that are held already.
+pub(super) fn drive_config(lines: &Lines) -> LineConfig {
     let mut config = LineConfig { flags: SINK, ..Default::default() };
     let chargers = mask(lines, Drives::CHARGE);
     if chargers != 0 {
         config.add_flags(CHARGER, chargers);
     }
     config.add_values(&released(lines));
-    request(&offsets, config, consumer)
+    config
 }
 
-/// The sense lines in one request: watched from the start and for ever, or, where they charge too, plain inputs.
-/// The kernel keeps its default of edges, 16 a line.
-pub(super) fn sense_request(lines: &Lines, consumer: &str) -> LineRequest {
-    let offsets: Vec<u32> = lines.sense.iter().map(|line| line.offset).collect();
-    let config = if lines.sense_charges { inputs() } else { watching() };
-    request(&offsets, config, consumer)
+/// Sense lines in one request, watched from the start and, where they do not charge, for ever. The kernel keeps its default
+/// of edges, 16 a line.
+pub(super) fn sense_request(sense: &[WiredLine], consumer: &str) -> LineRequest {
+    let offsets: Vec<u32> = sense.iter().map(|line| line.offset).collect();
+    request(&offsets, watching(), consumer)
 }
 
 /// One line as an input and nothing else, its bias as it is.
@@ -88,7 +92,7 @@ pub(super) fn charging(chargers: Drives) -> LineConfig {
 }
 
 /// Values that release every drive line.
-pub(super) fn released(lines: &Lines) -> LineValues {
+fn released(lines: &Lines) -> LineValues {
     let all = mask(lines, lines.wired());
     LineValues { bits: all & !mask(lines, Drives::CHARGE), mask: all }
 }
@@ -187,7 +191,7 @@ mod tests {
 
     #[test]
     fn dedicated_sense_lines_are_watched_for_ever() {
-        let request = sense_request(&lines(&wiring()), "cermd");
+        let request = sense_request(&lines(&wiring()).sense, "cermd");
         assert_eq!(&request.offsets.0[..2], &[5, 6]);
         assert_eq!((request.num_lines, request.event_buffer_size), (2, 0));
         assert_eq!(
@@ -198,10 +202,8 @@ mod tests {
     }
 
     #[test]
-    fn sense_lines_that_charge_begin_as_plain_inputs() {
-        let wiring = Wiring { charge_a: None, charge_b: None, ..wiring() };
-        let lines = lines(&wiring);
-        assert_eq!(sense_request(&lines, "cermd").config.flags, LineFlags::INPUT | LineFlags::BIAS_DISABLED);
+    fn where_sense_lines_charge_all_that_drives_sinks() {
+        let lines = lines(&Wiring { charge_a: None, charge_b: None, ..wiring() });
         let drive = drive_request(&lines, "cermd");
         assert_eq!(drive.num_lines, 4);
         assert!((0..4).all(|bit| flags_of(&drive.config, bit).contains(LineFlags::OPEN_DRAIN)));

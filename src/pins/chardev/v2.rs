@@ -5,10 +5,10 @@
 //! the published wiring, where the sense lines charge as well, they are reconfigured (SET_CONFIG) around each charge, but
 //! never between [`arm`](crate::pins::Pins::arm) and the next charge: setting up an edge interrupt takes tens of microseconds.
 
-use super::chips::Chip;
+use super::chips::{Chip, refused_edges};
 use super::error::{ChardevError, as_io};
-use super::request::{charging, drive_request, inputs, sense_request, switching, watching};
-use super::wiring::{Lines, Wiring, titles};
+use super::request::{charging, drive_config, drive_request, inputs, sense_request, switching, watching};
+use super::wiring::{Lines, WiredLine, Wiring, titles};
 use super::{Chardev, Failed, Held, SENSE_LINES};
 use crate::pins::{Drives, Edge};
 use crate::units::Nanos;
@@ -16,6 +16,7 @@ use gpiocdev_uapi::v2::{self, LineConfig, LineEdgeEvent, LineValues};
 use nix::fcntl::{FcntlArg, OFlag, fcntl};
 use std::fs::File;
 use std::os::fd::{AsFd, BorrowedFd};
+use std::slice;
 
 struct V2 {
     lines: Lines,
@@ -40,12 +41,19 @@ impl Chardev {
                 .map_err(|error| chip.refusal("GET_LINE", titles, &offsets, as_io(error)))
         };
         let drive_file = get_line(drive_request(&lines, &wiring.consumer), &titles(&lines.drives))?;
-        let sense_titles = titles(&lines.sense);
-        let sense_file = get_line(sense_request(&lines, &wiring.consumer), &sense_titles)?;
+        let watch = |sense: &[WiredLine]| {
+            let titles = titles(sense);
+            get_line(sense_request(sense, &wiring.consumer), &titles)
+                .map_err(|error| refused_edges(error, &chip, &titles))
+        };
+        let sense_file = watch(&lines.sense).map_err(|error| {
+            // That of a single line is the better one to read.
+            lines.sense.iter().find_map(|line| watch(slice::from_ref(line)).err()).unwrap_or(error)
+        })?;
         fcntl(&sense_file, FcntlArg::F_SETFL(OFlag::O_NONBLOCK))
-            .map_err(|errno| chip.refusal("F_SETFL", &sense_titles, &[], errno.into()))?;
-        let (wired, watching) = (lines.wired(), !lines.sense_charges);
-        let held = V2 { lines, drive_file, sense_file, watching };
+            .map_err(|errno| chip.refusal("F_SETFL", &titles(&lines.sense), &[], errno.into()))?;
+        let wired = lines.wired();
+        let held = V2 { lines, drive_file, sense_file, watching: true };
         Ok(Chardev::new(Box::new(held), chip.title(), wired, Vec::new()))
     }
 }
@@ -60,10 +68,34 @@ impl V2 {
         self.watching = false;
         v2::set_line_config(&self.sense_file, config).map_err(of_sense("SET_CONFIG"))
     }
+}
 
-    fn titles(&self, values: LineValues) -> String {
-        let named = self.lines.drives.iter().enumerate().filter(|(bit, _)| values.mask & 1 << bit != 0);
+/// Switches the drive lines. Whether they had to be configured anew for that.
+///
+/// Somebody who reads /sys/kernel/debug/gpio makes the kernel ask the controller for directions. A released charger is an
+/// input there, and from then on the kernel does not let anybody set it (`gpiod_get_direction` in drivers/gpio/gpiolib.c
+/// knows of emulated open drains only).
+fn switch_drives(
+    lines: &Lines,
+    from: Drives,
+    to: Drives,
+    set: impl Fn(&LineValues) -> v2::Result<()>,
+    configure: impl FnOnce(LineConfig) -> v2::Result<()>,
+) -> Result<bool, Failed> {
+    let titles_of = |values: LineValues| {
+        let named = lines.drives.iter().enumerate().filter(|(bit, _)| values.mask & 1 << bit != 0);
         titles(named.map(|(_, line)| line))
+    };
+    let switch = |from| {
+        let mut calls = switching(lines, from, to);
+        calls.try_for_each(|call| set(&call).map_err(|error| ("SET_VALUES", as_io(error), titles_of(call))))
+    };
+    match switch(from) {
+        Err((_, error, titles)) if error.raw_os_error() == Some(libc::EPERM) => {
+            configure(drive_config(lines)).map_err(|error| ("SET_CONFIG", as_io(error), titles))?;
+            switch(Drives::NONE).map(|()| true)
+        }
+        outcome => outcome.map(|()| false),
     }
 }
 
@@ -74,20 +106,19 @@ fn of_sense(call: &'static str) -> impl Fn(v2::Error) -> Failed {
 
 impl Held for V2 {
     /// Sense lines that charge are released before any sink drives, and charge after all sinks are released.
-    fn switch(&mut self, from: Drives, to: Drives) -> Result<(), Failed> {
+    fn switch(&mut self, from: Drives, to: Drives) -> Result<bool, Failed> {
         let charged = self.charging_by_sense(from);
         let charge = self.charging_by_sense(to);
         if !charge.contains(charged) {
             self.configure_sense(charging(charged.only(charge)))?;
         }
-        for values in switching(&self.lines, from, to) {
-            v2::set_line_values(&self.drive_file, &values)
-                .map_err(|error| ("SET_VALUES", as_io(error), self.titles(values)))?;
-        }
+        let set = |values: &LineValues| v2::set_line_values(&self.drive_file, values);
+        let configure = |config| v2::set_line_config(&self.drive_file, config);
+        let is_renewed = switch_drives(&self.lines, from, to, set, configure)?;
         if !charged.contains(charge) {
             self.configure_sense(charging(charge))?;
         }
-        Ok(())
+        Ok(is_renewed)
     }
 
     fn watch(&mut self) -> Result<(), Failed> {
@@ -128,5 +159,63 @@ impl Drop for V2 {
     fn drop(&mut self) {
         let _ = v2::set_line_config(&self.sense_file, inputs());
         let _ = v2::set_line_config(&self.drive_file, inputs());
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::wiring::tests::{lines, wiring};
+    use super::*;
+    use std::cell::{Cell, RefCell};
+
+    /// A kernel that takes some lines of the request for inputs, and lets nobody set these.
+    struct Kernel {
+        inputs: Cell<u64>,
+        calls: RefCell<Vec<LineValues>>,
+        /// What SET_CONFIG does to the inputs.
+        after_config: u64,
+    }
+
+    impl Kernel {
+        fn switch(&self, from: Drives, to: Drives) -> Result<bool, Failed> {
+            let set = |values: &LineValues| {
+                if values.mask & self.inputs.get() != 0 {
+                    return Err(v2::Error::Os(v2::Errno(libc::EPERM)));
+                }
+                self.calls.borrow_mut().push(*values);
+                Ok(())
+            };
+            let configure = |config: LineConfig| {
+                assert_eq!(config.num_attrs, 2, "flags of the chargers, values of all");
+                self.inputs.set(self.after_config);
+                Ok(())
+            };
+            switch_drives(&lines(&wiring()), from, to, set, configure)
+        }
+    }
+
+    fn kernel(inputs: u64, after_config: u64) -> Kernel {
+        Kernel { inputs: Cell::new(inputs), calls: RefCell::default(), after_config }
+    }
+
+    /// Request order: x0, x1, c1, c2, charge-a, charge-b.
+    const CHARGERS: u64 = 0b11_0000;
+
+    #[test]
+    fn chargers_that_the_kernel_takes_for_inputs_are_configured_anew_and_charge() {
+        let looked_at = kernel(CHARGERS, 0);
+        assert!(!looked_at.switch(Drives::NONE, Drives::C1).unwrap(), "a sink is as it was");
+        assert!(looked_at.switch(Drives::C1, Drives::CHARGE).unwrap());
+        // The sink has been released with everything else; the chargers are all that is left to do.
+        assert_eq!(looked_at.calls.borrow()[1..], [LineValues { bits: CHARGERS, mask: CHARGERS }]);
+        assert!(!looked_at.switch(Drives::CHARGE, Drives::NONE).unwrap());
+    }
+
+    #[test]
+    fn a_kernel_that_still_refuses_is_told() {
+        let (call, error, line) =
+            kernel(CHARGERS, CHARGERS).switch(Drives::NONE, Drives::CHARGE).unwrap_err();
+        assert_eq!((call, error.raw_os_error()), ("SET_VALUES", Some(libc::EPERM)));
+        assert!(line.contains("charge-a (GPIO13)"), "{line}");
     }
 }

@@ -68,6 +68,9 @@ pub struct InstrumentStats {
     /// How long before a planned switch the thread stops sleeping, ns.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub spin_margin_ns: Option<u64>,
+    /// How often lines were configured anew, because another program had made the kernel take them for inputs.
+    #[serde(default)]
+    pub lines_renewed: u64,
     /// How many things the backend cannot see.
     pub blind_spots: u64,
     /// Each wish of `[realtime]`, and what became of it, for people.

@@ -67,7 +67,7 @@ for round in 1 2 3; do
     until_true 20 sh -c '[ "$(systemctl show --value --property=SubState cermd)" = auto-restart ]' || fail "not ended"
     lines_are_safe "killed"
     # RestartSec=, and what the cleaner, the start and the first cycle take.
-    until_served "killed" 1500
+    until_served "killed" 1000
     [ "$(property NRestarts)" = $round ] || fail "restarts: $(property NRestarts)"
 done
 
