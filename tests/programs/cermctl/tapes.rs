@@ -227,10 +227,10 @@ fn a_summary_tells_each_channel_by_each_method() {
 #[test]
 fn a_tape_of_a_running_daemon_has_its_uncertainties_and_states() {
     let daemon = Daemon::start();
-    wait_until("the offset is found", || daemon.stats()["offset_known"] == true);
+    until_so("the offset is found", || daemon.stats()["offset_known"] == true);
     let (tape, readings) = (daemon.path("tape"), daemon.path("readings"));
     let mut watch = daemon.spawn(&["record", "-o", readings.to_str().unwrap()]);
-    wait_until("readings are recorded", || std::fs::metadata(&readings).is_ok_and(|file| file.len() > 0));
+    until_so("readings are recorded", || std::fs::metadata(&readings).is_ok_and(|file| file.len() > 0));
     daemon.ctl(&["record", "--raw", "--count", "1600", "-o", tape.to_str().unwrap()]).assert().success();
     watch.interrupt();
     watch.end();
