@@ -120,11 +120,11 @@ mod tests {
 
     #[test]
     fn a_megohm_shows_at_once_and_spikes_do_not() {
-        // 20 ms / 1 Mohm * 12.7 kohm.
-        assert_eq!(tested(LEAK_FIRST - 1, |_| 254_000.0).siemens(), None);
+        // 40 ms / 1 Mohm * 12.7 kohm.
+        assert_eq!(tested(LEAK_FIRST - 1, |_| 508_000.0).siemens(), None);
         assert_eq!(tested(LEAK_FIRST - 1, |_| 0.0).likely_siemens(), LIKELY_LEAK_SIEMENS);
         for sign in [1.0, -1.0] {
-            let found = tested(LEAK_FIRST, |_| sign * 254_000.0).siemens().unwrap();
+            let found = tested(LEAK_FIRST, |_| sign * 508_000.0).siemens().unwrap();
             assert!((found * 1e6 - sign).abs() < 1e-9, "{found}");
         }
         let spikes = tested(LEAK_FIRST, |index| if index % 4 == 0 { 200_000.0 } else { 1000.0 });
@@ -132,7 +132,7 @@ mod tests {
         // What does not show may still be there.
         assert!((spikes.likely_siemens() - siemens_by(1000.0, 12_700.0)).abs() < 1e-15);
         // One that goes is forgotten.
-        let gone = tested(2 * LEAK_REMEMBERED, |index| if index < LEAK_REMEMBERED { 254_000.0 } else { 0.0 });
+        let gone = tested(2 * LEAK_REMEMBERED, |index| if index < LEAK_REMEMBERED { 508_000.0 } else { 0.0 });
         assert_eq!((gone.siemens(), gone.likely_siemens()), (None, 0.0));
     }
 
@@ -163,7 +163,7 @@ mod tests {
         let mut test = tested(LEAK_REMEMBERED, |_| 0.0);
         let mut more = 0;
         while !test.has_changed() {
-            test.add(Some((254_000.0, 1.8e7)), 12_700.0, Nanos::ZERO);
+            test.add(Some((508_000.0, 1.8e7)), 12_700.0, Nanos::ZERO);
             more += 1;
             assert!(test.is_due(Nanos(1)) || test.siemens().is_some());
         }

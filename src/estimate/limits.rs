@@ -30,7 +30,7 @@ pub const LEAK_HELD_AT: f64 = 0.55;
 /// A leak of which nobody knows before there has been a look, siemens: that of a board with flux on it.
 pub const LIKELY_LEAK_SIEMENS: f64 = 1e-6;
 /// How long a discharge is held.
-pub const LEAK_HOLD: Nanos = Nanos(20_000_000);
+pub const LEAK_HOLD: Nanos = Nanos(40_000_000);
 /// From one held discharge to the next.
 pub const LEAK_EVERY: Nanos = Nanos(5_000_000_000);
 /// Held discharges that are remembered: of three minutes.

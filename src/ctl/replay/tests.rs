@@ -27,7 +27,7 @@ fn measured(kind: &str, method: &str, cycles: u64) -> (Vec<(i64, StateLine)>, St
         peak: crate::units::Newton(10.0),
         period: crate::units::Seconds(3.0),
     };
-    let still = crate::pins::sim::Sensor::Constant(crate::units::Ohm(100.0));
+    let still = crate::pins::sim::Sensor::Constant(crate::units::Ohm(50.0));
     let scene = scene.with_sensors(vec![hand, still]).unwrap().with_kind(config.circuit.kind()).unwrap();
     let header = tape_header(&settings, None);
     let mut tape = vec![serde_json::to_string(&header).unwrap()];
