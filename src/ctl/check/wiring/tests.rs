@@ -143,7 +143,10 @@ fn a_missing_capacitor_is_told_from_a_small_one() {
 fn a_pull_beside_a_node_is_found() {
     // What pulls at one node moves the other through the capacitors.
     let down = found(|scene| scene.circuit.node_a.pull_down = Some(Ohm(50e3)), Drives::NONE);
-    says(&down[0].to_string(), &["error: gpio.sense-a", "falls by itself", "pull-downs (some drivers leave them on)"]);
+    says(
+        &down[0].to_string(),
+        &["error: gpio.sense-a", "falls by itself", "pull-downs (some drivers leave them on)"],
+    );
     let weak = |name| {
         complaint(
             |scene| {
@@ -157,5 +160,8 @@ fn a_pull_beside_a_node_is_found() {
         says(&weak(name), &["warning: wiring", "charge leaks away as through", "moisture"]);
     }
     let up = found(|scene| scene.circuit.node_a.pull_up = Some(Ohm(50e3)), Drives::NONE);
-    says(&up[0].to_string(), &["error: gpio.sense-a", "rises by itself", "pull-ups (some drivers leave them on"]);
+    says(
+        &up[0].to_string(),
+        &["error: gpio.sense-a", "rises by itself", "pull-ups (some drivers leave them on"],
+    );
 }
