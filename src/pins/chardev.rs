@@ -13,7 +13,7 @@ use super::{Armed, Bracket, Drives, Edge, Levels, Particulars, Pins, PinsError, 
 use crate::units::Nanos;
 use nix::poll::{PollFd, PollFlags};
 use std::io;
-use std::os::fd::BorrowedFd;
+use std::os::fd::{AsRawFd, BorrowedFd};
 
 pub(super) mod chips;
 pub(super) mod error;
@@ -147,8 +147,10 @@ impl Pins for Chardev {
         loop {
             // Before the look: an edge of the last moment counts.
             let is_last = monotonic() >= until;
-            let mut watched = self.held.descriptors().map(|fd| PollFd::new(fd, PollFlags::POLLIN));
-            let is_there = readable(&mut watched, until)
+            let descriptors = self.held.descriptors();
+            let count = if descriptors[0].as_raw_fd() == descriptors[1].as_raw_fd() { 1 } else { 2 };
+            let mut watched = descriptors.map(|fd| PollFd::new(fd, PollFlags::POLLIN));
+            let is_there = readable(&mut watched[..count], until)
                 .map_err(|errno| explain(&self.chip, ("ppoll", errno.into(), SENSE_LINES.to_owned())))?;
             let edge = if is_there { self.next_edge()? } else { None };
             if edge.is_some() || is_last {
