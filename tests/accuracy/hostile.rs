@@ -5,6 +5,7 @@
 //! names hold one of these. A case that does not hold is marked in [`rows`], and fails once it holds.
 
 mod rows;
+mod tapes;
 
 use crate::common::{Bench, Errors, kind_of};
 use cermd::instrument::{Instrument, Message};
@@ -13,7 +14,7 @@ use cermd::pins::sim::{Kind, Scene, Sensor, SimPins};
 use cermd::reading::Method;
 use cermd::units::Ohm;
 use std::collections::BTreeMap;
-use std::fmt::Write;
+use std::fmt::{self, Write};
 use std::path::Path;
 use toml::{Table, Value};
 
@@ -145,48 +146,73 @@ impl Seen {
     }
 }
 
+impl fmt::Display for Seen {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        if self.numbers() >= RARE {
+            let (within, z) = (self.errors.within_2u(), self.errors.pulls().value);
+            let (u, error) = (median(&self.errors.us), self.errors.rms_ratio(1.0).value);
+            write!(f, "{within:.3} {z:10.2} {u:9.3} {error:10.3} ")?;
+        }
+        write!(f, "{:8.2} {}", self.numbers(), self.otherwise())
+    }
+}
+
 fn median(values: &[f64]) -> f64 {
     let mut values = values.to_vec();
     values.sort_by(f64::total_cmp);
     values.get(values.len() / 2).copied().unwrap_or(f64::NAN)
 }
 
-/// Runs a table of rows.
-fn check(title: &str, rows: &[Row]) {
+/// What is to be run, and what is expected of it.
+struct Trial<R> {
+    name: &'static str,
+    method: Method,
+    r_ohm: f64,
+    /// It does not hold: to be mended, not to be kept.
+    fails: bool,
+    least_numbers: f64,
+    run: R,
+}
+
+/// Runs what is chosen, prints a table, and says what is not as it is marked.
+fn judge<R: FnOnce() -> Seen>(title: &str, trials: impl Iterator<Item = Trial<R>>) {
     let chosen = std::env::var("CERMD_ROWS").unwrap_or_default();
-    let is_chosen = |row: &&Row| chosen.split(',').any(|part| row.name.contains(part));
     let mut table = format!(
         "{title} (simulated)\n{:52} method     R/ohm      within 2u      rms z  median u  rms error  numbers\n",
         ""
     );
     let mut failures = String::new();
-    for row in rows.iter().filter(is_chosen) {
-        for (method, ohms) in row.cases {
-            for &r_ohm in *ohms {
-                let seen = row.run(*method, r_ohm);
-                let errors = &seen.errors;
-                let mut line = format!("{:52} {:7} {r_ohm:8} ", row.name, method.as_str());
-                if seen.numbers() >= RARE {
-                    let (within, z) = (errors.within_2u(), errors.pulls().value);
-                    let (u, error) = (median(&errors.us), errors.rms_ratio(1.0).value);
-                    write!(line, "{within:.3} {z:10.2} {u:9.3} {error:10.3} ").unwrap();
-                }
-                write!(line, "{:8.2} {}", seen.numbers(), seen.otherwise()).unwrap();
-                let (may_hold, may_fail) = seen.holds(row.least_numbers);
-                let fails = row.fails.contains(&(*method, r_ohm));
-                if fails {
-                    line += "  does not hold";
-                }
-                writeln!(table, "{line}").unwrap();
-                if (!fails && !may_hold) || (fails && !may_fail) {
-                    let verdict = if fails { "holds: take its mark away" } else { "does not hold" };
-                    writeln!(failures, "{line}: {verdict}").unwrap();
-                }
-            }
+    for trial in trials.filter(|trial| chosen.split(',').any(|part| trial.name.contains(part))) {
+        let seen = (trial.run)();
+        let mut line = format!("{:52} {:7} {:8} {seen}", trial.name, trial.method.as_str(), trial.r_ohm);
+        let (may_hold, may_fail) = seen.holds(trial.least_numbers);
+        if (!trial.fails && !may_hold) || (trial.fails && !may_fail) {
+            let verdict = if trial.fails { "holds: take its mark away" } else { "does not hold" };
+            writeln!(failures, "{line}: {verdict}").unwrap();
         }
+        line += if trial.fails { "  does not hold" } else { "" };
+        writeln!(table, "{line}").unwrap();
     }
     println!("{table}");
     assert!(failures.is_empty(), "\n{table}\nnot as marked:\n{failures}");
+}
+
+/// Runs the rows of a table.
+fn check(title: &str, rows: &'static [Row]) {
+    let cases = |row: &'static Row| {
+        row.cases.iter().flat_map(|(method, ohms)| ohms.iter().map(|r_ohm| (*method, *r_ohm)))
+    };
+    let trials = rows.iter().flat_map(|row| {
+        cases(row).map(move |(method, r_ohm)| Trial {
+            name: row.name,
+            method,
+            r_ohm,
+            fails: row.fails.contains(&(method, r_ohm)),
+            least_numbers: row.least_numbers,
+            run: move || row.run(method, r_ohm),
+        })
+    });
+    judge(title, trials);
 }
 
 #[test]

@@ -32,7 +32,7 @@ const ALL: &[(Method, &[f64])] = &[
 const SWITCHED: &[(Method, &[f64])] =
     &[(Tracked, &[100.0, 1000.0]), (Cerm, &[100.0, 1000.0]), (Qerm, &[100.0, 1000.0])];
 
-pub const LINES: [Row; 8] = [
+pub static LINES: [Row; 8] = [
     Row { name: "none: the board pi4 as it is", cases: ALL, ..ROW },
     Row {
         name: "lines move anywhere in calls of 1.15 us",
@@ -85,7 +85,7 @@ pub const LINES: [Row; 8] = [
     },
 ];
 
-pub const STAMPS: [Row; 6] = [
+pub static STAMPS: [Row; 6] = [
     Row { name: "B is stamped 3 us later than A", scene: "[events]\nb-later = '3 us'", cases: ALL, ..ROW },
     Row {
         name: "2 us later after waits of 4 ms",
@@ -160,7 +160,7 @@ const A_PULL_UP: &str = "[circuit.node-a]\npull-up = '1 Mohm'";
 const B_50_KOHM: &str = "[circuit.node-b]\nleakage-resistance = '50 kohm'";
 const B_3_MOHM: &str = "[circuit.node-b]\nleakage-resistance = '3 Mohm'";
 
-pub const LEAKS: [Row; 12] = [
+pub static LEAKS: [Row; 12] = [
     Row {
         name: "100 kohm at A, the first 10 s",
         scene: A_100_KOHM,
@@ -226,7 +226,7 @@ pub const LEAKS: [Row; 12] = [
     Row { name: "3 Mohm at B, later", scene: B_3_MOHM, cases: AT_B, ..LATER },
 ];
 
-pub const PINS: [Row; 4] = [
+pub static PINS: [Row; 4] = [
     Row {
         name: "Ro walks by 1 ohm in a second",
         scene: "[walk]\nr-o = '1 ohm'",
@@ -295,7 +295,7 @@ const DIELECTRIC: Row = Row {
     ..ROW
 };
 
-pub const DIELECTRICS: [Row; 7] = [
+pub static DIELECTRICS: [Row; 7] = [
     Row { name: "PP: 0.05 % over five decades", scene: dielectric!(spread "0.0001"), ..DIELECTRIC },
     Row { name: "PP: 0.05 % at 10 ms", scene: dielectric!(at "0.0005", "10 ms"), ..DIELECTRIC },
     Row { name: "PET: 0.25 % over five decades", scene: dielectric!(spread "0.0005"), ..DIELECTRIC },
@@ -327,7 +327,7 @@ pub const DIELECTRICS: [Row; 7] = [
     Row { name: "C0G: 0.01 % at 10 ms", scene: dielectric!(at "0.0001", "10 ms"), ..DIELECTRIC },
 ];
 
-pub const PARTS: [Row; 7] = [
+pub static PARTS: [Row; 7] = [
     Row {
         name: "1 uF and 220 nF",
         scene: "[circuit]\nc-a = '1 uF'\nc-b = '220 nF'",
