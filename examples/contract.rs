@@ -7,7 +7,6 @@
 mod clauses;
 
 use cermd::pins::chardev::{Chardev, Wiring};
-use cermd::pins::chardev_v1::ChardevV1;
 use cermd::pins::realtime::{Realtime, Wishes};
 use cermd::pins::{Drives, Pins, chardev, chardev_v1};
 use cermd::units::Nanos;
@@ -59,7 +58,7 @@ fn main() -> ExitCode {
         (Backend::Chardev, true) => chardev::release_lines(&wiring).map(|()| true).map_err(Into::into),
         (Backend::ChardevV1, true) => chardev_v1::release_lines(&wiring).map(|()| true).map_err(Into::into),
         (Backend::Chardev, false) => hold(|| Chardev::open(&wiring), &options),
-        (Backend::ChardevV1, false) => hold(|| ChardevV1::open(&wiring), &options),
+        (Backend::ChardevV1, false) => hold(|| chardev_v1::open(&wiring), &options),
     };
     match held {
         Ok(true) => ExitCode::SUCCESS,

@@ -21,6 +21,7 @@
 //! | [`circuit`] | the nominal law of the circuit, its nodes, its three wirings | measured times, pins |
 //! | [`record`] | the timings of one discharge | how they were taken |
 //! | [`reading`] | what is said of a sensor: a number, or a state with its reason | how it came about |
+//! | [`sensor`] | what is known of a sensor before it is measured: its zero, how its resistance becomes a force | how it is measured |
 //! | [`pins`] | the hardware behind one trait: character devices, the simulated circuit, real-time rights | discharges, methods |
 //! | [`estimate`] | from records to what is known: law, methods, noise, offset, tracked calibration, force; pure | pins, clocks, the order of discharges |
 //! | [`instrument`] | which discharges in which order, one discharge step by step, what is wrong with the board | files, threads, clients |
@@ -41,9 +42,17 @@
 //! `programs` (default): everything. Without default features there is what a program needs that only listens to the
 //! daemon, and its few dependencies: [`client`], [`wire`], and [`tape`] with the timings of a recording.
 
+#[cfg(test)]
+#[path = "../tests/common/chance.rs"]
+#[allow(dead_code, reason = "shared with all other tests")]
+pub(crate) mod chance;
 pub mod circuit;
 #[cfg(feature = "programs")]
 pub mod config;
+#[cfg(all(test, feature = "programs"))]
+#[path = "../tests/common/config.rs"]
+#[allow(dead_code, reason = "shared with all other tests")]
+pub(crate) mod config_file;
 #[cfg(feature = "programs")]
 #[doc(hidden)]
 pub mod ctl;
@@ -61,6 +70,9 @@ pub mod record;
 #[cfg(test)]
 #[path = "../tests/common/seed.rs"]
 pub(crate) mod seed;
+pub mod sensor;
+#[cfg(test)]
+extern crate self as cermd;
 pub mod stream;
 pub mod units;
 

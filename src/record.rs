@@ -67,7 +67,7 @@ pub struct Switch {
 /// How unlike the places are at which a release and a sinking happen within their calls: 1-sigma type-B uncertainty of the
 /// time from start to switch, in parts of [`Record::u_switch_ns`]. One two-hundredth of a call; on emulated arm64 a line is
 /// released 38 ns later in a call of 8 us than one is sunk. It is the same each time: no mean takes it away.
-pub const UNLIKE_CALLS: f64 = 0.025;
+pub const UNLIKE_CALLS: f64 = 0.0125;
 
 /// The timings of one discharge, in ns since its start; crossings include the latency offset d, switches do not.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -85,7 +85,7 @@ pub struct Record {
     /// The crossing of node B.
     pub b_ns: Option<f64>,
     /// 1-sigma type-B uncertainty of the time from start to switch, from how long a call takes for a line, ns; `None` where
-    /// nobody has told, as on a tape: then the switch is taken as exact.
+    /// nobody has told, as on an old tape.
     pub u_switch_ns: Option<f64>,
     /// When a wait ended in vain, ns: a node that had not crossed was still above its threshold then.
     pub waited_ns: Option<f64>,

@@ -4,7 +4,7 @@ use crate::circuit::Kind;
 use crate::config::{Backend, Config, LineName};
 use crate::pins::Pins;
 use crate::pins::chardev::{self, Chardev, Wiring};
-use crate::pins::chardev_v1::{self, ChardevV1};
+use crate::pins::chardev_v1;
 use crate::pins::sim::{Scene, SceneError, SimPins};
 use crate::units::Nanos;
 use std::path::Path;
@@ -43,7 +43,7 @@ pub fn open(config: &Config, now: Nanos) -> Result<AnyPins, OpenError> {
             Ok(Box::new(SimPins::new(&scene(config)?, mock.seed).paced(now)))
         }
         Backend::Chardev => Ok(Box::new(Chardev::open(&wiring(config)?)?)),
-        Backend::ChardevV1 => Ok(Box::new(ChardevV1::open(&wiring(config)?)?)),
+        Backend::ChardevV1 => Ok(Box::new(chardev_v1::open(&wiring(config)?)?)),
     }
 }
 
@@ -68,22 +68,20 @@ pub fn release_lines(config: &Config) -> Result<bool, OpenError> {
 pub fn wiring(config: &Config) -> Result<Wiring, OpenError> {
     let gpio = &config.gpio;
     let two_nodes = config.circuit.kind() == Kind::TwoCapacitor;
-    let missing = |key: &str| OpenError::Missing(key.to_owned());
-    let needed = |key: &str, line: &Option<LineName>| {
-        line.as_ref().map(LineName::to_string).ok_or_else(|| missing(&format!("gpio.{key}")))
-    };
-    let sinks_x = config.channels.iter().map(|channel| {
-        let sink = channel.sink.as_ref().map(LineName::to_string);
-        sink.ok_or_else(|| missing(&format!("channel.{}.sink", channel.id)))
-    });
+    let name = |line: &Option<LineName>| line.clone().map(|line| line.0);
+    let needed = |key: &str, name: Option<String>| name.ok_or_else(|| OpenError::Missing(key.to_owned()));
+    let sinks_x = config
+        .channels
+        .iter()
+        .map(|channel| needed(&format!("channel.{}.sink", channel.id), name(&channel.sink)));
     Ok(Wiring {
-        chip: gpio.chip.clone().ok_or_else(|| missing("gpio.chip"))?,
-        sense_a: needed("sense-a", &gpio.sense_a)?,
-        sense_b: if two_nodes { Some(needed("sense-b", &gpio.sense_b)?) } else { None },
-        charge_a: gpio.charge_a.as_ref().map(LineName::to_string),
-        charge_b: gpio.charge_b.as_ref().filter(|_| two_nodes).map(LineName::to_string),
-        sink_c1: needed("sink-c1", &gpio.sink_c1)?,
-        sink_c2: needed("sink-c2", &gpio.sink_c2)?,
+        chip: needed("gpio.chip", gpio.chip.clone())?,
+        sense_a: needed("gpio.sense-a", name(&gpio.sense_a))?,
+        sense_b: two_nodes.then(|| needed("gpio.sense-b", name(&gpio.sense_b))).transpose()?,
+        charge_a: name(&gpio.charge_a),
+        charge_b: name(&gpio.charge_b).filter(|_| two_nodes),
+        sink_c1: needed("gpio.sink-c1", name(&gpio.sink_c1))?,
+        sink_c2: needed("gpio.sink-c2", name(&gpio.sink_c2))?,
         sinks_x: sinks_x.collect::<Result<_, _>>()?,
         consumer: CONSUMER.to_owned(),
     })

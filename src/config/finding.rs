@@ -1,25 +1,18 @@
 //! What a check has found: which key, how bad, why, and what to try.
 
+use crate::units::named;
 use std::fmt;
 
-/// How bad a finding is.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-pub enum Severity {
-    /// The instrument refuses to start.
-    Error,
-    /// It works, but not as well as it could, or not as was meant.
-    Warning,
-    /// A prediction.
-    Info,
-}
-
-impl fmt::Display for Severity {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(match self {
-            Severity::Error => "error",
-            Severity::Warning => "warning",
-            Severity::Info => "info",
-        })
+named! {
+    /// How bad a finding is.
+    #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+    Severity {
+        /// The instrument refuses to start.
+        Error = "error",
+        /// It works, but not as well as it could, or not as was meant.
+        Warning = "warning",
+        /// A prediction.
+        Info = "info",
     }
 }
 

@@ -3,13 +3,20 @@
 //! `{ fc1 = "5.75 N", fc2 = "1.05 N" }`, `{ alpha = "13346 N ohm" }`, `{ at-1-kohm = "13.3 N", exponent = 1.05 }` or
 //! `{ table = "FILE.csv" }`, a file relative to that of the configuration.
 
+use crate::sensor::Force;
 use crate::units::{Newton, NewtonOhm};
 use serde::Deserialize;
-use serde::de::{Deserializer, Error};
 use std::path::PathBuf;
 
 /// A sensor's characteristic as it is written.
-pub type Force = crate::estimate::force::Force<PathBuf>;
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[serde(try_from = "Written")]
+pub enum Characteristic {
+    /// With all of its numbers.
+    Given(Force),
+    /// By the file that its table is in.
+    File(PathBuf),
+}
 
 #[derive(Deserialize)]
 #[serde(
@@ -17,7 +24,7 @@ pub type Force = crate::estimate::force::Force<PathBuf>;
     deny_unknown_fields,
     expecting = "one of { fc1, fc2 }, { alpha }, { at-1-kohm, exponent }, { table }"
 )]
-struct Table {
+struct Written {
     fc1: Option<Newton>,
     fc2: Option<Newton>,
     alpha: Option<NewtonOhm>,
@@ -26,19 +33,23 @@ struct Table {
     table: Option<PathBuf>,
 }
 
-impl<'de> Deserialize<'de> for Force {
-    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Force, D::Error> {
-        let Table { fc1, fc2, alpha, at_1_kohm, exponent, table } = Table::deserialize(deserializer)?;
-        match (fc1, fc2, alpha, at_1_kohm, exponent, table) {
-            (Some(fc1), Some(fc2), None, None, None, None) => Ok(Force::Calibrated { fc1, fc2 }),
-            (None, None, Some(alpha), None, None, None) => Ok(Force::Alpha(alpha)),
-            (None, None, None, Some(at_1_kohm), Some(exponent), None) => {
-                Ok(Force::PowerLaw { at_1_kohm, exponent })
+impl TryFrom<Written> for Characteristic {
+    type Error = &'static str;
+
+    fn try_from(written: Written) -> Result<Characteristic, &'static str> {
+        let Written { fc1, fc2, alpha, at_1_kohm, exponent, table } = written;
+        Ok(Characteristic::Given(match (fc1, fc2, alpha, at_1_kohm, exponent, table) {
+            (Some(fc1), Some(fc2), None, None, None, None) => {
+                Force::Calibrated { fc1_n: fc1.0, fc2_n: fc2.0 }
             }
-            (None, None, None, None, None, Some(table)) => Ok(Force::Table(table)),
-            _ => Err(D::Error::custom(
-                "force takes one of { fc1, fc2 }, { alpha }, { at-1-kohm, exponent }, { table }",
-            )),
-        }
+            (None, None, Some(alpha), None, None, None) => Force::Alpha { alpha_n_ohm: alpha.0 },
+            (None, None, None, Some(at_1_kohm), Some(exponent), None) => {
+                Force::Power { at_1_kohm_n: at_1_kohm.0, exponent }
+            }
+            (None, None, None, None, None, Some(table)) => return Ok(Characteristic::File(table)),
+            _ => {
+                return Err("force takes one of { fc1, fc2 }, { alpha }, { at-1-kohm, exponent }, { table }");
+            }
+        }))
     }
 }

@@ -1,19 +1,21 @@
 //! `[gpio]`: which lines the circuit is wired to.
 
+use crate::units::named;
 use serde::Deserialize;
-use std::fmt;
 
-/// What switches and senses the lines.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum Backend {
-    /// The character device, uAPI v2: Linux 5.10 and later.
-    Chardev,
-    /// The character device, uAPI v1: for kernels before 5.10. Needs chargers of their own.
-    ChardevV1,
-    /// The simulated circuit of `[mock]`.
-    #[default]
-    Mock,
+named! {
+    /// What switches and senses the lines.
+    #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize)]
+    #[serde(rename_all = "kebab-case")]
+    Backend {
+        /// The character device, uAPI v2: Linux 5.10 and later.
+        Chardev = "chardev",
+        /// The character device, uAPI v1: for kernels before 5.10. Needs chargers of their own.
+        ChardevV1 = "chardev-v1",
+        /// The simulated circuit of `[mock]`.
+        #[default]
+        Mock = "mock",
+    }
 }
 
 /// `[gpio]`. Lines may stay out with the simulated circuit.
@@ -38,24 +40,10 @@ pub struct Gpio {
     pub sink_c2: Option<LineName>,
 }
 
-/// A line of the chip: its name, or its offset as a number or as digits.
+/// A line of the chip: its name as `gpioinfo` shows it, `GPIO17`, or the digits of its offset.
 #[derive(Debug, Clone, PartialEq, Eq, Hash, Deserialize)]
 #[serde(try_from = "Written")]
-pub enum LineName {
-    /// As `gpioinfo` shows it: `GPIO17`.
-    Name(String),
-    /// Counted from 0.
-    Offset(u32),
-}
-
-impl fmt::Display for LineName {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            LineName::Name(name) => f.write_str(name),
-            LineName::Offset(offset) => write!(f, "{offset}"),
-        }
-    }
-}
+pub struct LineName(pub String);
 
 #[derive(Deserialize)]
 #[serde(untagged, expecting = "expected a line's name such as \"GPIO17\", or its offset such as 17")]
@@ -69,11 +57,13 @@ impl TryFrom<Written> for LineName {
 
     fn try_from(written: Written) -> Result<LineName, &'static str> {
         match written {
-            Written::Offset(offset) => Ok(LineName::Offset(offset)),
+            Written::Offset(offset) => Ok(LineName(offset.to_string())),
             Written::Text(text) if text.trim().is_empty() => {
                 Err("expected a line's name such as \"GPIO17\", or its offset such as 17")
             }
-            Written::Text(text) => Ok(text.parse().map_or(LineName::Name(text), LineName::Offset)),
+            Written::Text(text) => {
+                Ok(LineName(text.parse::<u32>().map_or(text, |offset| offset.to_string())))
+            }
         }
     }
 }

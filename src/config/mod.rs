@@ -20,10 +20,9 @@ pub(crate) mod pairs;
 mod settings;
 
 pub use finding::{Finding, Findings, Severity};
-pub use force::Force;
+pub use force::Characteristic;
 pub use gpio::{Backend, Gpio, LineName};
 pub use limits::LARGEST_ZERO_OHM;
-pub use pairs::PairsError;
 pub use settings::{SettingsError, tape_header};
 
 use crate::circuit::Circuit;
@@ -126,7 +125,7 @@ pub struct ChannelTable {
     #[serde(default, deserialize_with = "number::number")]
     pub zero_ohm: f64,
     /// How resistance becomes force. Default: not at all, the channel gives ohm only.
-    pub force: Option<Force>,
+    pub force: Option<Characteristic>,
 }
 
 /// `[server]`: the socket that clients connect to.

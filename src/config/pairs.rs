@@ -2,7 +2,7 @@
 
 use super::limits::{UNDER_WEIGHTS_OHM, WEIGHTS_N};
 use crate::estimate::fit::Pair;
-use crate::estimate::force::{Table, TableError};
+use crate::sensor::Table;
 use crate::units::{Newton, Ohm};
 use csv::{ReaderBuilder, StringRecord, Trim};
 use std::path::Path;
@@ -11,50 +11,24 @@ use std::path::Path;
 const GRAVITY: f64 = 9.80665;
 const EXAMPLE: &str = "write \"force_n,r_ohm\", such as \"1.20,11122\"";
 
-/// Why pairs cannot be read.
-#[derive(Debug, thiserror::Error)]
-pub enum PairsError {
-    /// The file cannot be read.
-    #[error("cannot read the force table {path}: {source}")]
-    Read {
-        /// The file.
-        path: String,
-        /// Why.
-        source: std::io::Error,
-    },
-    /// A line is no pair.
-    #[error("{origin}, line {line}: {reason}")]
-    Line {
-        /// The file, or standard input.
-        origin: String,
-        /// Counted from 1.
-        line: usize,
-        /// What, and what to do.
-        reason: String,
-    },
-    /// The pairs make no table.
-    #[error(transparent)]
-    Table(#[from] TableError),
-}
-
 /// The table that the pairs of a file make: see [`of_csv`].
 ///
 /// # Errors
 /// What is wrong with the file, with the line and the remedy.
-pub fn load_table(path: &Path) -> Result<Table, PairsError> {
+pub fn load_table(path: &Path) -> Result<Table, String> {
     let origin = path.display().to_string();
-    let text =
-        std::fs::read_to_string(path).map_err(|source| PairsError::Read { path: origin.clone(), source })?;
-    let pairs = of_csv(&text, &origin)?;
-    Ok(Table::from_pairs(pairs.iter().map(|pair| (pair.r_ohm, pair.f_n)).collect())?)
+    let unread = |error| format!("cannot read the force table {origin}: {error}");
+    let pairs = of_csv(&std::fs::read_to_string(path).map_err(unread)?, &origin)?;
+    let pairs: Vec<_> = pairs.iter().map(|pair| (pair.r_ohm, pair.f_n)).collect();
+    Table::try_from(pairs).map_err(|error| error.to_string())
 }
 
 /// The pairs of a CSV file. Empty lines, lines that begin with `#` and a line of names before the first pair are passed
 /// over.
 ///
 /// # Errors
-/// [`PairsError::Line`].
-pub fn of_csv(text: &str, origin: &str) -> Result<Vec<Pair>, PairsError> {
+/// Which line is wrong, what of it, and how it is written.
+pub fn of_csv(text: &str, origin: &str) -> Result<Vec<Pair>, String> {
     let mut pairs = Vec::new();
     // Line by line: the reader of a whole file does not count those that it passes over.
     for (index, line) in text.lines().enumerate() {
@@ -67,8 +41,7 @@ pub fn of_csv(text: &str, origin: &str) -> Result<Vec<Pair>, PairsError> {
             Some(r_ohm) => Ok(Pair { f_n, r_ohm }),
             None => Err(format!("{line:?} has no resistance: {EXAMPLE}")),
         });
-        let wrong = |reason| PairsError::Line { origin: origin.to_owned(), line: index + 1, reason };
-        pairs.push(pair.map_err(wrong)?);
+        pairs.push(pair.map_err(|reason| format!("{origin}, line {}: {reason}", index + 1))?);
     }
     Ok(pairs)
 }

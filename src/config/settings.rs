@@ -1,21 +1,21 @@
 //! From a checked configuration to what the instrument runs with.
 
-use super::Config;
-use super::pairs::{self, PairsError};
+use super::pairs;
+use super::{Characteristic, Config};
 use crate::circuit::Node;
-use crate::estimate::force::Force;
-use crate::instrument::settings::{Channel, OffsetSource, Settings};
-use crate::stream::tape::{Header, TapeChannel, TapeCircuit, TapeForce};
+use crate::instrument::settings::{OffsetSource, Settings};
+use crate::sensor::{Channel, Force};
+use crate::stream::tape::{Header, TapeCircuit};
 use crate::units::Nanos;
 
 /// Why a configuration that passes its check still cannot be run.
 #[derive(Debug, thiserror::Error)]
-#[error("channel {id:?}: force: {source}")]
+#[error("channel {id:?}: force: {reason}")]
 pub struct SettingsError {
     /// The channel whose force table is not usable.
     pub id: String,
     /// Why.
-    pub source: PairsError,
+    pub reason: String,
 }
 
 impl Config {
@@ -26,12 +26,15 @@ impl Config {
     pub fn settings(&self) -> Result<Settings, SettingsError> {
         let circuit = &self.circuit;
         let channels = self.channels.iter().map(|channel| {
-            let force = channel.force.clone().map(|force| {
-                force
-                    .try_map(|file| pairs::load_table(&self.path(&file)))
-                    .map_err(|source| SettingsError { id: channel.id.clone(), source })
-            });
-            let force = force.transpose()?;
+            let force = match &channel.force {
+                Some(Characteristic::Given(force)) => Some(force.clone()),
+                Some(Characteristic::File(file)) => {
+                    let table = pairs::load_table(&self.path(file));
+                    let failed = |reason| SettingsError { id: channel.id.clone(), reason };
+                    Some(Force::Table { table: table.map_err(failed)? })
+                }
+                None => None,
+            };
             Ok(Channel { id: channel.id.clone(), zero_ohm: channel.zero_ohm, force })
         });
         Ok(Settings {
@@ -61,21 +64,6 @@ impl Config {
 /// has been.
 pub fn tape_header(settings: &Settings, found_ns: Option<f64>) -> Header {
     let [r_c1_ohm, r_c2_ohm] = settings.r_c_ohm;
-    let channel = |channel: &Channel| TapeChannel {
-        id: channel.id.clone(),
-        zero_ohm: channel.zero_ohm,
-        force: channel.force.as_ref().and_then(tape_force),
-    };
-    let offset_ns = settings.offset_ns.or(found_ns);
     let circuit = TapeCircuit { kind: settings.kind, r_c1_ohm, r_c2_ohm };
-    Header::new(circuit, offset_ns, settings.channels.iter().map(channel).collect())
-}
-
-/// A tape gives the ohms; forces by a table or a power law are for the configuration to tell.
-fn tape_force(force: &Force) -> Option<TapeForce> {
-    match force {
-        Force::Calibrated { fc1, fc2 } => Some(TapeForce::Pair { fc1_n: fc1.0, fc2_n: fc2.0 }),
-        Force::Alpha(alpha) => Some(TapeForce::Alpha { alpha_n_ohm: alpha.0 }),
-        Force::PowerLaw { .. } | Force::Table(_) => None,
-    }
+    Header::new(circuit, settings.offset_ns.or(found_ns), settings.channels.clone())
 }

@@ -2,7 +2,8 @@
 
 use super::*;
 use crate::circuit::Network;
-use crate::units::{Farad, Newton, NewtonOhm, Ohm, Volt};
+use crate::sensor::Force;
+use crate::units::{Farad, Ohm, Volt};
 use std::fs;
 
 const MINIMAL: &str = r#"
@@ -33,9 +34,9 @@ fn everything_can_be_said() {
     assert_eq!((config.circuit.v_dd, config.circuit.v_th), (Volt(5.0), Volt(2.0)));
     assert_eq!(config.circuit.r_charge, Ohm(330.0));
     assert_eq!(config.gpio.backend, Backend::Chardev);
-    assert_eq!(config.gpio.sense_a, Some(LineName::Name("GPIO5".to_owned())));
-    assert_eq!(config.gpio.sense_b, Some(LineName::Offset(6)));
-    assert_eq!(config.gpio.sink_c1, Some(LineName::Offset(20)));
+    assert_eq!(config.gpio.sense_a, Some(LineName("GPIO5".to_owned())));
+    assert_eq!(config.gpio.sense_b, Some(LineName("6".to_owned())));
+    assert_eq!(config.gpio.sink_c1, Some(LineName("20".to_owned())));
     assert_eq!(config.method(), Method::Cerm);
     assert_eq!(config.measure.rate_hz, Some(20.0));
     assert_eq!(config.charge_time(), Nanos(3_000_000));
@@ -45,8 +46,11 @@ fn everything_can_be_said() {
     assert_eq!(config.measure.t_l, Some(Nanos(616_000)));
     assert_eq!(config.switch_fraction(), 0.8);
     assert_eq!(config.channels[0].zero_ohm, 1.5);
-    assert_eq!(config.channels[0].force, Some(Force::Calibrated { fc1: Newton(5.75), fc2: Newton(1.05) }));
-    assert_eq!(config.channels[1].force, Some(Force::Table(PathBuf::from("index.csv"))));
+    assert_eq!(
+        config.channels[0].force,
+        Some(Characteristic::Given(Force::Calibrated { fc1_n: 5.75, fc2_n: 1.05 }))
+    );
+    assert_eq!(config.channels[1].force, Some(Characteristic::File(PathBuf::from("index.csv"))));
     assert_eq!(config.server, Server { socket: PathBuf::from("/tmp/s"), mode: Mode(0o600) });
     assert_eq!(config.mock, Some(Mock { scene: "pi4".to_owned(), seed: Some(7) }));
 }
@@ -98,8 +102,11 @@ fn other_forces_and_offsets() {
     let with = |force: &str| {
         parse(&format!("{MINIMAL}[[channel]]\nid = \"a\"\nforce = {force}")).channels[0].force.clone()
     };
-    assert_eq!(with("{ alpha = \"13346 N ohm\" }"), Some(Force::Alpha(NewtonOhm(13_346.0))));
-    let power = Force::PowerLaw { at_1_kohm: Newton(13.3), exponent: 1.05 };
+    assert_eq!(
+        with("{ alpha = \"13346 N ohm\" }"),
+        Some(Characteristic::Given(Force::Alpha { alpha_n_ohm: 13_346.0 }))
+    );
+    let power = Characteristic::Given(Force::Power { at_1_kohm_n: 13.3, exponent: 1.05 });
     assert_eq!(with("{ at-1-kohm = \"13.3 N\", exponent = 1.05 }"), Some(power));
     let offset = parse(&format!("{MINIMAL}[measure]\noffset = \"8 us\"")).offset();
     assert_eq!(offset, OffsetSource::Given(8_000.0));

@@ -11,7 +11,7 @@ use super::limits::NEXT_READING;
 use super::stream::Stream;
 use super::{CtlError, print};
 use crate::config::Config;
-use crate::ctl::cli::{CalibrateBy, Connection, Update};
+use crate::ctl::cli::{CalibrateBy, Update};
 use crate::stream::client::ClientError;
 use crate::stream::wire::ServerMessage;
 use edit::Value;
@@ -19,14 +19,9 @@ use serde::Serialize;
 use std::io::{self, BufRead, IsTerminal};
 use std::path::PathBuf;
 
-/// That a calibration has come to nothing; the configuration is as it was.
-fn nothing(why: impl ToString) -> CtlError {
-    CtlError::Calibrate(why.to_string())
-}
-
 /// Nothing comes.
 fn silent(what: &str) -> CtlError {
-    nothing(format!("cermd sends no {what}; `cermctl stats` tells whether the instrument measures"))
+    CtlError::Said(format!("cermd sends no {what}; `cermctl stats` tells whether the instrument measures"))
 }
 
 /// Calibrates.
@@ -51,21 +46,16 @@ impl<'a> Target<'a> {
         let known: Vec<String> = config.channels.iter().map(|channel| channel.id.clone()).collect();
         let id = match (&update.channel, known.as_slice()) {
             (Some(id), known) if known.contains(id) => id.clone(),
-            (Some(id), _) => return Err(CtlError::NoChannel { wanted: id.clone(), known }),
+            (Some(id), known) => return Err(CtlError::no_channel(id, known)),
             (None, [only]) => only.clone(),
             (None, _) => {
                 let known = known.join(", ");
-                return Err(nothing(format!(
+                return Err(CtlError::Said(format!(
                     "there are several channels: name one with --channel; there is {known}"
                 )));
             }
         };
         Ok(Target { update, config, id })
-    }
-
-    /// The daemon, as far as it talks of this channel.
-    fn connect(&self, connection: &Connection) -> Result<Stream, CtlError> {
-        Stream::connect(&connection.socket, std::slice::from_ref(&self.id))
     }
 
     /// For people on standard output, unless that is for a machine.

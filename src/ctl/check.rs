@@ -19,7 +19,8 @@ pub(super) fn run(arguments: &cli::Check) -> Result<(), CtlError> {
         latencies = hardware::check(config, &mut report.findings);
     }
     print(&(report.to_string() + &latencies))?;
-    if report.is_usable() { Ok(()) } else { Err(CtlError::Unusable) }
+    let refusal = || CtlError::said("not usable as it is: see the findings above");
+    report.is_usable().then_some(()).ok_or_else(refusal)
 }
 
 /// Checks a configuration file and, if it can be used, what it names.
@@ -36,8 +37,8 @@ pub fn check(path: &Path) -> CheckReport {
 /// Lines are tested where they may be touched.
 fn named_files(config: &Config, findings: &mut Findings) {
     let mut error = |key: &str, reason: &dyn fmt::Display| findings.add(Severity::Error, key, reason, None);
-    if let Err(SettingsError { id, source }) = config.settings() {
-        error(&format!("channel.{id}.force"), &source);
+    if let Err(SettingsError { id, reason }) = config.settings() {
+        error(&format!("channel.{id}.force"), &reason);
     }
     let scene = (config.gpio.backend == Backend::Mock).then(|| backend::scene(config));
     match scene {

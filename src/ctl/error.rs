@@ -1,7 +1,6 @@
 //! What went wrong, as a sentence with a hint: the last line that a person sees of a verb that failed.
 
 use crate::config::ConfigError;
-use crate::ctl::replay::ReplayError;
 use crate::daemon::DaemonError;
 use crate::pins::sim::SceneError;
 use crate::stream::client::ClientError;
@@ -14,26 +13,9 @@ pub enum CtlError {
     /// No daemon that answers.
     #[error("{0}{hint}", hint = elsewhere(.0))]
     Client(#[from] ClientError),
-    /// The daemon refuses.
-    #[error("cermd: {0}")]
-    Refused(String),
-    /// No channel of this name.
-    #[error("no channel \"{wanted}\": there is {}", known.join(", "))]
-    NoChannel {
-        /// What was asked for.
-        wanted: String,
-        /// What there is.
-        known: Vec<String>,
-    },
-    /// No chip that can be listed; why not has been printed.
-    #[error("no GPIO chip to list; without hardware try `cermctl demo`")]
-    NoChip,
-    /// Nothing was measured in time.
-    #[error("no reading of {0} yet: `cermctl stats` tells whether the instrument measures")]
-    NoReading(String),
-    /// The configuration has errors, which have been printed.
-    #[error("not usable as it is: see the findings above")]
-    Unusable,
+    /// What a person needs to hear, whole.
+    #[error("{0}")]
+    Said(String),
     /// A file cannot be read or written.
     #[error("{}: {source}; {hint}", path.display(), hint = look_where(source))]
     File {
@@ -42,23 +24,9 @@ pub enum CtlError {
         /// Why.
         source: io::Error,
     },
-    /// A tape is wrong.
-    #[error("{}: {source}", path.display())]
-    Tape {
-        /// Which.
-        path: PathBuf,
-        /// Where and why.
-        source: ReplayError,
-    },
-    /// A calibration came to nothing; the configuration is as it was.
-    #[error("{0}")]
-    Calibrate(String),
     /// The configuration cannot be read.
     #[error(transparent)]
     Config(#[from] ConfigError),
-    /// A recording had to end.
-    #[error("the recording ends here: {0}")]
-    Ended(&'static str),
     /// The scene of the demo.
     #[error("--scene: {0}")]
     Scene(#[from] SceneError),
@@ -92,6 +60,16 @@ fn look_where(error: &io::Error) -> &'static str {
 }
 
 impl CtlError {
+    /// A sentence of its own.
+    pub(super) fn said(why: impl ToString) -> CtlError {
+        CtlError::Said(why.to_string())
+    }
+
+    /// No channel of this name.
+    pub(super) fn no_channel(wanted: &str, known: &[String]) -> CtlError {
+        CtlError::Said(format!("no channel \"{wanted}\": there is {}", known.join(", ")))
+    }
+
     /// What a failure with a file is.
     pub(super) fn file(path: &Path) -> impl Fn(io::Error) -> CtlError {
         let path = path.to_owned();

@@ -14,7 +14,7 @@ pub fn run(arguments: &cli::Estimate) -> Result<(), CtlError> {
     let text = if is_stdin { io::read_to_string(io::stdin()) } else { fs::read_to_string(path) };
     let text = text.map_err(CtlError::file(name))?;
     let estimates = replay::estimate(&text, arguments.method, arguments.offset)
-        .map_err(|source| CtlError::Tape { path: name.to_owned(), source })?;
+        .map_err(|why| CtlError::Said(format!("{}: {why}", name.display())))?;
     for estimate in estimates {
         // Numbers and texts always serialise.
         print(&(serde_json::to_string(&estimate).unwrap_or_default() + "\n"))?;

@@ -25,7 +25,10 @@ pub fn run(arguments: &cli::Get) -> Result<(), CtlError> {
     });
     match (all, last.iter().position(Option::is_none)) {
         (Err(CtlError::Client(ClientError::TimedOut(_))), Some(missing)) => {
-            return Err(CtlError::NoReading(wanted[missing].clone()));
+            let missing = &wanted[missing];
+            return Err(CtlError::Said(format!(
+                "no reading of {missing} yet: `cermctl stats` tells whether the instrument measures"
+            )));
         }
         (all, _) => all?,
     }

@@ -6,15 +6,13 @@ use crate::pins::chardev::{self, ChipListing, LineListing};
 
 /// Prints. A chip that may not be opened is told on standard error.
 pub fn run(arguments: &cli::Lines) -> Result<(), CtlError> {
-    let listing = chardev::list();
-    for refused in &listing.refused {
-        eprintln!("cermctl: {refused}");
-    }
-    if listing.chips.is_empty() {
-        return Err(CtlError::NoChip);
+    let opened = |chip: Result<_, _>| chip.inspect_err(|refused| eprintln!("cermctl: {refused}")).ok();
+    let chips: Vec<ChipListing> = chardev::list().filter_map(opened).collect();
+    if chips.is_empty() {
+        return Err(CtlError::said("no GPIO chip to list; without hardware try `cermctl demo`"));
     }
     let text = if arguments.json { objects } else { tables };
-    print(&text(&listing.chips))
+    print(&text(&chips))
 }
 
 fn tables(chips: &[ChipListing]) -> String {

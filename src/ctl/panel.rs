@@ -79,7 +79,7 @@ impl Panel {
 
 impl Row {
     fn feed(&mut self, reading: &ReadingLine) {
-        while reading.f_n.is_some_and(|force| force > self.full_n) {
+        while reading.state.f_n.is_some_and(|force| force > self.full_n) {
             self.full_n *= 2.0;
         }
         self.last = Some(reading.clone());
@@ -91,14 +91,14 @@ impl Row {
 
     /// How far the bar is filled; `None` where nothing is known.
     fn share(&self, reading: &ReadingLine) -> Option<f64> {
-        match (reading.status, self.unit) {
+        match (reading.state.status, self.unit) {
             (StatusName::Fault, _) => None,
             (StatusName::Open, _) => Some(0.0),
             (StatusName::Short, _) => Some(1.0),
-            (StatusName::Ok, Unit::Newton) => Some(reading.f_n? / self.full_n),
+            (StatusName::Ok, Unit::Newton) => Some(reading.state.f_n? / self.full_n),
             (StatusName::Ok, Unit::Ohm) => {
                 let [full, empty] = BAR_OHM.map(f64::ln);
-                Some(((empty - reading.r_ohm?.max(1e-3).ln()) / (empty - full)).clamp(0.0, 1.0))
+                Some(((empty - reading.state.r_ohm?.max(1e-3).ln()) / (empty - full)).clamp(0.0, 1.0))
             }
         }
     }
@@ -147,21 +147,21 @@ impl Row {
             value.map(|value| format!("{sign} {}", rough(value, unit))).unwrap_or_default()
         };
         let style = Style::new();
-        match reading.status {
+        match reading.state.status {
             StatusName::Ok => {
-                let force = value(reading.f_n, reading.f_u_n, "N");
-                ([force, value(reading.r_ohm, reading.r_u_ohm, "ohm")], "ok", style.green())
+                let force = value(reading.state.f_n, reading.state.f_u_n, "N");
+                ([force, value(reading.state.r_ohm, reading.state.r_u_ohm, "ohm")], "ok", style.green())
             }
             StatusName::Open => {
-                let force = bound("<", reading.f_max_n, "N");
-                ([force, bound(">", reading.r_min_ohm, "ohm")], "open", style.dim())
+                let force = bound("<", reading.state.f_max_n, "N");
+                ([force, bound(">", reading.state.r_min_ohm, "ohm")], "open", style.dim())
             }
             StatusName::Short => {
-                let force = bound(">", reading.f_min_n, "N");
-                ([force, bound("<", reading.r_max_ohm, "ohm")], "short", style.yellow())
+                let force = bound(">", reading.state.f_min_n, "N");
+                ([force, bound("<", reading.state.r_max_ohm, "ohm")], "short", style.yellow())
             }
             StatusName::Fault => {
-                ([String::new(), reading.fault.clone().unwrap_or_default()], "fault", style.red())
+                ([String::new(), reading.state.fault.clone().unwrap_or_default()], "fault", style.red())
             }
         }
     }

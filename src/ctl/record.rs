@@ -71,7 +71,7 @@ impl<'a> Recording<'a> {
                     self.write(&line)?;
                 }
                 Next::Line(..) | Next::Quiet => {}
-                Next::Ended => return Err(CtlError::Ended("cermd closed the connection")),
+                Next::Ended => return Err(ended("cermd closed the connection")),
             }
         }
         Ok(())
@@ -101,7 +101,7 @@ impl<'a> Recording<'a> {
                 self.write(line)
             }
             Some(first) if *first == (Header { offset_ns: first.offset_ns, ..header }) => Ok(()),
-            Some(_) => Err(CtlError::Ended("the configuration of cermd has changed")),
+            Some(_) => Err(ended("the configuration of cermd has changed")),
         }
     }
 
@@ -114,6 +114,10 @@ impl<'a> Recording<'a> {
             None => CtlError::Output(source),
         })
     }
+}
+
+fn ended(why: &str) -> CtlError {
+    CtlError::Said(format!("the recording ends here: {why}"))
 }
 
 /// The fields of a line in the order of the columns, as they were sent; what is not known is empty.

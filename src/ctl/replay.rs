@@ -2,62 +2,31 @@
 
 use crate::circuit::Kind;
 use crate::estimate::Estimator;
-use crate::estimate::force::Force;
 use crate::estimate::offset::{Offset, SplitCalibration};
 use crate::instrument::settings::OffsetSource;
-use crate::reading::{Branch, Fault, Method, Status};
+use crate::reading::{Fault, Method, Status};
 use crate::record::CalibrationKind;
-use crate::stream::tape::{Entry, Header, TapeChannel, TapeError, TapeForce};
-use crate::units::{Newton, NewtonOhm};
+use crate::sensor::Channel;
+use crate::stream::tape::{Entry, Header};
+use crate::stream::wire::StateLine;
 use serde::Serialize;
 
 /// What is said about one x discharge.
-#[derive(Debug, Clone, PartialEq, Default, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[serde(tag = "class", rename = "ESTIMATE")]
 pub struct Estimate {
-    class: &'static str,
     seq: u64,
     channel: String,
-    method: &'static str,
-    status: &'static str,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    fault: Option<&'static str>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    branch: Option<&'static str>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    r_ohm: Option<f64>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    r_u_ohm: Option<f64>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    f_n: Option<f64>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    f_u_n: Option<f64>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    r_max_ohm: Option<f64>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    f_min_n: Option<f64>,
-}
-
-/// Why a tape cannot be estimated from, and what to do.
-#[derive(Debug, thiserror::Error)]
-#[error("{0}")]
-pub struct ReplayError(String);
-
-impl From<TapeError> for ReplayError {
-    fn from(error: TapeError) -> ReplayError {
-        ReplayError(error.to_string())
-    }
+    #[serde(flatten)]
+    state: StateLine,
 }
 
 /// The estimates of a whole tape, or the first thing that is wrong with it. `offset`: where d comes from; `None`: from the
 /// header, or else from the split discharges on the tape.
 ///
 /// # Errors
-/// [`ReplayError`] with the line number, or what to do.
-pub fn estimate(
-    text: &str,
-    method: Method,
-    offset: Option<OffsetSource>,
-) -> Result<Vec<Estimate>, ReplayError> {
+/// What is wrong, with the line number, or what to do.
+pub fn estimate(text: &str, method: Method, offset: Option<OffsetSource>) -> Result<Vec<Estimate>, String> {
     let (header, entries) = parse(text)?;
     replay(&header, &entries, method, offset, line)
 }
@@ -72,7 +41,7 @@ pub(crate) fn signed_ohm(
     entries: &[Entry],
     method: Method,
     id: &str,
-) -> Result<Vec<Result<f64, Fault>>, ReplayError> {
+) -> Result<Vec<Result<f64, Fault>>, String> {
     let signed = replay(header, entries, method, None, |estimator, channel, entry| {
         let estimate = || estimator.estimate(&entry.record).map(|estimate| estimate.r_ohm.value);
         (channel.id == id).then(estimate)
@@ -86,8 +55,8 @@ fn replay<T>(
     entries: &[Entry],
     method: Method,
     offset: Option<OffsetSource>,
-    each: impl Fn(&Estimator, &TapeChannel, &Entry) -> T,
-) -> Result<Vec<T>, ReplayError> {
+    each: impl Fn(&Estimator, &Channel, &Entry) -> T,
+) -> Result<Vec<T>, String> {
     let nodes = nodes_of(method, header.circuit.kind)?;
     let [r1, r2] = header.r_ohm();
     let new = |offset| Estimator::new(method, r1, r2, nodes, offset);
@@ -96,10 +65,10 @@ fn replay<T>(
         // It cancels in the equations of these, or is part of what is tracked.
         _ if !method.needs_offset() => Offset::default(),
         _ => split_offset(new(Offset::default()), [r1, r2], nodes, entries).ok_or_else(|| {
-            ReplayError(format!(
+            format!(
                 "{method} needs the latency offset, and the tape has neither offset_ns nor enough split calibration \
                  discharges; give it with --offset, e.g. --offset \"8 us\""
-            ))
+            )
         })?,
     };
     let mut estimator =
@@ -117,27 +86,27 @@ fn replay<T>(
     Ok(estimates)
 }
 
-fn parse(text: &str) -> Result<(Header, Vec<Entry>), ReplayError> {
+fn parse(text: &str) -> Result<(Header, Vec<Entry>), String> {
     let mut lines = text.lines().enumerate();
-    let empty = || TapeError { line: 1, reason: "the tape is empty".to_owned() };
-    let (_, first) = lines.next().ok_or_else(empty)?;
-    let header = Header::parse(first)?;
+    let (_, first) = lines.next().ok_or("line 1: the tape is empty")?;
+    let header = Header::parse(first).map_err(|error| error.to_string())?;
     let mut entries: Vec<Entry> = Vec::new();
     for (index, line) in lines.filter(|(_, line)| !line.trim().is_empty()) {
-        let entry = header.parse_discharge(index + 1, line)?;
+        let entry = header.parse_discharge(index + 1, line).map_err(|error| error.to_string())?;
         if let Some(before) = entries.last().filter(|before| before.seq >= entry.seq) {
-            let reason = format!(
-                "seq {} comes after {}; the lines are out of order, or two tapes were joined",
-                entry.seq, before.seq
-            );
-            return Err(TapeError { line: index + 1, reason }.into());
+            return Err(format!(
+                "line {}: seq {} comes after {}; the lines are out of order, or two tapes were joined",
+                index + 1,
+                entry.seq,
+                before.seq
+            ));
         }
         entries.push(entry);
     }
     Ok((header, entries))
 }
 
-fn nodes_of(method: Method, kind: Kind) -> Result<usize, ReplayError> {
+fn nodes_of(method: Method, kind: Kind) -> Result<usize, String> {
     let rules = method.rules();
     if rules.circuits.contains(&kind) {
         return Ok(rules.last(kind).index() + 1);
@@ -146,7 +115,7 @@ fn nodes_of(method: Method, kind: Kind) -> Result<usize, ReplayError> {
     let (last, others) = names.split_last().unwrap_or((&"", &[]));
     let others = others.join(", ");
     let kind = kind.as_str();
-    Err(ReplayError(format!("{method} does not work on a {kind} tape; take {others} or {last}")))
+    Err(format!("{method} does not work on a {kind} tape; take {others} or {last}"))
 }
 
 fn split_offset(
@@ -169,36 +138,13 @@ fn split_offset(
     split.result()
 }
 
-fn line(estimator: &Estimator, channel: &TapeChannel, entry: &Entry) -> Estimate {
-    let force = channel.force.as_ref().map(force_of);
-    let status = estimator.status(&entry.record, channel.zero_ohm, force.as_ref());
-    let line = Estimate {
-        class: "ESTIMATE",
-        seq: entry.seq,
-        channel: channel.id.clone(),
-        method: estimator.method().as_str(),
-        status: status.as_str(),
-        ..Estimate::default()
-    };
-    match status {
-        Status::Ok { branch, r_ohm, f_n } => Estimate {
-            branch: Some(Branch::as_str(branch)),
-            r_ohm: Some(r_ohm.value),
-            r_u_ohm: r_ohm.u,
-            f_n: f_n.map(|f| f.value),
-            f_u_n: f_n.and_then(|f| f.u),
-            ..line
-        },
-        Status::Short { r_max_ohm, f_min_n } => Estimate { r_max_ohm: Some(r_max_ohm), f_min_n, ..line },
+fn line(estimator: &Estimator, channel: &Channel, entry: &Entry) -> Estimate {
+    let status = match estimator.status(&entry.record, channel.zero_ohm, channel.force.as_ref()) {
         // A tape does not say how long was waited for a crossing that is not on it, so `open` never comes of it.
-        Status::Open { .. } => Estimate { fault: Some(Fault::MissedEdge.as_str()), ..line },
-        Status::Fault(fault) => Estimate { fault: Some(fault.as_str()), ..line },
-    }
-}
-
-fn force_of(force: &TapeForce) -> Force {
-    match *force {
-        TapeForce::Pair { fc1_n, fc2_n } => Force::Calibrated { fc1: Newton(fc1_n), fc2: Newton(fc2_n) },
-        TapeForce::Alpha { alpha_n_ohm } => Force::Alpha(NewtonOhm(alpha_n_ohm)),
-    }
+        Status::Open { .. } => Status::Fault(Fault::MissedEdge),
+        status => status,
+    };
+    let mut state = StateLine::new(&status, estimator.method());
+    state.method = Some(estimator.method().to_string());
+    Estimate { seq: entry.seq, channel: channel.id.clone(), state }
 }

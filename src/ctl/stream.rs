@@ -32,9 +32,9 @@ impl Stream {
     pub fn connect(socket: &Path, channels: &[String]) -> Result<Stream, CtlError> {
         let mut client = Client::connect(socket, ANSWER)?;
         client.set_timeout(LOOK_AROUND)?;
-        let known = || client.version().channels.iter().map(|channel| channel.id.clone());
-        match channels.iter().find(|wanted| !known().any(|id| id == **wanted)) {
-            Some(wanted) => Err(CtlError::NoChannel { wanted: wanted.clone(), known: known().collect() }),
+        let known: Vec<String> = client.version().channels.iter().map(|channel| channel.id.clone()).collect();
+        match channels.iter().find(|wanted| !known.contains(wanted)) {
+            Some(wanted) => Err(CtlError::no_channel(wanted, &known)),
             None => Ok(Stream { client, wanted: channels.to_vec() }),
         }
     }
@@ -83,7 +83,7 @@ impl Stream {
             Next::Line(_, ServerMessage::Error(error))
                 if !matches!(error.code, ErrorCode::Lost | ErrorCode::NoReading) =>
             {
-                Err(CtlError::Refused(error.message))
+                Err(CtlError::Said(format!("cermd: {}", error.message)))
             }
             next => Ok(next),
         }

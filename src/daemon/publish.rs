@@ -3,12 +3,13 @@
 use super::Loaded;
 use super::limits::GONE_AFTER;
 use super::measuring::Update;
-use crate::config::{Backend, Config};
+use crate::config::Config;
 use crate::instrument::Message;
-use crate::instrument::settings::{self, Settings};
+use crate::instrument::settings::Settings;
 use crate::instrument::stats::Stats;
 use crate::pins::realtime::{self, Right};
 use crate::reading::{Fault, Reading, Status, Suspect};
+use crate::sensor::Channel;
 use crate::stream::server::Server;
 use crate::stream::wire::{ChannelInfo, InstrumentStats, Unit};
 use crate::units::{Nanos, Ohm};
@@ -16,7 +17,7 @@ use jiff::Timestamp;
 
 /// The channels as VERSION announces them.
 pub fn channels(settings: &Settings) -> Vec<ChannelInfo> {
-    let info = |channel: &settings::Channel| ChannelInfo {
+    let info = |channel: &Channel| ChannelInfo {
         id: channel.id.clone(),
         unit: if channel.force.is_some() { Unit::Newton } else { Unit::Ohm },
     };
@@ -110,18 +111,13 @@ fn wall_time(at: Nanos) -> Timestamp {
 /// The daemon's own fields of STATS.
 pub fn stats(known: &Known, config: &Config, uptime: Nanos) -> InstrumentStats {
     let Known { stats, realtime, is_away, .. } = known;
-    let backend = match config.gpio.backend {
-        Backend::Chardev => "chardev",
-        Backend::ChardevV1 => "chardev-v1",
-        Backend::Mock => "mock",
-    };
     let offset = stats.offset_is_known.then_some(stats.offset);
     let r_o_ohm = offset.and_then(|offset| offset.r_o_ohm);
     let faults = Fault::ALL.map(|fault| (fault.as_str().to_owned(), stats.faults[fault as usize]));
     let wishes = realtime.iter().flatten();
     InstrumentStats {
-        backend: backend.to_owned(),
-        method: config.method().as_str().to_owned(),
+        backend: config.gpio.backend.to_string(),
+        method: config.method().to_string(),
         gpio_works: !is_away,
         uptime_s: uptime.as_seconds(),
         cycles: stats.cycles,

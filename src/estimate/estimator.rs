@@ -6,6 +6,7 @@ use crate::estimate::method::{Scale, Switched, Switching, Times, dual};
 use crate::estimate::motion::Evidence;
 use crate::estimate::noise::{Covariance, Noise};
 use crate::estimate::offset::Offset;
+use crate::estimate::scatter::expected_ns;
 use crate::estimate::tracker::Tracker;
 use crate::reading::{Branch, Fault, Measured, Method};
 use crate::record::{CalibrationKind, Record, Switch, Through, UNLIKE_CALLS};
@@ -89,6 +90,13 @@ impl Estimator {
     /// The tracked calibration, once there is one.
     pub fn tracker(&self) -> Option<&Tracker> {
         self.tracker.as_ref().filter(|tracker| tracker.is_ready())
+    }
+
+    /// Lets the tracked calibration know how steady readings are: [`Tracker::add_reading`].
+    pub fn add_reading(&mut self, beside_ns: f64, steady: f64) {
+        if let Some(tracker) = &mut self.tracker {
+            tracker.add_reading(beside_ns, steady);
+        }
     }
 
     /// Finds a tracked calibration again, from the beginning.
@@ -191,8 +199,7 @@ impl Estimator {
             return Ok((Estimate { branch: solution.branch, r_ohm }, solution.evidence));
         }
         let (times, branch) = self.times(record)?;
-        let (ratio, evidence) =
-            self.ratio(&times, branch, record.u_switch_ns.unwrap_or(0.0)).ok_or(Fault::MissedEdge)?;
+        let (ratio, evidence) = self.ratio(&times, branch, expected_ns(record)).ok_or(Fault::MissedEdge)?;
         let span = self.r2_ohm - self.r1_ohm;
         let r_ohm = self.r1_ohm + ratio.value * span;
         let u = ratio.u.map(|u| u * span);
@@ -207,7 +214,7 @@ impl Estimator {
     fn observed(&self, record: &Record) -> Result<Observed, Fault> {
         record.crossing(self.last()).ok_or(Fault::MissedEdge)?;
         let switch = record.switch.map(|switch| (switch, self.ohm_after(switch)));
-        let u_switch_ns = record.u_switch_ns.unwrap_or(0.0);
+        let u_switch_ns = expected_ns(record);
         Ok(Observed { crossings: record.crossings(), switch, u_switch_ns })
     }
 
@@ -245,6 +252,7 @@ impl Estimator {
         }
         let switch = switch.map(|switch| Switched { at: switch.at_ns, on: switch.on_ns });
         let [c1, c2] = [c1, c2].map(|crossings| self.existing(crossings.map(Some)));
+        let [c1, c2, x] = [c1, c2, x].map(|[a, b]| [a, b.map(|b| b - self.offset().b_later_ns)]);
         Ok((Times { c1, c2, x, switch, beside: record.second_ns, d }, branch))
     }
 
@@ -273,7 +281,7 @@ impl Estimator {
     fn covariances(&self, late: [f64; 2], u_switch_ns: f64) -> Option<Covariances<'_>> {
         let (c1, c2) = self.calibration()?;
         let offset = self.offset();
-        let at = offset.switch_ns.map_or(u_switch_ns, |bound| bound.min(u_switch_ns));
+        let at = offset.scatter.u_ns(u_switch_ns);
         let (noise, u_common_ns) = (self.noise(), UNLIKE_CALLS * u_switch_ns);
         let common = (u_common_ns * u_common_ns, offset.by_switch);
         Some(match self.tracker() {

@@ -2,10 +2,9 @@
 //!
 //! The force is taken as exact, the scatter as that of the resistance.
 
-use crate::estimate::force::{Force, Table, TableError};
 use crate::estimate::scatter;
 use crate::reading::Measured;
-use crate::units::{Newton, NewtonOhm};
+use crate::sensor::{Force, Table, TableError};
 
 /// A force and the resistance under it.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -18,21 +17,11 @@ pub struct Pair {
 
 /// A fitted characteristic.
 #[derive(Debug, Clone, PartialEq)]
-pub enum Fit {
-    /// R = alpha / F, eq. (1).
-    Alpha {
-        /// N ohm.
-        alpha: Measured,
-    },
-    /// F = F_1k (R / 1 kohm)^-exponent.
-    Power {
-        /// F_1k, newton.
-        at_1_kohm: Measured,
-        /// Positive.
-        exponent: Measured,
-    },
-    /// The pairs themselves.
-    Table(Table),
+pub struct Fit {
+    /// What was fitted.
+    pub force: Force,
+    /// 1 sigma of its numbers, in their order; `None` where there are too few pairs, or nothing was fitted.
+    pub u: [Option<f64>; 2],
 }
 
 /// Why pairs cannot be fitted.
@@ -67,7 +56,7 @@ pub fn alpha(pairs: &[Pair]) -> Result<Fit, FitError> {
     let alpha = pairs.iter().map(|pair| pair.r_ohm / pair.f_n).sum::<f64>() / squares;
     let rest: f64 = pairs.iter().map(|pair| (pair.r_ohm - alpha / pair.f_n).powi(2)).sum();
     let u = (pairs.len() > 1).then(|| (rest / (pairs.len() - 1) as f64 / squares).sqrt());
-    Ok(Fit::Alpha { alpha: Measured { value: alpha, u } })
+    Ok(Fit { force: Force::Alpha { alpha_n_ohm: alpha }, u: [u, None] })
 }
 
 /// The least squares of ln R = a - b ln F, with the exponent 1/b.
@@ -96,14 +85,9 @@ pub fn power(pairs: &[Pair]) -> Result<Fit, FitError> {
         let variance = rest / (n - 2.0);
         (n > 2.0).then(|| (variance * (by_mean * by_mean / n + by_b * by_b / s_xx)).sqrt())
     };
-    let at_1_kohm = ln_f.exp();
-    Ok(Fit::Power {
-        at_1_kohm: Measured {
-            value: at_1_kohm,
-            u: u(1.0 / b, mean_y / (b * b)).map(|relative| relative * at_1_kohm),
-        },
-        exponent: Measured { value: 1.0 / b, u: u(0.0, 1.0 / (b * b)) },
-    })
+    let at_1_kohm_n = ln_f.exp();
+    let u_n = u(1.0 / b, mean_y / (b * b)).map(|relative| relative * at_1_kohm_n);
+    Ok(Fit { force: Force::Power { at_1_kohm_n, exponent: 1.0 / b }, u: [u_n, u(0.0, 1.0 / (b * b))] })
 }
 
 /// The pairs as a table.
@@ -111,8 +95,8 @@ pub fn power(pairs: &[Pair]) -> Result<Fit, FitError> {
 /// # Errors
 /// [`FitError::Table`] when there are fewer than two, or force and resistance do not run against each other.
 pub fn table(pairs: &[Pair]) -> Result<Fit, FitError> {
-    let pairs = pairs.iter().map(|pair| (pair.r_ohm, pair.f_n)).collect();
-    Ok(Fit::Table(Table::from_pairs(pairs)?))
+    let pairs: Vec<_> = pairs.iter().map(|pair| (pair.r_ohm, pair.f_n)).collect();
+    Ok(Fit { force: Force::Table { table: Table::try_from(pairs)? }, u: [None; 2] })
 }
 
 fn enough(pairs: &[Pair], needed: usize) -> Result<(), FitError> {
@@ -120,25 +104,12 @@ fn enough(pairs: &[Pair], needed: usize) -> Result<(), FitError> {
 }
 
 impl Fit {
-    /// The characteristic, for converting.
-    pub fn force(&self) -> Force {
-        match self {
-            Fit::Alpha { alpha } => Force::Alpha(NewtonOhm(alpha.value)),
-            Fit::Power { at_1_kohm, exponent } => {
-                Force::PowerLaw { at_1_kohm: Newton(at_1_kohm.value), exponent: exponent.value }
-            }
-            Fit::Table(table) => Force::Table(table.clone()),
-        }
-    }
-
     /// The resistance that the fit gives at the force of a pair, ohm; that of a table is the pair's own.
     pub fn r_ohm(&self, pair: Pair) -> f64 {
-        match self {
-            Fit::Alpha { alpha } => alpha.value / pair.f_n,
-            Fit::Power { at_1_kohm, exponent } => {
-                1000.0 * (pair.f_n / at_1_kohm.value).powf(-1.0 / exponent.value)
-            }
-            Fit::Table(_) => pair.r_ohm,
+        match self.force {
+            Force::Alpha { alpha_n_ohm } => alpha_n_ohm / pair.f_n,
+            Force::Power { at_1_kohm_n, exponent } => 1000.0 * (pair.f_n / at_1_kohm_n).powf(-1.0 / exponent),
+            Force::Calibrated { .. } | Force::Table { .. } => pair.r_ohm,
         }
     }
 

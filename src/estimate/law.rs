@@ -7,15 +7,27 @@
 //! T = d + g (R+Ro)                               when it crosses before the switch
 //! T = d + on + (g - at/(R+Ro)) (N+Ro)            after it
 //! ```
+//!
+//! Each node has a d of its own: its edges take another way through the kernel.
 
 use crate::record::Switch;
 
-/// What a calibration has to know: progress g of A and B at the threshold (ns/ohm), Ro (ohm), d (ns).
-pub type State = [f64; 4];
+/// How many things a calibration has to know.
+pub const UNKNOWNS: usize = 5;
+/// What it has to know: progress g of A and B at the threshold (ns/ohm), Ro (ohm), d of A, and how much later B is stamped
+/// (ns).
+pub type State = [f64; UNKNOWNS];
 /// The index of Ro in a [`State`].
 pub const R_O: usize = 2;
-/// The index of d in a [`State`].
+/// The index of node A's d in a [`State`].
 pub const D: usize = 3;
+/// The index of what node B's d is greater by.
+pub const D_B: usize = 4;
+
+/// The latency offset of a node, ns.
+pub fn d_ns(state: &State, node: usize) -> f64 {
+    state[D] + if node == 1 { state[D_B] } else { 0.0 }
+}
 
 /// The resistors of a discharge.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -40,10 +52,11 @@ pub struct Crossing {
 impl Route {
     /// When `node` (0 for A, 1 for B) crosses.
     pub fn crossing(&self, state: &State, node: usize) -> Crossing {
-        let (g, r_o, d) = (state[node], state[R_O], state[D]);
+        let (g, r_o, d) = (state[node], state[R_O], d_ns(state, node));
         let first = self.first_ohm + r_o;
-        let mut by_state = [0.0; 4];
+        let mut by_state = [0.0; UNKNOWNS];
         by_state[D] = 1.0;
+        by_state[D_B] = node as f64;
         match self.switch {
             Some((switch, next_ohm)) if switch.at_ns < g * first => {
                 let next = next_ohm + r_o;
@@ -84,7 +97,7 @@ mod tests {
         #[test]
         fn progress_at_the_crossing_is_g_and_derivatives_are_slopes(
             state in (100.0..2000.0f64, 1.05..2.0f64, 10.0..100.0f64, 0.0..20_000.0f64)
-                .prop_map(|(g, factor, r_o, d)| [g, g * factor, r_o, d]),
+                .prop_map(|(g, factor, r_o, d)| [g, g * factor, r_o, d, 0.3 * d - 1000.0]),
             first_ohm in 10.0..1e5f64,
             next_ohm in 100.0..20_000.0f64,
             fraction in prop::option::of(0.01..0.95f64),
@@ -95,7 +108,7 @@ mod tests {
             let switch = at_ns.map(|at_ns| (Switch { at_ns, on_ns: at_ns + gap, to: Through::C2 }, next_ohm));
             let route = Route { first_ohm, switch };
             let crossing = route.crossing(&state, node);
-            let t = crossing.ns - state[D];
+            let t = crossing.ns - d_ns(&state, node);
             let progress = match switch {
                 None => t / (first_ohm + state[R_O]),
                 Some((s, next)) => s.at_ns / (first_ohm + state[R_O]) + (t - s.on_ns) / (next + state[R_O]),
@@ -103,11 +116,11 @@ mod tests {
             prop_assert!((progress / state[node] - 1.0).abs() < 1e-9);
 
             let slope = |of: &dyn Fn(f64) -> f64, scale: f64| (of(1e-6 * scale) - of(-1e-6 * scale)) / (2e-6 * scale);
-            for index in 0..4 {
+            for index in 0..UNKNOWNS {
                 let moved = |by: f64| { let mut s = state; s[index] += by; route.crossing(&s, node).ns };
                 let found = slope(&moved, state[index].max(1.0));
                 // The difference of two long times has their rounding.
-                let rounding = 1e-15 * crossing.ns / (1e-6 * state[index].max(1.0));
+                let rounding = 1e-15 * crossing.ns.abs() / (1e-6 * state[index].max(1.0));
                 let close = (found - crossing.by_state[index]).abs() < 1e-5 * (1.0 + found.abs()) + rounding;
                 prop_assert!(close, "{index}: {found} {crossing:?}");
             }

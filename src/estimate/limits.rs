@@ -81,8 +81,14 @@ pub const APART: f64 = 0.2;
 pub const SPLIT_FRACTION: f64 = 0.9;
 /// Rounds of a split calibration of which there is a result.
 pub const FEWEST_ROUNDS: usize = 4;
-/// Switches that their scatter is the mean of, at the least and at the most.
-pub const SCATTER_OF: [f64; 2] = [8.0, 4096.0];
+/// Switches that their scatter is the mean of, about.
+pub const SCATTER_MEMORY: f64 = 4096.0;
+/// What is not known of a variance, in sigma, that is added to it.
+pub const SCATTER_DOUBT: f64 = 0.25;
+/// Readings that bound the scatter of switches, at the least and at the most.
+pub const READINGS_OF_SCATTER: [f64; 2] = [16.0, 64.0];
+/// The uncertainty of a switch of which nobody has told one, as on a tape, ns: that of a call of a microsecond.
+pub const UNKNOWN_SWITCH_NS: f64 = 400.0;
 
 // The tracked calibration; found with tests/accuracy, tracked.
 /// Rounds (R_1, R_2, split) from which the first state is found.
@@ -95,12 +101,20 @@ pub const MOST_REJECTED: usize = 8;
 pub const INNOVATION_GATE: f64 = 4.0;
 /// So many rejections in a row are a step.
 pub const REJECTED_OF_A_STEP: u32 = 3;
-/// How fast Ro walks, ohm per root second: the temperature of a board changes in minutes.
-pub const WALK_R_O: f64 = 0.02;
-/// How fast d walks, per root second, in parts of its jitter: what makes the latency jitter makes its mean wander.
-pub const WALK_D: f64 = 0.02;
-/// How slowly and how fast g may walk, relative, per root second. Never slower than a drift by 1 % in a minute takes it
-/// in a second: a walk that was learned in quiet times lags behind a drift that begins.
-pub const WALK_G: [f64; 2] = [2e-4, 2e-3];
-/// How much one innovation changes the speed of the walk.
-pub const LEARN_WALK: f64 = 0.05;
+/// How slowly d, g and Ro walk, per root second: d in parts of its jitter, for what makes the latency jitter makes its mean
+/// wander; g relative, never slower than a drift by 1 % in a minute takes it in a second, since a walk that was learned in
+/// quiet times lags behind a drift that begins; Ro in ohm, for the temperature of a board changes in minutes.
+pub const SLOWEST_WALK: [f64; 3] = [0.02, 2e-4, 0.02];
+/// How fast they may walk.
+pub const FASTEST_WALK: [f64; 3] = [2.0, 2e-3, 5.0];
+/// How much one innovation changes the speed of a walk.
+pub const LEARN_WALK: f64 = 0.3;
+/// Innovations that a trend is the mean of.
+pub const TREND_OF: f64 = 8.0;
+/// Where nothing speaks for a faster walk it becomes slower by so much, in the square of a sigma.
+pub const WALK_CALM: f64 = 0.1;
+/// Discharges of a kind that its mean innovation is taken over.
+pub const MISFIT_OF: f64 = 64.0;
+/// Mean innovations contradict the state when their mean square is so many times what chance makes it: of six it is more
+/// once in fifty.
+pub const MISFIT_SHOWS: f64 = 2.5;

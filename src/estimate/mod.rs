@@ -1,11 +1,10 @@
 //! From the timings of discharges to what is known about the sensor.
 //!
-//! For: the law, the equations of the methods, noise, offset and the followed calibration, motion and leaks, force; all of it
+//! For: the law, the equations of the methods, noise, offset and the followed calibration, motion and leaks, fits; all of it
 //! pure. Must not know: pins, clocks, or in which order discharges are taken.
 
 pub mod estimator;
 pub mod fit;
-pub mod force;
 pub mod law;
 pub mod leak;
 pub mod limits;

@@ -17,7 +17,7 @@
 
 use crate::estimate::limits::{BEYOND_NOISE, FEWEST_ROUNDS};
 use crate::estimate::noise::{Covariance, Noise};
-use crate::estimate::scatter::{MEDIAN_DEVIATION, SwitchScatter, mean, median};
+use crate::estimate::scatter::{MEDIAN_DEVIATION, SwitchScatter, expected_ns, mean, median};
 use crate::reading::Measured;
 use crate::record::{Record, UNLIKE_CALLS};
 
@@ -28,10 +28,12 @@ pub struct Offset {
     pub d_ns: f64,
     /// Its uncertainty, ns; 0 for a given offset.
     pub u_d_ns: f64,
+    /// By how much that of node B is greater, ns.
+    pub b_later_ns: f64,
     /// Output resistance of a calibration pin, ohm; `None` for a given offset.
     pub r_o_ohm: Option<(f64, f64)>,
-    /// Scatter of the instant of a switch at the most, ns; `None` if it was not measured.
-    pub switch_ns: Option<f64>,
+    /// How much switches scatter.
+    pub scatter: SwitchScatter,
     /// By how much d changes with an error that all switches have in common.
     pub by_switch: f64,
 }
@@ -129,7 +131,7 @@ impl SplitCalibration {
         // Two crossings through R_2 are in D: the plain discharge's and the split one's.
         let variance = covariance.map(|covariance| 2.0 * covariance.of(weights[0], weights[1]));
         let sound = d_ns.is_finite() && r_o_ohm.is_finite();
-        let u_switch_ns = split.u_switch_ns.unwrap_or(0.0);
+        let u_switch_ns = expected_ns(split);
         sound.then_some(Round { d_ns, r_o_ohm, s_ns: s, difference_ns, g, u_switch_ns, variance })
     }
 
@@ -166,14 +168,17 @@ impl SplitCalibration {
             kept.filter_map(|round| Some((round.difference_ns - slope * round.s_ns, round.variance?)));
         let mut scatter = SwitchScatter::default();
         if let Some(Measured { value, .. }) = mean(known.clone().map(|(misfit, _)| misfit)) {
-            known.for_each(|(misfit, variance)| scatter.add(misfit - value, variance, slope));
+            known.for_each(|(misfit, variance)| {
+                scatter.add((misfit - value) / slope, variance / (slope * slope))
+            });
         }
         Some(Offset {
             d_ns: d.0,
             u_d_ns: d.1.hypot(by_switch * u_common_ns),
             r_o_ohm: Some((r_o.0, r_o.1.hypot(r_o_by_switch * u_common_ns))),
-            switch_ns: scatter.bound_ns(),
+            scatter,
             by_switch,
+            ..Offset::default()
         })
     }
 }

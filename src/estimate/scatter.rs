@@ -1,7 +1,8 @@
 //! Middle and spread of measured values.
 
-use crate::estimate::limits::SCATTER_OF;
+use crate::estimate::limits::{READINGS_OF_SCATTER, SCATTER_DOUBT, SCATTER_MEMORY, UNKNOWN_SWITCH_NS};
 use crate::reading::Measured;
+use crate::record::Record;
 
 /// The middle of values, or of the middle two of an even number; 0 of none. Sorts them.
 pub fn median(values: &mut [f64]) -> f64 {
@@ -24,27 +25,68 @@ pub fn mean(values: impl Iterator<Item = f64> + Clone) -> Option<Measured> {
     Some(Measured { value, u: (count > 1.0).then(|| (squares / (count - 1.0) / count).sqrt()) })
 }
 
-/// How much the instants of switches scatter: what the crossings of split discharges scatter beyond their own noise. Its
-/// bound holds however few discharges have told it.
-#[derive(Debug, Clone, Copy, Default)]
+/// 1 sigma of the time from a start to a switch by the length of calls, ns.
+pub fn expected_ns(record: &Record) -> f64 {
+    record.u_switch_ns.unwrap_or(UNKNOWN_SWITCH_NS)
+}
+
+/// How much the time from a start to a switch scatters: what split discharges show of it, against what is to be expected of
+/// calls of that length.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct SwitchScatter {
-    count: f64,
+    /// Of variances, ns^-4, and the sum of what each has told with its weight, ns^-2.
+    weight: f64,
     excess: f64,
-    steady: f64,
+    /// By how much successive readings of a sensor differ, as times of their switches: mean square, what of it is not the
+    /// switches', ns², and of how many.
+    readings: [f64; 3],
 }
 
 impl SwitchScatter {
-    /// Takes the deviation of a crossing from what was expected, ns, the variance it would have without a scatter of the
-    /// switch, ns², and by how much the switch moves it.
-    pub fn add(&mut self, away_ns: f64, steady: f64, by_switch: f64) {
-        self.count = (self.count + 1.0).min(SCATTER_OF[1]);
-        self.excess += ((away_ns * away_ns - steady) / (by_switch * by_switch) - self.excess) / self.count;
-        self.steady += (steady / (by_switch * by_switch) - self.steady) / self.count;
+    /// Takes by how much a split discharge seems to have been switched late, ns, and the variance that this would have if
+    /// switches did not scatter, ns².
+    pub fn add(&mut self, late_ns: f64, steady: f64) {
+        let spread = self.likely().max(0.0) + steady;
+        let weight = 1.0 / (2.0 * spread * spread);
+        let keep = 1.0 - 1.0 / SCATTER_MEMORY;
+        self.excess = keep * self.excess + weight * (late_ns * late_ns - steady);
+        self.weight = keep * self.weight + weight;
     }
 
-    /// What the scatter is at the most (1 sigma more than found); `None` before there have been a few.
-    pub fn bound_ns(&self) -> Option<f64> {
-        let doubt = self.steady * (2.0 / self.count).sqrt();
-        (self.count >= SCATTER_OF[0]).then(|| (self.excess.max(0.0) + doubt).sqrt())
+    /// Takes by how much a reading of a sensor is beside those before and after it, as a time of their switches, ns: at rest
+    /// by no less than these scatter. `steady`: the variance if they did not, ns².
+    pub fn add_reading(&mut self, beside_ns: f64, steady: f64) {
+        let [mean, rest, count] = &mut self.readings;
+        *count = (*count + 1.0).min(READINGS_OF_SCATTER[1]);
+        *mean += (beside_ns * beside_ns - *mean) / *count;
+        *rest += (steady - *rest) / *count;
+    }
+
+    /// No steadier than this are switches if the sensor is at rest, and steadier if it is not, ns².
+    fn bound(&self) -> f64 {
+        let [mean, rest, count] = self.readings;
+        if count < READINGS_OF_SCATTER[0] {
+            return f64::INFINITY;
+        }
+        (mean - rest).max(0.0) + mean.max(rest) * (2.0 / count).sqrt()
+    }
+
+    /// What the discharges alone say, ns²; may be negative by chance.
+    fn likely(&self) -> f64 {
+        if self.weight > 0.0 { self.excess / self.weight } else { 0.0 }
+    }
+
+    /// 1 sigma, ns, and as much more as is not known of it; `expected_ns`: by the length of calls, which may be wrong by as
+    /// much as it is, or as the discharges say, but is not less steady than readings are.
+    pub fn u_ns(&self, expected_ns: f64) -> f64 {
+        let expected = (expected_ns * expected_ns).min(self.bound());
+        let doubt = expected.max(self.likely());
+        let weight = if doubt > 0.0 { 1.0 / (doubt * doubt) } else { 0.0 };
+        let all = weight + self.weight;
+        if all <= 0.0 {
+            return expected_ns;
+        }
+        let variance = (weight * expected + self.excess) / all;
+        (variance.max(0.0) + SCATTER_DOUBT * (1.0 / all).sqrt()).sqrt()
     }
 }

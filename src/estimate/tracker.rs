@@ -1,19 +1,19 @@
-//! The calibration followed while measuring: g_A, g_B, Ro and d in a small Kalman filter.
+//! The calibration followed while measuring: g, d of both nodes and Ro in a small Kalman filter.
 //!
 //! The state walks at random (process noise per root second) and is observed by plain and split calibration discharges
 //! through the [law](crate::estimate::law). Innovations beyond the gate are rejected and counted; several in a row are a step, and
 //! everything is found again from the beginning. The noise of crossings is learned from the calibration discharges themselves
-//! ([`Noise`]); how fast g drifts is learned from the innovations: their normalised square is 1 on average when the walk is
-//! as fast as the state.
+//! ([`Noise`]); how fast g, Ro and d drift is learned from their innovations: those of a walk that is as fast as the state have
+//! nothing to do with each other, those of a slower one go on in one direction.
 
-use crate::estimate::law::{Crossing, D, R_O, Route, State};
+use crate::estimate::law::{Crossing, D, D_B, R_O, Route, State, UNKNOWNS};
 use crate::estimate::limits::{
-    BEGINNINGS, FIRST_ROUNDS, INNOVATION_GATE, LEARN_WALK, MOST_REJECTED, REJECTED_OF_A_STEP, SPLIT_FRACTION,
-    WALK_D, WALK_G, WALK_R_O,
+    BEGINNINGS, FASTEST_WALK, FIRST_ROUNDS, INNOVATION_GATE, LEARN_WALK, MISFIT_OF, MISFIT_SHOWS,
+    MOST_REJECTED, REJECTED_OF_A_STEP, SLOWEST_WALK, SPLIT_FRACTION, TREND_OF, WALK_CALM,
 };
 use crate::estimate::noise::{Covariance, Noise};
 use crate::estimate::offset::{Offset, SplitCalibration};
-use crate::estimate::scatter::SwitchScatter;
+use crate::estimate::scatter::{SwitchScatter, expected_ns};
 use crate::reading::Fault;
 use crate::record::{CalibrationKind, Record, Switch, Through};
 use crate::units::Nanos;
@@ -21,17 +21,17 @@ use gain::Gain;
 
 mod gain;
 
-/// A symmetric 4 x 4 covariance.
-pub type Matrix = [[f64; 4]; 4];
+/// A symmetric covariance of the state.
+pub type Matrix = [State; UNKNOWNS];
 
 /// v^T M v.
-pub fn quadratic(matrix: &Matrix, v: &State) -> f64 {
+fn quadratic(matrix: &Matrix, v: &State) -> f64 {
     bilinear(matrix, v, v)
 }
 
 /// u^T M v.
-pub fn bilinear(matrix: &Matrix, u: &State, v: &State) -> f64 {
-    (0..4).map(|i| u[i] * (0..4).map(|j| matrix[i][j] * v[j]).sum::<f64>()).sum()
+fn bilinear(matrix: &Matrix, u: &State, v: &State) -> f64 {
+    (0..UNKNOWNS).map(|i| u[i] * (0..UNKNOWNS).map(|j| matrix[i][j] * v[j]).sum::<f64>()).sum()
 }
 
 /// What has been counted.
@@ -55,7 +55,12 @@ pub struct Tracker {
     state: State,
     covariance: Matrix,
     at: Nanos,
-    walk_g: f64,
+    /// How fast d, g and Ro walk, and the running mean of the innovations that tell it, in sigma: each by one kind of
+    /// discharge.
+    walk: [f64; 3],
+    trend: [f64; 3],
+    /// What each crossing of each kind of discharge is beside its expectation on average, in sigma.
+    means: [[f64; 2]; 3],
     rejected_in_row: u32,
     counts: Counts,
     scatter: SwitchScatter,
@@ -85,10 +90,12 @@ impl Tracker {
             nodes,
             resolution_ns,
             noise: Noise::new(resolution_ns),
-            state: [0.0; 4],
-            covariance: [[0.0; 4]; 4],
+            state: State::default(),
+            covariance: Matrix::default(),
             at: Nanos::ZERO,
-            walk_g: WALK_G[0],
+            walk: SLOWEST_WALK,
+            trend: [0.0; 3],
+            means: [[0.0; 2]; 3],
             rejected_in_row: 0,
             counts: Counts::default(),
             scatter: SwitchScatter::default(),
@@ -109,7 +116,7 @@ impl Tracker {
         self.ready
     }
 
-    /// g_A, g_B, Ro, d.
+    /// The state: g_A, g_B, Ro, d of A, and what B's is greater by.
     pub fn state(&self) -> &State {
         &self.state
     }
@@ -134,9 +141,14 @@ impl Tracker {
         self.rejected_in_row > 0
     }
 
-    /// Uncertainty of a switch's instant, ns: what has been learned of it, at most what the calls' duration says.
-    pub fn u_switch_ns(&self, bracket_ns: f64) -> f64 {
-        self.scatter.bound_ns().map_or(bracket_ns, |bound| bound.min(bracket_ns))
+    /// Uncertainty of a switch's instant, ns, where `expected_ns` is what the calls' duration says.
+    pub fn u_switch_ns(&self, expected_ns: f64) -> f64 {
+        self.scatter.u_ns(expected_ns)
+    }
+
+    /// Takes by how much a reading was beside those before and after it, as [`SwitchScatter::add_reading`].
+    pub fn add_reading(&mut self, beside_ns: f64, steady: f64) {
+        self.scatter.add_reading(beside_ns, steady);
     }
 
     /// Takes a calibration discharge.
@@ -179,7 +191,7 @@ impl Tracker {
         }
         let offset = self.split.result();
         if let Some((offset, (r_o_ohm, _))) = offset.and_then(|offset| Some((offset, offset.r_o_ohm?))) {
-            let state = [slope[0], slope[1], r_o_ohm, offset.d_ns];
+            let state = [slope[0], slope[1], r_o_ohm, offset.d_ns, 0.0];
             // While little is known no gate keeps a spike out, and what fits it is rejected afterwards: then the
             // rounds are seen again without the first one. If that never helps, there are new rounds.
             self.ready = (0..BEGINNINGS).any(|skipped| self.fits(state, &rounds[skipped..]));
@@ -193,7 +205,7 @@ impl Tracker {
 
     /// Lets the filter see rounds, starting from almost no knowledge; whether they fit.
     fn fits(&mut self, state: State, rounds: &[[Record; 3]]) -> bool {
-        self.state = state;
+        (self.state, self.scatter) = (state, SwitchScatter::default());
         self.open();
         self.at = rounds[0][0].start;
         let mut rejected = 0;
@@ -206,10 +218,11 @@ impl Tracker {
         rejected * MOST_REJECTED <= 3 * rounds.len()
     }
 
-    /// As little knowledge as physics leaves: g to 5 %, Ro to 50 ohm, d to 50 us.
+    /// As little knowledge as physics leaves: g to 5 %, Ro to 50 ohm, each d to 50 us.
     fn open(&mut self) {
-        self.covariance = [[0.0; 4]; 4];
-        let sigma = [0.05 * self.state[0], 0.05 * self.state[1], 50.0, 50_000.0];
+        self.covariance = Matrix::default();
+        let d_b = if self.nodes == 2 { 50_000.0 } else { 0.0 };
+        let sigma = [0.05 * self.state[0], 0.05 * self.state[1], 50.0, 50_000.0, d_b];
         for (index, sigma) in sigma.into_iter().enumerate() {
             self.covariance[index][index] = sigma * sigma;
         }
@@ -219,12 +232,9 @@ impl Tracker {
         self.advance(record.start);
         let route = self.route(record).ok_or(Fault::NoCalibration)?;
         let expected = [0, 1].map(|node| route.crossing(&self.state, node).ns);
-        if let Some(normalised) = self.correct(record, times) {
+        if self.correct(record, times).is_some() {
             // What the filter takes is no spike, whatever the spread says.
             let _ = self.noise.add(kind, times, expected);
-            let faster =
-                (LEARN_WALK * (normalised / self.nodes as f64 - 1.0)).clamp(-LEARN_WALK, 4.0 * LEARN_WALK);
-            self.walk_g = (self.walk_g * faster.exp()).clamp(WALK_G[0], WALK_G[1]);
             self.rejected_in_row = 0;
             self.counts.used += 1;
             return Ok(());
@@ -236,6 +246,49 @@ impl Tracker {
         }
         self.begin_anew();
         Err(Fault::CalibrationStep)
+    }
+
+    /// The discharge through R_1 tells how fast d walks, that through R_2 how fast g does, a split one how fast Ro does.
+    fn learn_walk(&mut self, kind: CalibrationKind, gain: &Gain, rows: &[State; 2], innovation: [f64; 2]) {
+        let mut direction = State::default();
+        match kind {
+            CalibrationKind::First => direction[D] = 1.0,
+            CalibrationKind::Second => direction[..2].copy_from_slice(&self.state[..2]),
+            CalibrationKind::Split => direction[R_O] = 1.0,
+        }
+        let by = rows.map(|row| (0..UNKNOWNS).map(|i| row[i] * direction[i]).sum::<f64>());
+        let away = gain.along(by, innovation);
+        let (walk, trend) = (&mut self.walk[kind as usize], &mut self.trend[kind as usize]);
+        let faster = (LEARN_WALK * (away * *trend - WALK_CALM)).clamp(-4.0 * LEARN_WALK, 4.0 * LEARN_WALK);
+        *walk = (*walk * faster.exp()).clamp(SLOWEST_WALK[kind as usize], FASTEST_WALK[kind as usize]);
+        *trend += (away - *trend) / TREND_OF;
+    }
+
+    /// A state that is right leaves nothing over on average, whatever the kind of discharge.
+    fn learn_misfit(&mut self, kind: CalibrationKind, gain: &Gain, innovation: [f64; 2]) {
+        for (node, mean) in self.means[kind as usize].iter_mut().enumerate().take(self.nodes) {
+            *mean += (gain.sigmas(node, innovation) - *mean) / MISFIT_OF;
+        }
+    }
+
+    /// By how much more the state is uncertain than its covariance says, since discharges of different kinds contradict each
+    /// other (Birge's ratio): whatever it is that no state explains, readings have it too.
+    fn misfit(&self) -> f64 {
+        // The variance of such a running mean of values of variance 1.
+        let chance = 1.0 / (2.0 * MISFIT_OF - 1.0);
+        let squares: f64 = self.means.iter().flatten().map(|mean| mean * mean / chance).sum();
+        let per_crossing = squares / (3 * self.nodes) as f64;
+        if per_crossing > MISFIT_SHOWS { per_crossing } else { 1.0 }
+    }
+
+    /// The variance of v times the state.
+    pub fn variance(&self, v: &State) -> f64 {
+        self.misfit() * quadratic(&self.covariance, v)
+    }
+
+    /// The covariance of u and of v times the state.
+    pub fn covariance_of(&self, u: &State, v: &State) -> f64 {
+        self.misfit() * bilinear(&self.covariance, u, v)
     }
 
     /// After a step. Nothing of the old state may bias the new one: how far the step went is not known.
@@ -254,7 +307,10 @@ impl Tracker {
         self.at = now;
         // A crossing without delay has no other noise than latency.
         let jitter_ns = self.noise.covariance([0.0; 2]).map_or(0.0, |noise| noise.aa.sqrt());
-        let walk = [self.walk_g * self.state[0], self.walk_g * self.state[1], WALK_R_O, WALK_D * jitter_ns];
+        let [walk_d, walk_g, walk_r_o] = self.walk;
+        let walk_d = walk_d * jitter_ns;
+        let walk_d_b = if self.nodes == 2 { walk_d } else { 0.0 };
+        let walk = [walk_g * self.state[0], walk_g * self.state[1], walk_r_o, walk_d, walk_d_b];
         for (index, walk) in walk.into_iter().enumerate() {
             self.covariance[index][index] += walk * walk * seconds;
         }
@@ -278,10 +334,14 @@ impl Tracker {
         [true, self.nodes == 2]
     }
 
-    /// The covariance of what is observed of a discharge, its noise and its switch.
-    pub fn observation(&self, route: &Route, u_switch_ns: f64) -> Option<Covariance> {
+    /// The covariance of what is observed of a discharge, its noise and its switch; `expected_ns`: as in
+    /// [`Tracker::u_switch_ns`].
+    fn observation(&self, route: &Route, expected_ns: f64) -> Option<Covariance> {
+        self.observation_of(route, self.u_switch_ns(expected_ns))
+    }
+
+    fn observation_of(&self, route: &Route, u_switch: f64) -> Option<Covariance> {
         let mut noise = self.noise.covariance(route.late_ns(&self.state))?;
-        let u_switch = self.u_switch_ns(u_switch_ns);
         let by = [0, 1].map(|node| route.crossing(&self.state, node).by_switch * u_switch);
         noise.add_outer(by);
         Some(noise)
@@ -296,23 +356,40 @@ impl Tracker {
         let gain = Gain::new(
             &self.covariance,
             &states,
-            &self.observation(&route, record.u_switch_ns.unwrap_or(0.0))?,
+            &self.observation(&route, expected_ns(record))?,
             self.seen(),
         )?;
         let normalised = gain.normalised(innovation);
         if normalised > INNOVATION_GATE * INNOVATION_GATE * self.nodes as f64 {
             return None;
         }
-        if rows[0].by_switch != 0.0 {
-            // As it would scatter if the switch did not.
-            let steady = quadratic(&self.covariance, &states[0]) + self.observation(&route, 0.0)?.aa;
-            self.scatter.add(innovation[0], steady, rows[0].by_switch);
+        if let Some(kind) = record.calibration_kind() {
+            self.learn_misfit(kind, &gain, innovation);
+            self.learn_walk(kind, &gain, &states, innovation);
         }
-        for index in 0..4 {
+        self.learn_scatter(&route, innovation);
+        for index in 0..UNKNOWNS {
             self.state[index] += gain.of[index][0] * innovation[0] + gain.of[index][1] * innovation[1];
         }
         self.covariance = gain.posterior(&self.covariance);
         Some(normalised)
+    }
+
+    /// How late the switch seems to have been by both nodes, and how well they would tell it if it never scattered.
+    fn learn_scatter(&mut self, route: &Route, innovation: [f64; 2]) {
+        let rows = [0, 1].map(|node| route.crossing(&self.state, node));
+        let by = rows.map(|row| row.by_switch);
+        let steady = self.observation_of(route, 0.0).and_then(|mut steady| {
+            let p = &self.covariance;
+            steady.aa += quadratic(p, &rows[0].by_state);
+            steady.bb += quadratic(p, &rows[1].by_state);
+            steady.ab += bilinear(p, &rows[0].by_state, &rows[1].by_state);
+            steady.inverse(self.seen())
+        });
+        let Some(inverse) = steady.filter(|_| by[0] != 0.0) else { return };
+        let (weights, information) = (inverse.times(by), inverse.of(by[0], by[1]));
+        let late_ns = (weights[0] * innovation[0] + weights[1] * innovation[1]) / information;
+        self.scatter.add(late_ns, 1.0 / information);
     }
 
     /// By how much a calibration discharge of this kind would lower v^T P v.
@@ -343,8 +420,14 @@ impl Tracker {
     pub fn offset(&self) -> Offset {
         let known = |index: usize| (self.state[index], self.covariance[index][index].sqrt());
         let (d_ns, u_d_ns) = known(D);
-        let (r_o_ohm, switch_ns) = (Some(known(R_O)), self.scatter.bound_ns());
-        Offset { d_ns, u_d_ns, r_o_ohm, switch_ns, ..Offset::default() }
+        Offset {
+            d_ns,
+            u_d_ns,
+            b_later_ns: self.state[D_B],
+            r_o_ohm: Some(known(R_O)),
+            scatter: self.scatter,
+            ..Offset::default()
+        }
     }
 }
 

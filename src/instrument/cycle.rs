@@ -321,7 +321,7 @@ impl Cycle {
             }
             Err(fault) => (Status::Fault(*fault), now),
         };
-        memory.take(&status, outcome.result.ok(), zero_ohm, &self.estimator);
+        memory.take(&status, outcome.result.ok(), zero_ohm, &mut self.estimator);
         self.report(channel, status, at, now)
     }
 

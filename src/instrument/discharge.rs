@@ -1,9 +1,14 @@
 //! One discharge, without input or output: \[drain\], charge, arm, settle, start, [planned switch], crossings.
 //!
+//! Calls whose times count are made alike: a chip that was left alone for some microseconds, or the way to it, sleeps, and
+//! then a line moves later in its call. So levels are read shortly before a planned instant, which wakes whatever sleeps, and
+//! the rest of the time is spun away.
+//!
 //! A [`Plan`] becomes a [`Record`] or a named [`Fault`]; each wait is bounded, lines are broken before made. [`Discharge`]
 //! answers each event with the next [`Action`]; [`run()`] is the few lines that carry the actions out on real or simulated
 //! [`Pins`].
 
+mod lead;
 mod plan;
 mod run;
 
@@ -15,6 +20,7 @@ use crate::pins::{Armed, Bracket, Drives, Edge, Levels, later};
 use crate::reading::Fault;
 use crate::record::{Record, Switch, Through};
 use crate::units::Nanos;
+pub use lead::Lead;
 pub use plan::Plan;
 pub use run::{Outcome, run, run_on};
 
@@ -65,13 +71,23 @@ enum Phase {
     Charged,
     Floating,
     Arming(Nanos),
-    Settling,
+    /// Until shortly before a call that is timed.
+    Napping(Nanos, Timed),
+    /// Reading levels, so that whatever sleeps is awake.
+    Waking(Nanos, Timed),
+    Awake(Timed),
     Starting,
-    BeforeSwitch,
     Releasing(Through),
     Sinking(Through),
     Crossing,
     TimedOut,
+}
+
+/// A call whose instant counts.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Timed {
+    Start,
+    Switch(Through),
 }
 
 /// A switch that was made, by two calls for one line each: one that releases, one that sinks.
@@ -86,6 +102,8 @@ struct Switched {
 #[derive(Debug, Clone)]
 pub struct Discharge {
     plan: Plan,
+    /// How long before a timed call levels are read.
+    lead: Nanos,
     phase: Phase,
     /// When the chargers let go.
     floating: Nanos,
@@ -105,10 +123,11 @@ pub struct Discharge {
 
 impl Discharge {
     /// A discharge to be done; the first action is to drain or to charge.
-    pub fn new(plan: Plan) -> (Discharge, Action) {
+    pub fn new(plan: Plan, lead: Nanos) -> (Discharge, Action) {
         let drains = plan.drain > Nanos::ZERO;
         let discharge = Discharge {
             plan,
+            lead,
             phase: if drains { Phase::Draining } else { Phase::Charging },
             floating: Nanos::ZERO,
             start: Bracket::default(),
@@ -150,12 +169,20 @@ impl Discharge {
             }
             (Phase::Floating, Event::Drove(bracket)) => self.floating(bracket),
             (Phase::Arming(settled), Event::Armed(armed)) => self.armed(armed, settled),
-            (Phase::Settling, Event::Slept) => self.start(),
+            (Phase::Napping(at, call), Event::Slept) => {
+                self.phase = Phase::Waking(at, call);
+                Action::ReadLevels
+            }
+            (Phase::Waking(_, Timed::Start), Event::Levels(levels)) if !self.is_charged(levels) => {
+                self.stop(Some(Fault::NoCharge))
+            }
+            (Phase::Waking(at, call), Event::Levels(_)) => {
+                self.phase = Phase::Awake(call);
+                Action::Sleep(at)
+            }
+            (Phase::Awake(Timed::Start), Event::Slept) => self.start(),
+            (Phase::Awake(Timed::Switch(to)), Event::Slept) => self.switch_to(to),
             (Phase::Starting, Event::Drove(bracket)) => self.started(bracket),
-            (Phase::BeforeSwitch, Event::Slept) => match self.plan.switch {
-                Some((_, to)) => self.switch_to(to),
-                None => self.stop(Some(Fault::Pins)),
-            },
             (Phase::Releasing(to), Event::Drove(bracket)) => self.released(bracket, to),
             (Phase::Sinking(to), Event::Drove(bracket)) => self.sunk(bracket, to),
             (Phase::Crossing, Event::Edge(Some(edge))) => self.crossed(edge),
@@ -194,17 +221,22 @@ impl Discharge {
 
     fn armed(&mut self, armed: Armed, settled: Nanos) -> Action {
         self.charged = Some(armed.levels);
-        let charged = armed.levels.a && (armed.levels.b || self.plan.last == Node::A);
-        if !charged {
+        if !self.is_charged(armed.levels) {
             return self.stop(Some(Fault::NoCharge));
         }
         (self.armed_seqno, self.highest_seqno) = (armed.seqno, armed.seqno);
         self.line_seqno = armed.line_seqno;
-        if self.plan.settle <= Nanos::ZERO {
-            return self.start();
-        }
-        self.phase = Phase::Settling;
-        Action::Sleep(settled)
+        // Arming has read the levels just now.
+        if self.plan.settle <= Nanos::ZERO { self.start() } else { self.time(settled, Timed::Start) }
+    }
+
+    fn is_charged(&self, levels: Levels) -> bool {
+        levels.a && (levels.b || self.plan.last == Node::A)
+    }
+
+    fn time(&mut self, at: Nanos, call: Timed) -> Action {
+        self.phase = Phase::Napping(at, call);
+        Action::Sleep(at - self.lead)
     }
 
     fn start(&mut self) -> Action {
@@ -220,10 +252,7 @@ impl Discharge {
             return self.stop(Some(Fault::WideBracket));
         }
         match self.plan.switch {
-            Some((after, _)) => {
-                self.phase = Phase::BeforeSwitch;
-                Action::Sleep(bracket.before + after)
-            }
+            Some((after, to)) => self.time(bracket.before + after, Timed::Switch(to)),
             None => self.wait(),
         }
     }
@@ -265,7 +294,7 @@ impl Discharge {
 
     fn waited_long(&mut self) -> Action {
         match self.plan.limit {
-            Some(to) if self.switch.is_none() => self.switch_to(to),
+            Some(to) if self.switch.is_none() => self.time(self.wait_until, Timed::Switch(to)),
             _ => {
                 self.phase = Phase::TimedOut;
                 Action::ReadLevels
@@ -339,8 +368,8 @@ impl Discharge {
             }),
             a_ns,
             b_ns,
-            // Anywhere in the middle half of its call, each of two lines.
-            u_switch_ns: Some(single_ns / 2.0 / 6f64.sqrt()),
+            // Anywhere in its call, each of two lines.
+            u_switch_ns: Some(single_ns / 6f64.sqrt()),
             waited_ns: self.waited.map(since_start),
         }
     }

@@ -6,6 +6,17 @@ use crate::units::Nanos;
 /// capacitors are within 20 %, thresholds between a quarter and a half of the supply.
 pub const MISSING: f64 = 0.05;
 
+// Calls that are timed.
+/// How long a read of levels takes before one has been seen: 1 us on a Pi 4, and what a sleeping link takes to wake up.
+pub const FIRST_READ: Nanos = Nanos(5_000);
+/// What one read changes in that.
+pub const READ_STEP: Nanos = Nanos(200);
+/// Between a read of levels and the call after it: more than reads differ by, and less than it takes a link to fall asleep
+/// again.
+pub const AWAKE: Nanos = Nanos(2_000);
+/// Nobody spins for longer than this before a call.
+pub const MOST_LEAD: Nanos = Nanos(50_000);
+
 // The order of discharges.
 /// The longest sleep of one step while waiting for the next cycle, so that the caller can tell its counters in between.
 pub const NAP: Nanos = Nanos(100_000_000);

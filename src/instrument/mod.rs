@@ -40,6 +40,7 @@ pub mod settings;
 pub mod stats;
 
 use crate::instrument::cycle::{Cycle, Next};
+use crate::instrument::discharge::Lead;
 use crate::instrument::limits::NAP;
 use crate::instrument::settings::Settings;
 use crate::instrument::stats::Stats;
@@ -70,12 +71,14 @@ pub struct Instrument<P> {
     period: Option<Nanos>,
     tick: Option<Nanos>,
     discharges: u64,
+    lead: Lead,
 }
 
 impl<P: Pins> Instrument<P> {
     /// Ready to take its first discharge.
     pub fn new(pins: P, settings: Settings) -> Instrument<P> {
-        Instrument { pins, period: settings.period, cycle: Cycle::new(settings), tick: None, discharges: 0 }
+        let (period, cycle) = (settings.period, Cycle::new(settings));
+        Instrument { pins, period, cycle, tick: None, discharges: 0, lead: Lead::default() }
     }
 
     /// What has been counted and learned.
@@ -132,7 +135,7 @@ impl<P: Pins> Instrument<P> {
             Next::Discharge(plan) => {
                 // One that was held back is no calibration for whoever reads the tape.
                 let is_told = !self.cycle.is_holding();
-                let outcome = discharge::run_on(&mut self.pins, plan)?;
+                let outcome = discharge::run_on(&mut self.pins, plan, &mut self.lead)?;
                 let reading = self.cycle.done(&outcome, self.pins.now());
                 if let Some(record) = outcome.result.ok().filter(|_| is_told) {
                     self.discharges += 1;

@@ -1,24 +1,13 @@
 //! What the instrument runs with: every default filled in and every file read.
 
 use crate::circuit::{Kind, Node};
-use crate::estimate::force::Force;
 use crate::instrument::diagnosis::Board;
 use crate::pins::Drives;
 use crate::reading::Method;
 use crate::record::Through;
+use crate::sensor::Channel;
 use crate::units::Nanos;
 use std::str::FromStr;
-
-/// One sensor.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Channel {
-    /// Its name.
-    pub id: String,
-    /// What a short circuit in its place reads, ohm.
-    pub zero_ohm: f64,
-    /// Its characteristic, if it is to give forces.
-    pub force: Option<Force>,
-}
 
 /// Where the latency offset comes from.
 #[derive(Debug, Clone, Copy, PartialEq)]

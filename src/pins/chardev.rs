@@ -1,149 +1,103 @@
-//! Real GPIO lines through the Linux character device, uAPI v2 (kernel 5.10 and later).
+//! Real GPIO lines through the Linux character device, by either version of its uAPI.
 //!
-//! Two requests. The *drive request* holds sinks (open drain) and dedicated chargers (open source): a change of
-//! direction is one SET_VALUES, which touches no interrupt. The *sense request* holds the sense lines, inputs with
-//! falling edges for ever. In the published wiring, where the sense lines charge as well, they are reconfigured
-//! (SET_CONFIG) around each charge, but never between [`arm`](Pins::arm) and the next charge: setting up an edge
-//! interrupt takes tens of microseconds.
+//! One shape, [`Chardev`], over what the two versions do in their own ways: [v2](Chardev::open) from kernel 5.10 on,
+//! [v1](super::chardev_v1::open) before.
 //!
 //! Kernel behaviour: drivers/gpio/gpiolib-cdev.c. A level change while an edge is being set up gives no event, so
 //! `arm` reads the levels last. Unread events survive a change of direction, so `arm` drains them.
 
-use self::chips::Chip;
-use self::edges::EdgeBuffer;
-use self::error::as_io;
-use self::held::{HeldChip, SENSE_LINES};
-use self::request::{charging, drive_request, inputs, released, sense_request, switching, watching};
-use self::wiring::{Lines, titles};
-use super::limits::MOST_STALE_READS;
-use super::{Armed, Bracket, Drives, Edge, Levels, Particulars, Pins, PinsError, monotonic};
+use self::error::{hint, is_gone};
+use self::wait::{SpinMargin, readable};
+use super::limits::MOST_STALE_EDGES;
+use super::{Armed, Bracket, Drives, Edge, Levels, Particulars, Pins, PinsError, later, monotonic};
 use crate::units::Nanos;
-use gpiocdev_uapi::v2::{self, LineConfig, LineValues};
-use nix::fcntl::{FcntlArg, OFlag, fcntl};
 use nix::poll::{PollFd, PollFlags};
-use std::fs::File;
-use std::os::fd::AsFd;
+use std::io;
+use std::os::fd::BorrowedFd;
 
 pub(super) mod chips;
-mod edges;
 pub(super) mod error;
-pub(super) mod held;
 mod names;
 pub(super) mod release;
 mod request;
+mod v2;
 mod wait;
 pub(super) mod wiring;
 
-pub use chips::{ChipListing, LineListing, Listing, list};
-pub use error::{Cause, ChardevError, Holder};
+pub use chips::{ChipListing, LineListing, list};
+pub use error::ChardevError;
 pub use release::release_lines;
 pub use wiring::Wiring;
 
+/// What errors call all sense lines together.
+pub(super) const SENSE_LINES: &str = "the sense lines";
+
+/// A call that failed, what the kernel answered, and the line or request it was made for.
+pub(super) type Failed = (&'static str, io::Error, String);
+
+/// The lines of a circuit as one version of the uAPI holds them; when dropped, all of them are inputs.
+pub(super) trait Held: Send {
+    /// Switches from one set of driving lines to another: releases, then drives.
+    fn switch(&mut self, from: Drives, to: Drives) -> Result<(), Failed>;
+    /// Watches for falling edges of the sense lines from here on, if that is not so already; nothing drives.
+    fn watch(&mut self) -> Result<(), Failed>;
+    /// The next edge that is there, without waiting.
+    fn next_edge(&mut self) -> Result<Option<Edge>, Failed>;
+    /// Whether each node is high.
+    fn levels(&self) -> Result<[bool; 2], Failed>;
+    /// Readable when there is an edge; where one descriptor is all, twice.
+    fn descriptors(&self) -> [BorrowedFd<'_>; 2];
+}
+
 /// The lines of one circuit, held until dropped; then all of them are inputs.
-#[derive(Debug)]
 pub struct Chardev {
-    chip: HeldChip,
-    lines: Lines,
+    held: Box<dyn Held>,
+    /// Name and label of the chip.
+    chip: String,
     wired: Drives,
-    drive_file: File,
-    sense_file: File,
     /// What drives now; `None` after a failed call, when every line may.
     driving: Option<Drives>,
-    /// Whether the sense lines are inputs with falling edges; where they charge, only from `arm` to the next charge.
-    watching: bool,
-    edges: EdgeBuffer,
+    /// The highest of the edges that were read, and the last of each node.
+    seqno: u32,
+    line_seqno: [u32; 2],
+    margin: SpinMargin,
+    blind_spots: Vec<&'static str>,
 }
 
 impl Chardev {
-    /// Requests all lines of the wiring; nothing drives afterwards.
-    ///
-    /// # Errors
-    /// [`ChardevError`], with the likely cause: no such chip or line, no permission, a line held by someone else, a
-    /// kernel without uAPI v2.
-    pub fn open(wiring: &Wiring) -> Result<Chardev, ChardevError> {
-        let chip = Chip::find(&wiring.chip)?;
-        let lines = wiring.resolve(&chip)?;
-        let get_line = |request: v2::LineRequest, titles: String| {
-            let offsets = request.offsets.0[..request.num_lines as usize].to_vec();
-            v2::get_line(&chip.file, request)
-                .map_err(|error| chip.refusal("GET_LINE", titles, &offsets, as_io(error)))
-        };
-        let drive_titles = titles(lines.drives.iter().map(|drive| &drive.line));
-        let drive_file = get_line(drive_request(&lines, &wiring.consumer), drive_titles)?;
-        let sense_titles = titles(&lines.sense);
-        let sense_file = get_line(sense_request(&lines, &wiring.consumer), sense_titles.clone())?;
-        fcntl(&sense_file, FcntlArg::F_SETFL(OFlag::O_NONBLOCK))
-            .map_err(|errno| chip.refusal("F_SETFL", sense_titles, &[], errno.into()))?;
-        Ok(Chardev {
-            chip: HeldChip::new(chip.title()),
-            wired: lines.wired(),
-            driving: Some(Drives::NONE),
-            watching: !lines.sense_charges,
-            lines,
-            drive_file,
-            sense_file,
-            edges: EdgeBuffer::default(),
-        })
+    /// Takes over lines of which none drives.
+    pub(super) fn new(
+        held: Box<dyn Held>,
+        chip: String,
+        wired: Drives,
+        blind_spots: Vec<&'static str>,
+    ) -> Chardev {
+        let (driving, margin) = (Some(Drives::NONE), SpinMargin::default());
+        Chardev { held, chip, wired, driving, seqno: 0, line_seqno: [0; 2], margin, blind_spots }
     }
 
-    /// The sense lines that are to charge, when `on` drives and they are wired for it.
-    fn charging_by_sense(&self, on: Drives) -> Drives {
-        if self.lines.sense_charges { on.only(Drives::CHARGE) } else { Drives::NONE }
-    }
-
-    fn configure_sense(&mut self, config: LineConfig) -> Result<(), PinsError> {
-        self.watching = false;
-        v2::set_line_config(&self.sense_file, config)
-            .map_err(|error| self.chip.failed("SET_CONFIG", SENSE_LINES, as_io(error)))
-    }
-
-    fn set_values(&self, values: &LineValues) -> Result<(), PinsError> {
-        v2::set_line_values(&self.drive_file, values)
-            .map_err(|error| self.chip.failed("SET_VALUES", &self.titles(*values), as_io(error)))
-    }
-
-    /// Releases, then drives: sense lines that charge are released before any sink drives, and charge after all
-    /// sinks are released.
-    fn switch(&mut self, from: Drives, to: Drives) -> Result<(), PinsError> {
-        let charged = self.charging_by_sense(from);
-        let charge = self.charging_by_sense(to);
-        if !charge.contains(charged) {
-            self.configure_sense(charging(charged.only(charge)))?;
+    fn next_edge(&mut self) -> Result<Option<Edge>, PinsError> {
+        let edge = self.held.next_edge().map_err(|failed| explain(&self.chip, failed))?;
+        if let Some(edge) = edge {
+            self.seqno = later(self.seqno, edge.seqno);
+            self.line_seqno[edge.node.index()] = edge.line_seqno;
         }
-        for values in switching(&self.lines, from, to) {
-            self.set_values(&values)?;
-        }
-        if !charged.contains(charge) {
-            self.configure_sense(charging(charge))?;
-        }
-        Ok(())
+        Ok(edge)
     }
+}
 
-    fn release_all(&mut self) -> Result<(), PinsError> {
-        if self.lines.sense_charges {
-            self.configure_sense(inputs())?;
-        }
-        self.set_values(&released(&self.lines))
+/// A failed call: the chip is gone, or what is known of the failure without looking anything up.
+fn explain(chip: &str, (call, source, line): Failed) -> PinsError {
+    let errno = source.raw_os_error().unwrap_or_default();
+    if is_gone(errno) {
+        return PinsError::Gone { chip: chip.to_owned(), call, line };
     }
-
-    fn titles(&self, values: LineValues) -> String {
-        let named = self.lines.drives.iter().enumerate().filter(|(bit, _)| values.mask & 1 << bit != 0);
-        titles(named.map(|(_, drive)| &drive.line))
-    }
-
-    /// Fetches what edges there are, without waiting; whether there were any.
-    fn fetch(&mut self) -> Result<bool, PinsError> {
-        match v2::read_event(&self.sense_file, self.edges.room()) {
-            Ok(words) => Ok(self.edges.filled(words, &self.lines)),
-            Err(v2::Error::Os(errno)) if [libc::EAGAIN, libc::EINTR].contains(&errno.0) => Ok(false),
-            Err(error) => Err(self.chip.failed("read", SENSE_LINES, as_io(error))),
-        }
-    }
+    PinsError::Call { call, line, source, hint: hint(errno) }
 }
 
 /// What is to drive when `on` is asked for and these lines are wired. A circuit without a charger of node B is
 /// charged by that of node A alone.
-pub(super) fn to_be_driven(on: Drives, wired: Drives) -> Result<Drives, PinsError> {
+fn to_be_driven(on: Drives, wired: Drives) -> Result<Drives, PinsError> {
     if on.conflicts() {
         return Err(PinsError::Conflict(on));
     }
@@ -157,85 +111,69 @@ impl Pins for Chardev {
         monotonic()
     }
 
-    /// The published wiring takes a SET_CONFIG of the sense lines where a charger switches; the bracket is around all
-    /// calls.
+    /// Where it takes several calls, the bracket is around all of them.
     ///
     /// # Errors
     /// [`PinsError::Unwired`] if a line of `on` is not wired, before anything is touched.
     fn drive(&mut self, on: Drives) -> Result<Bracket, PinsError> {
         let on = to_be_driven(on, self.wired)?;
         let before = monotonic();
-        let from = match self.driving.take() {
-            Some(driving) => driving,
-            None => self.release_all().map(|()| Drives::NONE)?,
+        let released = match self.driving.take() {
+            Some(driving) => Ok(driving),
+            None => self.held.switch(self.wired, Drives::NONE).map(|()| Drives::NONE),
         };
-        self.switch(from, on)?;
+        released.and_then(|from| self.held.switch(from, on)).map_err(|failed| explain(&self.chip, failed))?;
         self.driving = Some(on);
         Ok(Bracket { before, after: monotonic() })
     }
 
     fn arm(&mut self) -> Result<Armed, PinsError> {
-        if !self.watching {
-            self.configure_sense(watching())?;
-            self.watching = true;
-            self.driving = self.driving.map(|driving| driving.without(self.charging_by_sense(driving)));
-        }
+        self.held.watch().map_err(|failed| explain(&self.chip, failed))?;
         // Not for ever: on a line that catches a radio, edges may come faster than they are read.
-        let mut reads = 0;
-        while self.fetch()? && reads < MOST_STALE_READS {
-            reads += 1;
+        for _ in 0..MOST_STALE_EDGES {
+            if self.next_edge()?.is_none() {
+                break;
+            }
         }
-        self.edges.forget();
-        let EdgeBuffer { seqno, line_seqno, .. } = self.edges;
-        Ok(Armed { levels: self.levels()?, seqno, line_seqno })
+        Ok(Armed { levels: self.levels()?, seqno: self.seqno, line_seqno: self.line_seqno })
     }
 
     fn edge(&mut self, until: Nanos) -> Result<Option<Edge>, PinsError> {
         loop {
-            if let Some(edge) = self.edges.take() {
-                return Ok(Some(edge));
-            }
             // Before the look: an edge of the last moment counts.
             let is_last = monotonic() >= until;
-            let mut watched = [PollFd::new(self.sense_file.as_fd(), PollFlags::POLLIN)];
-            let is_ready = self.chip.edges_come(&mut watched, until)?;
-            if !(is_ready && self.fetch()?) && is_last {
-                return Ok(None);
+            let edge = self.next_edge()?;
+            if edge.is_some() || is_last {
+                return Ok(edge);
             }
+            let mut watched = self.held.descriptors().map(|fd| PollFd::new(fd, PollFlags::POLLIN));
+            readable(&mut watched, until)
+                .map_err(|errno| explain(&self.chip, ("ppoll", errno.into(), SENSE_LINES.to_owned())))?;
         }
     }
 
     fn sleep_until(&mut self, at: Nanos) -> Result<(), PinsError> {
-        self.chip.sleep_until(at)
+        self.margin.sleep_until(at);
+        Ok(())
     }
 
     fn rest_until(&mut self, at: Nanos) -> Result<(), PinsError> {
-        self.chip.rest_until(at)
+        self.margin.rest_until(at);
+        Ok(())
     }
 
     fn rest_before_edge(&mut self, at: Nanos) -> Result<(), PinsError> {
-        self.chip.rest_before_edge(at)
+        self.margin.rest_before_edge(at);
+        Ok(())
     }
 
     fn levels(&mut self) -> Result<Levels, PinsError> {
-        let mask = (1 << self.lines.sense.len()) - 1;
-        let mut values = LineValues { bits: 0, mask };
-        v2::get_line_values(&self.sense_file, &mut values)
-            .map_err(|error| self.chip.failed("GET_VALUES", SENSE_LINES, as_io(error)))?;
-        Ok(Levels { a: values.get(0).unwrap_or(true), b: values.get(1).unwrap_or(true) })
+        let [a, b] = self.held.levels().map_err(|failed| explain(&self.chip, failed))?;
+        Ok(Levels { a, b })
     }
 
     fn particulars(&self) -> Particulars<'_> {
-        Particulars { spin_margin: Some(self.chip.spin_margin()), blind_spots: &[] }
-    }
-}
-
-impl Drop for Chardev {
-    /// Every line becomes an input before the kernel gets it back: some kernels leave outputs as they are. Nothing can
-    /// be done about an error here; the chip is gone.
-    fn drop(&mut self) {
-        let _ = v2::set_line_config(&self.sense_file, inputs());
-        let _ = v2::set_line_config(&self.drive_file, inputs());
+        Particulars { spin_margin: Some(self.margin.get()), blind_spots: &self.blind_spots }
     }
 }
 
@@ -251,5 +189,18 @@ mod tests {
         assert!(matches!(refused(Drives::C2.and(Drives::C1)), PinsError::Unwired(Drives::C2)));
         assert_eq!(to_be_driven(Drives::CHARGE, wired).unwrap(), Drives::CHARGE_A);
         assert_eq!(to_be_driven(Drives::x(0), wired).unwrap(), Drives::x(0));
+    }
+
+    #[test]
+    fn the_disappearance_of_a_chip_is_told_from_other_failures() {
+        let failed = |call, errno| {
+            explain("gpiochip0", (call, io::Error::from_raw_os_error(errno), "sense".to_owned()))
+        };
+        let error = failed("GET_VALUES", libc::ENODEV);
+        let expected = "the GPIO chip gpiochip0 is gone, says GET_VALUES on sense: its driver was unbound, or the board \
+                        unplugged";
+        assert!(matches!(error, PinsError::Gone { .. }) && error.to_string() == expected, "{error}");
+        let error = failed("SET_VALUES", libc::EIO);
+        assert!(matches!(error, PinsError::Call { call: "SET_VALUES", .. }), "{error}");
     }
 }

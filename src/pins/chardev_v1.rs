@@ -1,6 +1,7 @@
 //! Real GPIO lines through the Linux character device, uAPI v1 (kernels before 5.10).
 //!
-//! One request a line: an event line for each sense line, an output ([`CdevPin`]) for each sink and charger. v1
+//! One request a line: an event line for each sense line, an output ([`CdevPin`]) for each sink and charger; v1 sets all lines
+//! of a request at once, without a mask, and lines that do not change are not to be touched. v1
 //! (drivers/gpio/gpiolib-cdev.c, `lineevent_*` and `linehandle_*`) does not number events and cannot reconfigure
 //! an event line, so circuits whose sense lines charge are refused; what else it cannot see is told by
 //! [`Particulars::blind_spots`].
@@ -10,29 +11,27 @@
 //! calibration discharges as well it is part of the noise that is learned from them, and if it is far off it is refused as an
 //! outlier. A pull-down is looked for as a leak is.
 
-use self::sense::{SenseLine, last_call, stamping_clock};
-use self::switches::{Switch, Switches};
 use super::chardev::chips::Chip;
-use super::chardev::error::{Cause, ChardevError};
-use super::chardev::held::HeldChip;
+use super::chardev::error::ChardevError;
 use super::chardev::release::each_line;
-use super::chardev::to_be_driven;
-use super::chardev::wiring::{DriveLine, WiredLine, Wiring};
-use super::limits::MOST_STALE_EDGES;
-use super::{Armed, Bracket, Drives, Edge, Levels, Node, Particulars, Pins, PinsError, monotonic};
+use super::chardev::wiring::{WiredLine, Wiring};
+use super::chardev::{Chardev, Failed, Held};
+use super::{Drives, Edge, Node, clock, kernel, monotonic};
 use crate::units::Nanos;
-use gpio_cdev::{EventRequestFlags, LineHandle, LineRequestFlags};
+use embedded_hal::digital::OutputPin;
+use gpio_cdev::{EventRequestFlags, LineEventHandle, LineRequestFlags};
 use linux_embedded_hal::CdevPin;
-use nix::poll::{PollFd, PollFlags};
+use nix::fcntl::{FcntlArg, OFlag, fcntl};
 use nix::time::ClockId;
+use std::error::Error;
 use std::io;
-use std::os::fd::AsFd;
-
-mod sense;
-mod switches;
+use std::os::fd::{AsFd, BorrowedFd};
 
 /// GPIOHANDLE_REQUEST_BIAS_DISABLE (include/uapi/linux/gpio.h), since Linux 5.5; gpio-cdev has no name for it.
 const BIAS_DISABLE: LineRequestFlags = LineRequestFlags::from_bits_retain(1 << 7);
+const FIRST_BIAS: (u32, u32) = (5, 5);
+/// The first kernel that stamps edges by `CLOCK_MONOTONIC`.
+const FIRST_MONOTONIC: (u32, u32) = (5, 7);
 
 const NO_NUMBERS: &str = "uAPI v1 does not number edges: lost and coalesced ones are not noticed";
 const SHORT_BUFFER: &str = "uAPI v1 keeps 16 edges a line and drops the newest";
@@ -41,155 +40,47 @@ const WALL_CLOCK: &str = "this kernel (before 5.7) stamps edges by the wall cloc
 
 const NEEDS_CHARGERS: &str = "backend \"chardev-v1\" needs charge-a (and charge-b): uAPI v1 cannot turn a sense line \
     into an output and back; wire chargers, or use a kernel from 5.10 on with backend \"chardev\"";
-const NO_V1: &str =
-    "the kernel refuses a flag, or has no uAPI v1 (CONFIG_GPIO_CDEV_V1): use backend \"chardev\"";
 
-/// The lines of one circuit, held until dropped; then all of them are inputs.
-pub struct ChardevV1 {
-    chip: HeldChip,
-    wired: Drives,
-    switches: Switches<CdevPin>,
-    sense: Vec<SenseLine>,
-    seqno: u32,
-    blind_spots: Vec<&'static str>,
-}
-
-impl ChardevV1 {
-    /// Requests all lines of the wiring; nothing drives afterwards.
-    ///
-    /// # Errors
-    /// [`ChardevError`], with the likely cause. A wiring without dedicated chargers is refused.
-    pub fn open(wiring: &Wiring) -> Result<ChardevV1, ChardevError> {
-        if wiring.sense_charges() {
-            return Err(ChardevError::Wiring(NEEDS_CHARGERS.to_string()));
-        }
-        let chip = Chip::find(&wiring.chip)?;
-        let lines = wiring.resolve(&chip)?;
-        let mut requests = Requests::new(&chip, &wiring.consumer)?;
-        let switches = lines.drives.iter().map(|drive| requests.drive(drive)).collect::<Result<_, _>>()?;
-        let switches = Switches::new(switches);
-        let release = nix::sys::utsname::uname().map(|name| name.release().to_string_lossy().into_owned());
-        let stamped_by = stamping_clock(&release.unwrap_or_default());
-        let nodes = Node::BOTH.into_iter().zip(&lines.sense);
-        let sense =
-            nodes.map(|(node, line)| requests.sense(node, line, stamped_by)).collect::<Result<_, _>>()?;
-        let mut blind_spots = vec![NO_NUMBERS, SHORT_BUFFER];
-        blind_spots.extend((!requests.bias).then_some(NO_BIAS));
-        blind_spots.extend((stamped_by == ClockId::CLOCK_REALTIME).then_some(WALL_CLOCK));
-        Ok(ChardevV1 {
-            chip: HeldChip::new(chip.title()),
-            wired: lines.wired(),
-            switches,
-            sense,
-            seqno: 0,
-            blind_spots,
-        })
+/// Requests all lines of the wiring; nothing drives afterwards.
+///
+/// # Errors
+/// [`ChardevError`], with the likely cause. A wiring without dedicated chargers is refused.
+pub fn open(wiring: &Wiring) -> Result<Chardev, ChardevError> {
+    if wiring.sense_charges() {
+        return Err(ChardevError::Wiring(NEEDS_CHARGERS.to_string()));
     }
-
-    /// Takes the earliest edge that is there.
-    fn next(&mut self) -> Result<Option<Edge>, PinsError> {
-        let mut earliest: Option<(Nanos, &mut SenseLine)> = None;
-        for line in &mut self.sense {
-            let at = line.peek().map_err(|error| self.chip.failed("read", &line.title, error))?;
-            if let Some(at) = at.filter(|at| earliest.as_ref().is_none_or(|(first, _)| at < first)) {
-                earliest = Some((at, line));
-            }
-        }
-        let Some((at, line)) = earliest else { return Ok(None) };
-        line.take();
-        self.seqno = self.seqno.wrapping_add(1);
-        Ok(Some(Edge { node: line.node, at, seqno: self.seqno, line_seqno: line.line_seqno }))
-    }
-
-    fn poll(&self, until: Nanos) -> Result<(), PinsError> {
-        let [Some(a), b] = [self.sense.first(), self.sense.get(1)] else { return Ok(()) };
-        let mut watched = [a, b.unwrap_or(a)].map(|line| PollFd::new(line.as_fd(), PollFlags::POLLIN));
-        self.chip.edges_come(&mut watched, until).map(drop)
-    }
-}
-
-impl Pins for ChardevV1 {
-    fn now(&mut self) -> Nanos {
-        monotonic()
-    }
-
-    /// A call for each line that changes; the bracket is around all of them.
-    ///
-    /// # Errors
-    /// [`PinsError::Unwired`] if a line of `on` is not wired, before anything is touched.
-    fn drive(&mut self, on: Drives) -> Result<Bracket, PinsError> {
-        let on = to_be_driven(on, self.wired)?;
-        let before = monotonic();
-        let outcome = self.switches.drive(on);
-        let after = monotonic();
-        outcome.map(|()| Bracket { before, after }).map_err(|(part, error)| {
-            let source = last_call(error.inner());
-            self.chip.failed("SET_LINE_VALUES", self.switches.title(part), source)
-        })
-    }
-
-    fn arm(&mut self) -> Result<Armed, PinsError> {
-        // Not for ever: on a line that catches a radio, edges may come faster than they are read.
-        for _ in 0..MOST_STALE_EDGES {
-            if self.next()?.is_none() {
-                break;
-            }
-        }
-        let mut line_seqno = [0; 2];
-        for line in &self.sense {
-            line_seqno[line.node.index()] = line.line_seqno;
-        }
-        Ok(Armed { levels: self.levels()?, seqno: self.seqno, line_seqno })
-    }
-
-    fn edge(&mut self, until: Nanos) -> Result<Option<Edge>, PinsError> {
-        loop {
-            if let Some(edge) = self.next()? {
-                return Ok(Some(edge));
-            }
-            if monotonic() >= until {
-                return Ok(None);
-            }
-            self.poll(until)?;
-        }
-    }
-
-    fn sleep_until(&mut self, at: Nanos) -> Result<(), PinsError> {
-        self.chip.sleep_until(at)
-    }
-
-    fn rest_until(&mut self, at: Nanos) -> Result<(), PinsError> {
-        self.chip.rest_until(at)
-    }
-
-    fn rest_before_edge(&mut self, at: Nanos) -> Result<(), PinsError> {
-        self.chip.rest_before_edge(at)
-    }
-
-    fn levels(&mut self) -> Result<Levels, PinsError> {
-        let mut high = [true; 2];
-        for line in &self.sense {
-            let level = line.is_high();
-            high[line.node.index()] =
-                level.map_err(|error| self.chip.failed("GET_LINE_VALUES", &line.title, error))?;
-        }
-        Ok(Levels { a: high[0], b: high[1] })
-    }
-
-    fn particulars(&self) -> Particulars<'_> {
-        Particulars { spin_margin: Some(self.chip.spin_margin()), blind_spots: &self.blind_spots }
-    }
-}
-
-impl Drop for ChardevV1 {
-    /// Every line is released, then requested as an input before the kernel gets it back: some kernels leave outputs
-    /// as they are. Nothing can be done about an error here; the chip is gone.
-    fn drop(&mut self) {
-        let switches = std::mem::replace(&mut self.switches, Switches::new(Vec::new()));
-        for pin in switches.into_released() {
-            let _ = pin.into_input_pin();
-        }
-    }
+    let chip = Chip::find(&wiring.chip)?;
+    let lines = wiring.resolve(&chip)?;
+    let is_before = |version| kernel().1.is_some_and(|running| running < version);
+    let (no_bias, wall_clock) = (is_before(FIRST_BIAS), is_before(FIRST_MONOTONIC));
+    let bias = if no_bias { LineRequestFlags::empty() } else { BIAS_DISABLE };
+    let mut requests = Requests::new(&chip)?;
+    let switches = lines.drives.iter().map(|line| {
+        let (kind, released) = match line.charges() {
+            true => (LineRequestFlags::OPEN_SOURCE, 0),
+            false => (LineRequestFlags::OPEN_DRAIN, 1),
+        };
+        let flags = LineRequestFlags::OUTPUT | kind | bias.clone();
+        let pin = requests.ask("GET_LINEHANDLE", line, |found| {
+            CdevPin::new(found.request(flags, released, &wiring.consumer)?)
+        })?;
+        Ok(Switch { line: line.clone(), pin })
+    });
+    let switches = switches.collect::<Result<_, _>>()?;
+    let sense = Node::BOTH.into_iter().zip(&lines.sense).map(|(node, line)| {
+        let (flags, edges) = (LineRequestFlags::INPUT | bias.clone(), EventRequestFlags::FALLING_EDGE);
+        let handle =
+            requests.ask("GET_LINEEVENT", line, |found| found.events(flags, edges, &wiring.consumer))?;
+        fcntl(&handle, FcntlArg::F_SETFL(OFlag::O_NONBLOCK))
+            .map_err(|errno| chip.refusal("F_SETFL", &line.title, &[], errno.into()))?;
+        Ok(Sense { node, title: line.title.clone(), count: 0, handle })
+    });
+    let sense = sense.collect::<Result<_, _>>()?;
+    let mut blind_spots = vec![NO_NUMBERS, SHORT_BUFFER];
+    blind_spots.extend(no_bias.then_some(NO_BIAS));
+    blind_spots.extend(wall_clock.then_some(WALL_CLOCK));
+    let held = V1 { switches, sense, seqno: 0, wall_clock };
+    Ok(Chardev::new(Box::new(held), chip.title(), lines.wired(), blind_spots))
 }
 
 /// Makes every line of the wiring an input, one by one, and lets go of it.
@@ -198,110 +89,152 @@ impl Drop for ChardevV1 {
 /// The first failure; the other lines have been released all the same.
 pub fn release_lines(wiring: &Wiring) -> Result<(), ChardevError> {
     let chip = Chip::find(&wiring.chip)?;
-    let lines = wiring.resolve(&chip)?;
-    let mut requests = Requests::new(&chip, &wiring.consumer)?;
-    each_line(&lines, |line| requests.handle(line, LineRequestFlags::INPUT, 0).map(drop))
+    let (lines, mut requests) = (wiring.resolve(&chip)?, Requests::new(&chip)?);
+    let input = LineRequestFlags::INPUT;
+    each_line(&lines, |line| {
+        requests
+            .ask("GET_LINEHANDLE", line, |found| found.request(input.clone(), 0, &wiring.consumer))
+            .map(drop)
+    })
 }
 
-/// Requests single lines of one chip.
+/// Asks one chip for single lines.
 struct Requests<'a> {
     chip: &'a Chip,
     cdev: gpio_cdev::Chip,
-    consumer: &'a str,
-    /// Whether the kernel still has to refuse BIAS_DISABLE.
-    bias: bool,
 }
 
 impl<'a> Requests<'a> {
-    fn new(chip: &'a Chip, consumer: &'a str) -> Result<Requests<'a>, ChardevError> {
-        let cdev = gpio_cdev::Chip::new(&chip.path)
-            .map_err(|error| chip.refusal("open", "the device node".to_string(), &[], last_call(&error)))?;
-        Ok(Requests { chip, cdev, consumer, bias: true })
+    fn new(chip: &'a Chip) -> Result<Requests<'a>, ChardevError> {
+        let cdev = gpio_cdev::Chip::new(&chip.listing.path)
+            .map_err(|error| chip.refusal("open", "the device node", &[], last_call(&error)))?;
+        Ok(Requests { chip, cdev })
     }
 
-    /// A released sink or charger.
-    fn drive(&mut self, drive: &DriveLine) -> Result<Switch<CdevPin>, ChardevError> {
-        let (kind, released) = match drive.charges() {
-            true => (LineRequestFlags::OPEN_SOURCE, 0),
-            false => (LineRequestFlags::OPEN_DRAIN, 1),
-        };
-        let handle = self.unbiased(|requests, bias| {
-            requests.handle(&drive.line, LineRequestFlags::OUTPUT | kind.clone() | bias, released)
-        })?;
-        let pin = CdevPin::new(handle)
-            .map_err(|error| self.refusal("GET_LINEINFO", &drive.line, last_call(&error)))?;
-        Ok(Switch { part: drive.part, title: drive.line.title.clone(), pin })
-    }
-
-    fn sense(
+    fn ask<T>(
         &mut self,
-        node: Node,
+        call: &'static str,
         line: &WiredLine,
-        stamped_by: ClockId,
-    ) -> Result<SenseLine, ChardevError> {
-        let handle = self.unbiased(|requests, bias| {
-            let found = requests.line(line)?;
-            found
-                .events(LineRequestFlags::INPUT | bias, EventRequestFlags::FALLING_EDGE, requests.consumer)
-                .map_err(|error| requests.refusal("GET_LINEEVENT", line, last_call(&error)))
-        })?;
-        SenseLine::new(node, line.title.clone(), handle, stamped_by)
-            .map_err(|error| self.refusal("F_SETFL", line, error))
-    }
-
-    fn handle(
-        &mut self,
-        line: &WiredLine,
-        flags: LineRequestFlags,
-        value: u8,
-    ) -> Result<LineHandle, ChardevError> {
-        let found = self.line(line)?;
-        found
-            .request(flags, value, self.consumer)
-            .map_err(|error| self.refusal("GET_LINEHANDLE", line, last_call(&error)))
-    }
-
-    fn line(&mut self, line: &WiredLine) -> Result<gpio_cdev::Line, ChardevError> {
-        let found = self.cdev.get_line(line.offset);
-        found.map_err(|error| self.refusal("GET_LINEINFO", line, last_call(&error)))
-    }
-
-    /// Makes a request with pulls switched off; on kernels that do not know the flag, without.
-    fn unbiased<T>(
-        &mut self,
-        mut request: impl FnMut(&mut Self, LineRequestFlags) -> Result<T, ChardevError>,
+        request: impl FnOnce(gpio_cdev::Line) -> Result<T, gpio_cdev::Error>,
     ) -> Result<T, ChardevError> {
-        if self.bias {
-            match request(self, BIAS_DISABLE) {
-                Err(ChardevError::Call { source, .. }) if source.raw_os_error() == Some(libc::EINVAL) => {
-                    self.bias = false;
-                }
-                other => return other,
-            }
+        let got = self.cdev.get_line(line.offset).and_then(request);
+        got.map_err(|error| self.chip.refusal(call, &line.title, &[line.offset], last_call(&error)))
+    }
+}
+
+/// A drive line.
+struct Switch<P> {
+    line: WiredLine,
+    /// Open drain for a sink, open source for a charger.
+    pin: P,
+}
+
+impl<P: OutputPin> Switch<P> {
+    fn set(&mut self, on: bool) -> Result<(), P::Error> {
+        // An open-drain line sinks when low, an open-source line charges when high; otherwise both are inputs.
+        self.pin.set_state((on == self.line.charges()).into())
+    }
+}
+
+/// By a call for each line that changes. Of the one that fails, the title comes with the error of its pin.
+fn switch<P: OutputPin>(
+    switches: &mut [Switch<P>],
+    from: Drives,
+    to: Drives,
+) -> Result<(), (String, P::Error)> {
+    for on in [false, true] {
+        let change = if on { to.without(from) } else { from.without(to) };
+        for switch in switches.iter_mut().filter(|switch| change.contains(switch.line.part)) {
+            switch.set(on).map_err(|error| (switch.line.title.clone(), error))?;
         }
-        request(self, LineRequestFlags::empty())
+    }
+    Ok(())
+}
+
+/// An input whose falling edges are stamped.
+struct Sense {
+    node: Node,
+    title: String,
+    /// How many edges have been read.
+    count: u32,
+    handle: LineEventHandle,
+}
+
+struct V1 {
+    /// In switching order.
+    switches: Vec<Switch<CdevPin>>,
+    sense: Vec<Sense>,
+    seqno: u32,
+    /// Whether stamps are of `CLOCK_REALTIME`.
+    wall_clock: bool,
+}
+
+impl Held for V1 {
+    fn switch(&mut self, from: Drives, to: Drives) -> Result<(), Failed> {
+        switch(&mut self.switches, from, to)
+            .map_err(|(title, error)| ("SET_LINE_VALUES", last_call(error.inner()), title))
     }
 
-    fn refusal(&self, call: &'static str, line: &WiredLine, source: io::Error) -> ChardevError {
-        let is_unknown = [Some(libc::EINVAL), Some(libc::ENOTTY)].contains(&source.raw_os_error());
-        match self.chip.refusal(call, line.title.clone(), &[line.offset], source) {
-            ChardevError::Call { call, line, source, .. } if is_unknown => {
-                ChardevError::Call { call, line, source, cause: Cause::Hint(NO_V1) }
-            }
-            other => other,
+    fn watch(&mut self) -> Result<(), Failed> {
+        Ok(())
+    }
+
+    /// Of edges at both nodes, that of A comes first.
+    fn next_edge(&mut self) -> Result<Option<Edge>, Failed> {
+        for line in &mut self.sense {
+            let at = match line.handle.get_event() {
+                Ok(event) if self.wall_clock => to_monotonic(event.timestamp()),
+                Ok(event) => Nanos(event.timestamp() as i64),
+                Err(error) => match last_call(&error) {
+                    nothing if nothing.kind() == io::ErrorKind::WouldBlock => continue,
+                    nothing if nothing.kind() == io::ErrorKind::Interrupted => continue,
+                    failure => return Err(("read", failure, line.title.clone())),
+                },
+            };
+            line.count = line.count.wrapping_add(1);
+            self.seqno = self.seqno.wrapping_add(1);
+            return Ok(Some(Edge { node: line.node, at, seqno: self.seqno, line_seqno: line.count }));
+        }
+        Ok(None)
+    }
+
+    fn levels(&self) -> Result<[bool; 2], Failed> {
+        let mut high = [true; 2];
+        for line in &self.sense {
+            let level = line.handle.get_value();
+            let level = level.map_err(|e| ("GET_LINE_VALUES", last_call(&e), line.title.clone()))?;
+            high[line.node.index()] = level != 0;
+        }
+        Ok(high)
+    }
+
+    fn descriptors(&self) -> [BorrowedFd<'_>; 2] {
+        // There is one sense line at least.
+        [0, self.sense.len() - 1].map(|line| self.sense[line].handle.as_fd())
+    }
+}
+
+impl Drop for V1 {
+    /// Every line is released, then requested as an input before the kernel gets it back: some kernels leave outputs
+    /// as they are. Nothing can be done about an error here; the chip is gone.
+    fn drop(&mut self) {
+        self.switches.iter_mut().for_each(|switch| drop(switch.set(false)));
+        for switch in self.switches.drain(..) {
+            let _ = switch.pin.into_input_pin();
         }
     }
+}
+
+fn to_monotonic(wall_ns: u64) -> Nanos {
+    Nanos(wall_ns as i64) - (clock(ClockId::CLOCK_REALTIME) - monotonic())
+}
+
+/// What the kernel answered to the call that gave this error. gpio-cdev keeps the number of a failed ioctl in a type
+/// that cannot be named here; but it has made no other call since, so it still is the thread's last one.
+fn last_call(error: &gpio_cdev::Error) -> io::Error {
+    let kept = error.source().and_then(|source| source.downcast_ref::<io::Error>()?.raw_os_error());
+    kept.map_or_else(io::Error::last_os_error, io::Error::from_raw_os_error)
 }
 
 #[cfg(test)]
-mod tests {
-    use super::super::chardev::wiring::tests::wiring;
-    use super::*;
-
-    #[test]
-    fn a_wiring_without_chargers_is_refused_with_the_reason() {
-        let wiring = Wiring { charge_a: None, charge_b: None, ..wiring() };
-        let message = ChardevV1::open(&wiring).err().unwrap().to_string();
-        assert!(message.contains("charge-a") && message.contains("uAPI v1"), "{message}");
-    }
-}
+mod tests;

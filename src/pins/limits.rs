@@ -3,13 +3,9 @@
 use crate::units::Nanos;
 use std::time::Duration;
 
-/// Reads that empty the largest buffer of edges of uAPI v2, 1024 edges by 16 a read; arming goes on no longer, for on a
-/// line that catches a radio edges may come faster than they are read. From 64 (`GPIO_V2_LINES_MAX` * 16 / 16) up.
-pub(super) const MOST_STALE_READS: u32 = 64;
-/// The same for uAPI v1, in edges: the kernel keeps 16 of each of two lines. From 32 up.
-pub(super) const MOST_STALE_EDGES: u32 = 64;
-/// How many edges one read fetches at most. A discharge has two; 1 to 1024.
-pub(super) const EDGES_A_READ: usize = 16;
+/// As many edges as the largest buffer of uAPI v2 keeps; arming forgets no more of them, for on a line that catches a radio
+/// edges may come faster than they are read. From 32 up, what v1 keeps of two lines.
+pub(super) const MOST_STALE_EDGES: u32 = 1024;
 /// How often a line that is still held is asked for again, after a kill: the kernel closes the files of a process with a
 /// delay. With the pause half a second at most, which the service manager waits gladly; tests/vm, 60-killed.sh.
 pub(super) const RELEASE_ATTEMPTS: u32 = 10;

@@ -9,8 +9,7 @@
 //!
 //! | backend | for |
 //! |---|---|
-//! | [`chardev::Chardev`] | GPIO lines of Linux from 5.10 on (uAPI v2) |
-//! | [`chardev_v1::ChardevV1`] | GPIO lines of older kernels (uAPI v1) |
+//! | [`chardev::Chardev`] | GPIO lines of Linux, from 5.10 on (uAPI v2) and before ([v1](chardev_v1)) |
 //! | [`sim::SimPins`] | a simulated board, in virtual time or in step with the wall clock |
 //!
 //! # Example
@@ -136,19 +135,15 @@ impl fmt::Display for Drives {
         if self.is_none() {
             return f.write_str("none");
         }
-        for (position, line) in self.lines().enumerate() {
-            if position > 0 {
-                f.write_str("+")?;
-            }
-            match line {
-                Drives::CHARGE_A => f.write_str("charge-a")?,
-                Drives::CHARGE_B => f.write_str("charge-b")?,
-                Drives::C1 => f.write_str("c1")?,
-                Drives::C2 => f.write_str("c2")?,
-                Drives(bits) => write!(f, "x{}", bits.trailing_zeros() - 4)?,
-            }
-        }
-        Ok(())
+        let name = |line| match line {
+            Drives::CHARGE_A => "charge-a".to_owned(),
+            Drives::CHARGE_B => "charge-b".to_owned(),
+            Drives::C1 => "c1".to_owned(),
+            Drives::C2 => "c2".to_owned(),
+            Drives(bits) => format!("x{}", bits.trailing_zeros() - 4),
+        };
+        let names: Vec<String> = self.lines().map(name).collect();
+        f.write_str(&names.join("+"))
     }
 }
 
@@ -209,6 +204,19 @@ pub fn monotonic() -> Nanos {
 /// Reads a clock. One that Linux always has: it cannot fail.
 pub(crate) fn clock(id: ClockId) -> Nanos {
     clock_gettime(id).map_or(Nanos::ZERO, |time| Nanos(time.num_nanoseconds()))
+}
+
+/// The release of the running kernel ("6.12.34+rpt-rpi-2712"), and the first two numbers of it.
+pub(crate) fn kernel() -> (String, Option<(u32, u32)>) {
+    let release = nix::sys::utsname::uname().map(|name| name.release().to_string_lossy().into_owned());
+    let release = release.unwrap_or_default();
+    let version = version(&release);
+    (release, version)
+}
+
+fn version(release: &str) -> Option<(u32, u32)> {
+    let mut numbers = release.split(|c: char| !c.is_ascii_digit()).map(str::parse);
+    Some((numbers.next()?.ok()?, numbers.next()?.ok()?))
 }
 
 /// The later of two numbers that wrap.
@@ -316,4 +324,20 @@ pub trait Pins {
 
     /// What the backend knows about itself.
     fn particulars(&self) -> Particulars<'_>;
+}
+
+#[cfg(test)]
+mod tests {
+    #[test]
+    fn releases_of_kernels_are_read() {
+        for (release, version) in [
+            ("6.12.34+rpt-rpi-2712", Some((6, 12))),
+            ("5.4.0-150-generic", Some((5, 4))),
+            ("7.2-rc1", Some((7, 2))),
+            ("unknown", None),
+        ] {
+            assert_eq!(super::version(release), version);
+        }
+        assert!(super::kernel().1.is_some());
+    }
 }

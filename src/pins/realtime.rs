@@ -84,12 +84,8 @@ impl Realtime {
     /// threads without real-time scheduling, prctl(2)) is always taken to 1 ns, for which no right is needed.
     pub fn request(wishes: &Wishes) -> Realtime {
         let _ = set_timerslack(1);
-        let mut latency_bound = None;
-        let idle = wishes.no_deep_idle.then(|| {
-            let held = hold_latency_at_zero().map_err(|error| latency_refused(&error))?;
-            latency_bound = Some(held);
-            Ok(())
-        });
+        let bound = wishes.no_deep_idle.then(hold_latency_at_zero);
+        let idle = bound.as_ref().map(|bound| bound.as_ref().map(drop).map_err(latency_refused));
         Realtime {
             rights: [
                 ("priority", Right::of(wishes.fifo_priority.map(set_fifo))),
@@ -97,7 +93,7 @@ impl Realtime {
                 ("cpu", Right::of(wishes.cpu.map(pin))),
                 ("dma-latency", Right::of(idle)),
             ],
-            _latency_bound: latency_bound,
+            _latency_bound: bound.and_then(Result::ok),
         }
     }
 }
@@ -151,9 +147,7 @@ fn latency_refused(error: &io::Error) -> String {
             format!("the kernel has no {CPU_DMA_LATENCY} (CONFIG_PM or CONFIG_CPU_IDLE)")
         }
         io::ErrorKind::PermissionDenied => {
-            format!(
-                "{error}; {CPU_DMA_LATENCY} belongs to root: DeviceAllow={CPU_DMA_LATENCY} rw and a udev rule"
-            )
+            format!("{error}; {CPU_DMA_LATENCY} is root's: DeviceAllow={CPU_DMA_LATENCY} rw and a udev rule")
         }
         _ => error.to_string(),
     }

@@ -55,6 +55,8 @@ pub struct SimPins {
     scene: Scene,
     /// Moves that are on their way, each with the lines that drive from then on, in the order of writing.
     posted: VecDeque<(i64, Drives)>,
+    /// When somebody last read or moved a line.
+    touched_ns: i64,
     armed: bool,
     conflicts: u64,
     truth: Truth,
@@ -170,14 +172,15 @@ impl SimPins {
         let (releases, drives) = (old.without(on), on.without(old));
         let lines = (releases.count() + drives.count()) as usize;
         let begin_ns = self.now_ns;
-        let call = calls.begin(lines, &mut self.rng);
+        let call = calls.begin(lines, begin_ns - self.touched_ns, &mut self.rng);
         let mut state = old;
         let moves = releases.lines().map(|line| (line, false)).chain(drives.lines().map(|line| (line, true)));
         for (position, (line, driven)) in moves.enumerate() {
             let after_ns = call.moves_ns(position, &mut self.rng).round() as i64;
             state = if driven { state.and(line) } else { state.without(line) };
             let before_ns = self.posted.back().map_or(begin_ns, |(at_ns, _)| *at_ns);
-            self.posted.push_back((before_ns.max(begin_ns + after_ns), state));
+            self.touched_ns = before_ns.max(begin_ns + after_ns);
+            self.posted.push_back((self.touched_ns, state));
         }
         self.go_on_to(begin_ns + call.duration_ns().round() as i64);
         self.catch_up(self.now_ns);
@@ -213,6 +216,7 @@ impl Pins for SimPins {
     fn arm(&mut self) -> Result<Armed, PinsError> {
         self.spend(self.scene.reads.arm);
         self.flush();
+        self.touched_ns = self.now_ns;
         self.armed = true;
         self.truth.clear();
         let (seqno, line_seqno) = self.events.drain();
@@ -260,6 +264,7 @@ impl Pins for SimPins {
     fn levels(&mut self) -> Result<Levels, PinsError> {
         self.spend(self.scene.reads.levels);
         self.flush();
+        self.touched_ns = self.now_ns;
         Ok(self.analog.levels(self.now_ns))
     }
 

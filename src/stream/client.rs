@@ -9,7 +9,7 @@
 //! let mut client = Client::connect(Path::new("/run/cermd/cermd.sock"), Duration::from_secs(2))?;
 //! while let Some(message) = client.message()? {
 //!     if let ServerMessage::Reading(reading) = message {
-//!         println!("{} {:?} N", reading.channel, reading.f_n);
+//!         println!("{} {:?} N", reading.channel, reading.state.f_n);
 //!     }
 //! }
 //! # Ok(())
@@ -65,7 +65,9 @@ pub enum ClientError {
 /// A connection to a running daemon. Calls wait, at most as long as the time-out.
 #[derive(Debug)]
 pub struct Client {
-    lines: Lines,
+    socket: UnixStream,
+    input: LineSplitter,
+    timeout: Duration,
     version: VersionLine,
 }
 
@@ -78,13 +80,13 @@ impl Client {
         let socket = UnixStream::connect(path).map_err(|error| explain(path, error))?;
         socket.set_read_timeout(Some(timeout))?;
         socket.set_write_timeout(Some(timeout))?;
-        let mut lines = Lines { socket, input: LineSplitter::default(), timeout };
-        let first = lines.next()?.ok_or(ClientError::Closed)?;
-        match ServerMessage::parse(&first)? {
+        let (input, version) = (LineSplitter::default(), VersionLine::new(&[]));
+        let mut client = Client { socket, input, timeout, version };
+        match client.message()?.ok_or(ClientError::Closed)? {
             ServerMessage::Version(version) if version.proto_major != PROTO_MAJOR => {
                 Err(ClientError::OtherProtocol(version.proto_major))
             }
-            ServerMessage::Version(version) => Ok(Client { lines, version }),
+            ServerMessage::Version(_) => Ok(client),
             ServerMessage::Error(ErrorLine { message, .. }) => Err(ClientError::Refused(message)),
             _ => Err(UnreadableLine::new("the first line is no VERSION").into()),
         }
@@ -95,8 +97,8 @@ impl Client {
     /// # Errors
     /// The system refuses the time-out.
     pub fn set_timeout(&mut self, timeout: Duration) -> Result<(), ClientError> {
-        self.lines.socket.set_read_timeout(Some(timeout))?;
-        self.lines.timeout = timeout;
+        self.socket.set_read_timeout(Some(timeout))?;
+        self.timeout = timeout;
         Ok(())
     }
 
@@ -110,7 +112,7 @@ impl Client {
     /// # Errors
     /// [`ClientError::Closed`] or [`ClientError::TimedOut`].
     pub fn request(&mut self, request: &Request) -> Result<(), ClientError> {
-        self.lines.socket.write_all(&request.to_line()).map_err(|error| self.lines.failed(error))
+        self.socket.write_all(&request.to_line()).map_err(|error| self.failed(error))
     }
 
     /// The next line, as it came. `None`: the server has closed the connection; a last line without a newline is
@@ -119,7 +121,21 @@ impl Client {
     /// # Errors
     /// [`ClientError::TimedOut`]: nothing is lost, the call may be repeated.
     pub fn line(&mut self) -> Result<Option<Vec<u8>>, ClientError> {
-        self.lines.next()
+        let mut chunk = [0; 16 * 1024];
+        loop {
+            match self.input.next_line() {
+                Some(Ok(line)) => return Ok(Some(line)),
+                Some(Err(LineTooLong)) => return Err(UnreadableLine::new("a line that never ends").into()),
+                None => {}
+            }
+            match self.socket.read(&mut chunk) {
+                Ok(0) => return Ok(None),
+                Ok(length) => self.input.feed(&chunk[..length]),
+                Err(error) if error.kind() == io::ErrorKind::Interrupted => {}
+                Err(error) if error.kind() == io::ErrorKind::ConnectionReset => return Ok(None),
+                Err(error) => return Err(self.failed(error)),
+            }
+        }
     }
 
     /// The next line, read. `None`: the server has closed the connection.
@@ -141,34 +157,6 @@ impl Client {
             self.version.clone_from(version);
         }
         Ok(message)
-    }
-}
-
-/// The socket as lines.
-#[derive(Debug)]
-struct Lines {
-    socket: UnixStream,
-    input: LineSplitter,
-    timeout: Duration,
-}
-
-impl Lines {
-    fn next(&mut self) -> Result<Option<Vec<u8>>, ClientError> {
-        let mut chunk = [0; 16 * 1024];
-        loop {
-            match self.input.next_line() {
-                Some(Ok(line)) => return Ok(Some(line)),
-                Some(Err(LineTooLong)) => return Err(UnreadableLine::new("a line that never ends").into()),
-                None => {}
-            }
-            match self.socket.read(&mut chunk) {
-                Ok(0) => return Ok(None),
-                Ok(length) => self.input.feed(&chunk[..length]),
-                Err(error) if error.kind() == io::ErrorKind::Interrupted => {}
-                Err(error) if error.kind() == io::ErrorKind::ConnectionReset => return Ok(None),
-                Err(error) => return Err(self.failed(error)),
-            }
-        }
     }
 
     fn failed(&self, error: io::Error) -> ClientError {

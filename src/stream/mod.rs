@@ -6,6 +6,7 @@
 
 pub mod client;
 mod limits;
+mod line;
 #[cfg(feature = "programs")]
 pub mod server;
 pub mod tape;

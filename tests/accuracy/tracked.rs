@@ -1,6 +1,6 @@
 //! What a tracked calibration must show, on simulated boards in virtual time. Every seed is fixed.
 
-use crate::common::chance::WITHIN_2U;
+use crate::common::chance::{Figure, WITHIN_2U, share_is_in};
 use crate::common::{Bench, Errors, read, settle, spread_of};
 use cermd::pins::sim::scene::{DelayScene, DriftScene};
 use cermd::reading::{Fault, Method, Status};
@@ -18,9 +18,10 @@ const SLOWEST_WALK: f64 = 0.012;
 
 /// 1-sigma error times the root of the time that a reading takes, charging included, ohm sqrt(s); and the mean
 /// Cramer-Rao bound of a reading, as a sigma (0 where there is none), and the sigma.
-fn figure(method: Method, r_ohm: f64, measure: &str) -> (f64, f64, f64) {
+fn figure(method: Method, r_ohm: f64, measure: &str) -> (Figure, f64, Figure) {
     let (mut all, mut bounds, mut seconds) = (Errors::default(), Vec::new(), 0.0);
     for seed in 0..INSTRUMENTS {
+        all.next_board();
         let mut instrument = Bench::new("pi4", method, r_ohm, seed, measure).instrument();
         settle(&mut instrument);
         read(&mut instrument, BEFORE, |_| {});
@@ -49,9 +50,9 @@ fn figure(method: Method, r_ohm: f64, measure: &str) -> (f64, f64, f64) {
         }
     }
     let per_reading = seconds / (INSTRUMENTS as usize * READINGS) as f64;
-    let sigma = all.spread();
+    let sigma = all.together(spread_of);
     let bound = (bounds.iter().sum::<f64>() / bounds.len().max(1) as f64).sqrt();
-    (sigma * per_reading.sqrt(), bound, sigma)
+    (sigma.times(per_reading.sqrt()), bound, sigma)
 }
 
 #[test]
@@ -61,11 +62,11 @@ fn is_better_than_cerm_at_equal_time_and_close_to_its_bound() {
     for (r_ohm, least) in [(100.0, 3.0), (1000.0, 2.5), (16_200.0, 2.0)] {
         let (cerm, _, _) = figure(Method::Cerm, r_ohm, "offset = \"auto\"");
         let (tracked, bound, sigma) = figure(Method::Tracked, r_ohm, "");
-        let (gain, excess) = (cerm / tracked, sigma / bound);
+        let (gain, excess) = (cerm.over(tracked), sigma.times(1.0 / bound));
         table += &format!(
             "{r_ohm:7} ohm: cerm {cerm:.4}, tracked {tracked:.4}: {gain:.2} times; sigma {sigma:.3} ohm is {excess:.3} of the bound\n"
         );
-        failed |= !(least..6.0 * least).contains(&gain) || !(0.9..1.2).contains(&excess);
+        failed |= !gain.is_in(least..=6.0 * least) || !excess.is_in(1.0..=1.2);
     }
     println!("{table}");
     assert!(!failed, "seeds 0..{INSTRUMENTS}\n{table}");
@@ -90,7 +91,8 @@ fn the_paper_s_board_is_below_0_2_percent_at_100_ohm() {
         worst.push(errors.max());
         offsets.push(errors.mean());
     }
-    let below = worst.iter().filter(|worst| **worst < 0.2).count();
+    let below = |limit: f64| worst.iter().filter(|worst| **worst < limit).count();
+    let [below_005, below_015, below] = [0.05, 0.15, 0.2].map(below);
     worst.sort_by(f64::total_cmp);
     println!(
         "fpga-paper (simulated), 100 ohm: below 0.2 % on {below} boards of 100, median {:.3} %, worst {:.3} %; sd between boards {:.3} ohm",
@@ -98,7 +100,8 @@ fn the_paper_s_board_is_below_0_2_percent_at_100_ohm() {
         worst[99],
         spread_of(&offsets)
     );
-    assert!(below >= 90 && (0.05..0.15).contains(&worst[50]) && worst[99] < 0.88, "{below} {worst:?}");
+    let median_is_between = share_is_in(below_005, 100, 0.0..=0.5) && share_is_in(below_015, 100, 0.5..=1.0);
+    assert!(share_is_in(below, 100, 0.9..=1.0) && median_is_between && worst[99] < 0.88, "{below} {worst:?}");
 }
 
 /// Errors of so many instruments on a changed board, over so many seconds, and the faults that they counted.
@@ -219,17 +222,17 @@ fn spikes_are_counted_and_do_not_bias() {
         };
         let ((quiet, _), (all, faults)) = (with(None), with(Some(0.01)));
         let moved = all.mean_error().less(quiet.mean_error()).times(1.0 / quiet.sd());
-        let spikes = faults[Fault::LatencyOutlier as usize] as f64 / (all.count() + all.not_ok.len()) as f64;
+        let (spikes, readings) = (faults[Fault::LatencyOutlier as usize], all.count() + all.not_ok.len());
         let row = format!(
             "{r_ohm} ohm: mean moved by {moved:.3} sigma, within 2u {}, latency outliers {:.2} %, other faults {}",
             all.within_2u(),
-            100.0 * spikes,
-            faults.iter().sum::<u64>() - faults[Fault::LatencyOutlier as usize]
+            100.0 * spikes as f64 / readings as f64,
+            faults.iter().sum::<u64>() - spikes
         );
         writeln!(table, "{row}").unwrap();
         failed |= !moved.is(0.0, 0.1)
             || !all.within_2u().is_in(WITHIN_2U..=WITHIN_2U + SLOWEST_WALK)
-            || !(0.005..0.03).contains(&spikes);
+            || !share_is_in(spikes as usize, readings, 0.005..=0.03);
     }
     println!("pi4 (simulated), 1 % of stamps late by 200 us on average\n{table}");
     assert!(!failed, "seeds 0..{}\n{table}", 16 * INSTRUMENTS);
@@ -253,7 +256,7 @@ fn light_touches_are_measured_within_a_deadline_of_60_ms() {
                 longest = longest.max(reading.duration.as_seconds());
             });
         }
-        let sigma = all.spread() / r_ohm;
+        let sigma = all.together(spread_of).times(1.0 / r_ohm);
         let row = format!(
             "{r_ohm} ohm: mean {:+.4}, sigma {sigma:.4}, within 2u {}, {} of {} with a number, longest reading {:.1} ms",
             all.mean() / r_ohm,
@@ -264,8 +267,7 @@ fn light_touches_are_measured_within_a_deadline_of_60_ms() {
         );
         writeln!(table, "{row}").unwrap();
         failed |= longest > 0.2
-            || sigma > share
-            || all.mean().abs() > share * r_ohm
+            || !(sigma.below(share) & all.mean_error().within(share * r_ohm)).may_be(true)
             || !all.within_2u().is_in(WITHIN_2U..=WITHIN_2U + 2.0 * SLOWEST_WALK);
     }
     println!("pi4 (simulated)\n{table}");
@@ -301,7 +303,9 @@ fn an_untouched_sensor_is_open_and_never_a_number_that_it_is_not() {
         let row =
             format!("{r_ohm:e} ohm: {numbers} numbers, {opens} open, {wild} wild, {unsettled} unsettled");
         writeln!(table, "{row}").unwrap();
-        failed |= wild > 0 || unsettled > 8 || (r_ohm > 5e7 && numbers > 0) || (r_ohm < 2e6 && opens > 0);
+        // Two late stamps of a thousand, without a reading before that was sudden, may look like motion.
+        let are_few = share_is_in(unsettled, 4000, 0.0..=0.002);
+        failed |= wild > 0 || !are_few || (r_ohm > 5e7 && numbers > 0) || (r_ohm < 2e6 && opens > 0);
     }
     println!("pi4 (simulated)\n{table}");
     assert!(!failed, "\n{table}");

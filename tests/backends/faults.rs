@@ -6,13 +6,13 @@
 use crate::common::Bench;
 use crate::common::faulty::{Faulty, Injection};
 use crate::common::seed::rng;
-use cermd::estimate::force::Force;
 use cermd::instrument::cycle::longest_reading;
 use cermd::instrument::{Instrument, Message};
 use cermd::pins::Pins;
 use cermd::pins::sim::SimPins;
 use cermd::reading::{Measured, Method, Reading, Status};
-use cermd::units::{Nanos, Newton};
+use cermd::sensor::Force;
+use cermd::units::Nanos;
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 
@@ -48,7 +48,7 @@ fn draw(rng: &mut ChaCha8Rng) -> (Instrument<Faulty<SimPins>>, Nanos) {
     // 1 ohm to 10 Mohm: short, ok and open.
     let r_ohm = 10f64.powf(rng.random_range(0.0..7.0));
     let (pins, mut settings) = Bench::new("pi4", method, r_ohm, rng.random(), "").parts();
-    settings.channels[0].force = Some(Force::Calibrated { fc1: Newton(5.75), fc2: Newton(1.05) });
+    settings.channels[0].force = Some(Force::Calibrated { fc1_n: 5.75, fc2_n: 1.05 });
     let mut pins = Faulty::new(pins, rng.random());
     for injection in Injection::ALL {
         // From never to often; a call that fails ends its cycle, and there are twenty of them in one.

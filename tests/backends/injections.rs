@@ -1,12 +1,14 @@
 //! The fault injector does what it is asked for, and counts it.
 
+use crate::common::chance::share_is;
 use crate::common::faulty::{Faulty, Injection};
+use crate::common::seed::seed;
 use cermd::pins::sim::{Scene, SimPins};
 use cermd::pins::{Armed, Bracket, Drives, Edge, Pins, PinsError};
 use cermd::units::Nanos;
 
 fn faulty(injection: Injection, probability: f64) -> Faulty<SimPins> {
-    Faulty::new(SimPins::new(&Scene::builtin("ideal").unwrap(), None), 7).with(injection, probability)
+    Faulty::new(SimPins::new(&Scene::builtin("ideal").unwrap(), None), seed(7)).with(injection, probability)
 }
 
 /// One discharge: what arming said, the start, and the edges.
@@ -102,7 +104,6 @@ fn counts_what_it_does_and_repeats_itself() {
         (edges, lost)
     };
     let (edges, lost) = run();
-    // 200 times 0.2: 40 +- 5.7; five sigma.
-    assert!((12..=68).contains(&lost), "{lost}");
+    assert!(share_is(lost as usize, 200, 0.2), "{lost}");
     assert_eq!(run(), (edges, lost));
 }

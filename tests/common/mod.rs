@@ -13,7 +13,7 @@ use cermd::pins::sim::{Kind, Scene, Sensor, SimPins};
 use cermd::reading::{Method, Reading, Status};
 use cermd::record::Record;
 use cermd::units::{Nanos, Ohm};
-use chance::{Figure, mean_of};
+use chance::{Figure, mean_of, of_boards};
 use config::{ConfigFile, config};
 
 /// What a test runs: a board by name, and what is changed on it and in the configuration.
@@ -45,19 +45,15 @@ pub fn circuit_of(name: &str, kind: Kind) -> &'static str {
 
 /// A file for one sensor, `x`, at the usual calibration resistors.
 pub fn file_for(kind: Kind, method: Method, circuit: &str, scene: &str) -> ConfigFile {
-    let kind = match kind {
-        Kind::TwoCapacitor => "two-capacitor",
-        Kind::OneCapacitor => "one-capacitor",
-        Kind::SeriesCalibration => "series-calibration",
-    };
     config(|c| {
-        c.set("circuit", "kind", kind).set("circuit", "r-c1", "2.32 kohm").set(
-            "circuit",
-            "r-c2",
-            "12.7 kohm",
-        );
-        c.lines("circuit", circuit).set("measure", "method", method.as_str());
-        c.channel("x").set("mock", "scene", scene);
+        // What the capacitors are comes with the other lines.
+        let c = match kind {
+            Kind::TwoCapacitor => c,
+            Kind::OneCapacitor => c.one_capacitor("one-capacitor", ""),
+            Kind::SeriesCalibration => c.one_capacitor("series-calibration", ""),
+        };
+        c.lines("circuit", circuit).set("measure.method", method.as_str());
+        c.channel("x").set("mock.scene", scene)
     })
 }
 
@@ -73,7 +69,7 @@ impl Bench {
         let mut config = file_for(kind, method, circuit_of(name, kind), name);
         config.lines("measure", measure);
         if name == "fpga-paper" {
-            config.set("measure", "resolution", "20 ns");
+            config.set("measure.resolution", "20 ns");
         }
         Bench { scene, config, seed }
     }
@@ -189,11 +185,22 @@ impl Errors {
         self.without_u += board.without_u;
     }
 
+    /// Something of the errors of all boards together.
+    pub fn together(&self, of: impl Fn(&[f64]) -> f64) -> Figure {
+        let boards: Vec<&[f64]> = self.by_boards().map(|(errors, _)| errors).collect();
+        of_boards(&boards, of)
+    }
+
+    /// Errors and uncertainties of each board that has any.
+    fn by_boards(&self) -> impl Iterator<Item = (&[f64], &[f64])> {
+        let ends = self.boards.iter().skip(1).copied().chain([self.count()]);
+        let boards = self.boards.iter().copied().zip(ends).filter(|(from, to)| from < to);
+        boards.map(|(from, to)| (&self.errors[from..to], &self.us[from..to]))
+    }
+
     /// The mean over boards of something of each, from its errors and its uncertainties.
     pub fn by_board(&self, of: impl Fn(&[f64], &[f64]) -> f64) -> Figure {
-        let ends = self.boards.iter().skip(1).copied().chain([self.count()]);
-        let boards = self.boards.iter().zip(ends).filter(|(from, to)| *from < to);
-        mean_of(&boards.map(|(&from, to)| of(&self.errors[from..to], &self.us[from..to])).collect::<Vec<_>>())
+        mean_of(&self.by_boards().map(|(errors, us)| of(errors, us)).collect::<Vec<_>>())
     }
 
     /// The share of readings within two of their own sigma.
@@ -219,7 +226,8 @@ impl Errors {
     }
 
     pub fn mean_error(&self) -> Figure {
-        self.by_board(|errors, _| errors.iter().sum::<f64>() / errors.len() as f64)
+        let by_board = self.by_board(|errors, _| errors.iter().sum::<f64>() / errors.len() as f64);
+        Figure { value: self.mean(), ..by_board }
     }
 
     pub fn add(&mut self, reading: &Reading, truth: f64) {

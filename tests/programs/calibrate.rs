@@ -1,16 +1,17 @@
 //! `cermctl calibrate` with the real programs: a daemon on a simulated board, answers on standard input, and a
 //! configuration file that changes after a yes and only then.
 
-use crate::cermctl::daemon::{CONFIG, Daemon, ctl};
+use crate::cermctl::daemon::{Daemon, config, ctl, scene};
+use crate::common::config::ConfigFile;
 use assert_cmd::Command;
 use serde_json::Value;
 use std::fs;
 use std::path::{Path, PathBuf};
 
 /// Before Rc1 and Rc2 there are pins of 40 ohm, before these sensors others: the zeros are 4 and -6 ohm.
-const PINS: &str = "r-o = \"40 ohm\"\nr-o-of = { x0 = \"44 ohm\", x1 = \"34 ohm\" }";
+const PINS: &str = "r-o-of = { x0 = \"44 ohm\", x1 = \"34 ohm\" }";
 /// Far below what any of this resolves.
-const SHORT: &str = "constant = \"1 uohm\"";
+const SHORT: &str = "1 uohm";
 const CSV: &str = "force_n,r_ohm\n# of the paper\n1.20,11122\n6.06,2200\n";
 
 fn daemon(thumb: &str, index: &str) -> Daemon {
@@ -18,9 +19,13 @@ fn daemon(thumb: &str, index: &str) -> Daemon {
 }
 
 fn daemon_by(method: &str, thumb: &str, index: &str) -> Daemon {
-    let scene =
-        [("r-o = \"40 ohm\"", PINS), ("constant = \"100 ohm\"", thumb), ("constant = \"2 kohm\"", index)];
-    Daemon::start_as(("\"cerm\"", &format!("\"{method}\"")), &scene)
+    daemon_with(method, PINS, [thumb, index])
+}
+
+fn daemon_with(method: &str, pins: &str, [thumb, index]: [&str; 2]) -> Daemon {
+    let mut scene = scene();
+    scene.lines("circuit", pins).set("sensor.0.constant", thumb).set("sensor.1.constant", index);
+    Daemon::start_as(config().set("measure.method", method), &scene)
 }
 
 /// `cermctl calibrate` for the daemon's own configuration.
@@ -31,7 +36,7 @@ fn calibrate(daemon: &Daemon, arguments: &[&str]) -> Command {
     command
 }
 
-fn config(daemon: &Daemon) -> String {
+fn config_of(daemon: &Daemon) -> String {
     fs::read_to_string(daemon.path("cermd.toml")).unwrap()
 }
 
@@ -57,7 +62,7 @@ fn zero(json: &str, truth_ohm: f64) -> f64 {
 fn a_short_circuit_tells_zeros_of_both_signs() {
     let daemon = daemon(SHORT, SHORT);
     for (id, truth_ohm) in [("thumb", 4.0), ("index", -6.0)] {
-        let before = config(&daemon);
+        let before = config_of(&daemon);
         let arguments = ["zero", "--channel", id, "--count", "100", "--yes", "--json"];
         let json = stdout(&mut calibrate(&daemon, &arguments));
         let line: Value = serde_json::from_str(&json).unwrap();
@@ -66,7 +71,7 @@ fn a_short_circuit_tells_zeros_of_both_signs() {
         assert_eq!(fs::read_to_string(kept).unwrap(), before);
         // Another one within this second would have the same name.
         fs::remove_file(kept).unwrap();
-        let after = config(&daemon);
+        let after = config_of(&daemon);
         let new: Vec<&str> = after.lines().filter(|line| !before.contains(line)).collect();
         let written: f64 = new[0].strip_prefix("zero-ohm = ").unwrap().parse().unwrap();
         assert!(new.len() == 1 && (written - zero(&json, truth_ohm)).abs() < 1e-4, "{new:?}");
@@ -76,16 +81,14 @@ fn a_short_circuit_tells_zeros_of_both_signs() {
 
 #[test]
 fn a_zero_is_found_while_every_reading_says_short() {
-    let pins = ("r-o = \"40 ohm\"", "r-o = \"40 ohm\"\nr-o-of = { x0 = \"34 ohm\", x1 = \"34 ohm\" }");
-    let scene = [pins, ("constant = \"100 ohm\"", SHORT), ("constant = \"2 kohm\"", SHORT)];
-    let daemon = Daemon::start_in_scene(&scene);
+    let daemon = daemon_with("cerm", "r-o-of = { x0 = \"34 ohm\", x1 = \"34 ohm\" }", [SHORT; 2]);
     let arguments = ["zero", "--channel", "thumb", "--count", "100", "--yes", "--json"];
     zero(&stdout(&mut calibrate(&daemon, &arguments)), -6.0);
 }
 
 #[test]
 fn a_reference_is_taken_off() {
-    let daemon = daemon("constant = \"10 ohm\"", SHORT);
+    let daemon = daemon("10 ohm", SHORT);
     let arguments = ["reference", "10 ohm", "--channel", "thumb", "--count", "100", "--json"];
     let json = stdout(calibrate(&daemon, &arguments).write_stdin("n\n"));
     zero(&json, 4.0);
@@ -96,31 +99,31 @@ fn a_reference_is_taken_off() {
 #[test]
 fn a_tracked_calibration_tells_no_zero_and_says_what_does() {
     let daemon = daemon_by("tracked", SHORT, SHORT);
-    let before = config(&daemon);
+    let before = config_of(&daemon);
     let mut command = calibrate(&daemon, &["zero", "--channel", "thumb", "--yes"]);
     let error = String::from_utf8(command.assert().code(1).get_output().stderr.clone()).unwrap();
     assert!(error.contains("set method = \"cerm\""), "{error}");
-    assert_eq!(config(&daemon), before);
+    assert_eq!(config_of(&daemon), before);
 }
 
 #[test]
 fn a_sensor_is_no_short_circuit() {
-    let daemon = daemon("constant = \"100 ohm\"", "constant = \"2 kohm\"");
-    let before = config(&daemon);
+    let daemon = daemon("100 ohm", "2 kohm");
+    let before = config_of(&daemon);
     let mut command = calibrate(&daemon, &["zero", "--channel", "index", "--count", "20", "--yes"]);
     let error = String::from_utf8(command.assert().code(1).get_output().stderr.clone()).unwrap();
     assert!(error.contains("more than pins and a series resistor make up; is the short circuit"), "{error}");
     let mut command = calibrate(&daemon, &["zero", "--yes"]);
     let error = String::from_utf8(command.assert().code(1).get_output().stderr.clone()).unwrap();
     assert!(error.contains("--channel; there is thumb, index"), "{error}");
-    assert_eq!(config(&daemon), before);
+    assert_eq!(config_of(&daemon), before);
     let manual = include_str!("../../docs/commissioning.md");
     assert!(manual.contains(&format!("A zero of more than {} ohm", cermd::config::LARGEST_ZERO_OHM)));
 }
 
 #[test]
 fn a_resistor_that_limits_the_current_is_part_of_the_zero() {
-    let daemon = daemon("constant = \"220 ohm\"", SHORT);
+    let daemon = daemon("220 ohm", SHORT);
     let arguments = ["zero", "--channel", "thumb", "--count", "50", "--yes", "--json"];
     zero(&stdout(&mut calibrate(&daemon, &arguments)), 224.0);
 }
@@ -129,7 +132,7 @@ fn a_resistor_that_limits_the_current_is_part_of_the_zero() {
 fn weights_are_measured_while_they_lie_on_the_sensor() {
     for method in ["cerm", "tracked"] {
         // 13346 N ohm at 1.2 N, and pins that differ by 4 ohm, not yet calibrated.
-        weights(&daemon_by(method, "constant = \"11122 ohm\"", SHORT));
+        weights(&daemon_by(method, "11122 ohm", SHORT));
     }
 }
 
@@ -140,7 +143,7 @@ fn weights(daemon: &Daemon) {
     let line: Value = serde_json::from_str(&json).unwrap();
     let measured = line["pairs"][0]["r_ohm"].as_f64().unwrap();
     assert!((measured - 11_126.0).abs() < 30.0, "{json}");
-    assert!(config(daemon).contains(&format!("force = {{ alpha = \"{} kN ohm\" }}", {
+    assert!(config_of(daemon).contains(&format!("force = {{ alpha = \"{} kN ohm\" }}", {
         let alpha = line["alpha_n_ohm"].as_f64().unwrap();
         (alpha * 100.0).round() / 1e5
     })));
@@ -157,10 +160,20 @@ struct Folder(tempfile::TempDir);
 impl Folder {
     fn new() -> Folder {
         let folder = Folder(tempfile::tempdir().unwrap());
-        let text = CONFIG.replace("scene.toml", "ideal").replace("[[channel]]\nid = \"index\"\n", "");
-        fs::write(folder.path("cermd.toml"), format!("# kept\n{text}# kept, too\n")).unwrap();
+        folder.configure(&Folder::file());
         fs::write(folder.path("weights.csv"), CSV).unwrap();
         folder
+    }
+
+    fn file() -> ConfigFile {
+        let mut file = config();
+        file.set("mock.scene", "ideal").unset(&["channel"]).channel("thumb");
+        file.lines("channel.thumb", "force = { alpha = \"13346 N ohm\" }");
+        file
+    }
+
+    fn configure(&self, file: &ConfigFile) {
+        fs::write(self.path("cermd.toml"), format!("# kept\n{file}# kept, too\n")).unwrap();
     }
 
     fn path(&self, name: &str) -> PathBuf {
@@ -250,8 +263,8 @@ fn every_model_gives_a_usable_configuration() {
 #[test]
 fn a_configuration_that_would_not_be_usable_stays_as_it_is() {
     let folder = Folder::new();
-    let broken = folder.config().replace("\"ideal\"", "\"pi9\"");
-    fs::write(folder.path("cermd.toml"), &broken).unwrap();
+    folder.configure(Folder::file().set("mock.scene", "pi9"));
+    let broken = folder.config();
     let mut command = folder.force(&["--csv", "weights.csv", "--yes", "--model", "table"]);
     let error = String::from_utf8(command.assert().code(1).get_output().stderr.clone()).unwrap();
     assert!(error.contains("nothing was changed") && error.contains("error: mock.scene"), "{error}");

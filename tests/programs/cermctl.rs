@@ -6,7 +6,8 @@ pub mod daemon;
 mod errors;
 mod tapes;
 
-use daemon::{Daemon, ctl, json_lines, lines_of, wait_until};
+use crate::waiting::until_so;
+use daemon::{Daemon, config, ctl, json_lines, lines_of, scene};
 use serde_json::Value;
 use std::fs;
 use std::io::{BufRead, BufReader};
@@ -38,7 +39,7 @@ fn get_prints_the_last_reading_of_each_channel() {
 #[test]
 fn stats_are_a_table_for_people_and_a_line_for_machines() {
     let daemon = Daemon::start();
-    wait_until("the offset is found", || daemon.stats()["offset_known"] == true);
+    until_so("an offset", || daemon.stats()["offset_known"] == true);
     let text = output(&mut daemon.ctl(&["stats"]));
     for wanted in [
         "backend ",
@@ -70,13 +71,13 @@ fn watch_prints_lines_into_a_pipe_and_ends_quietly_when_it_closes() {
 
 #[test]
 fn a_fault_says_what_to_look_at() {
-    let daemon = Daemon::start_in_scene(&[("r-c2 = \"12.7 kohm\"", "r-c2 = \"100 Mohm\"")]);
+    let daemon = Daemon::start_as(&config(), scene().set("circuit.r-c2", "100 Mohm"));
     let hint =
         "nothing falls in a discharge through Rc2; look at the wire from sink-c2 through Rc2 to node A";
     let stdout = daemon.ctl(&["get", "thumb"]).assert().success().get_output().stdout.clone();
     let text = String::from_utf8(stdout).unwrap();
     assert!(text.contains("no-calibration  fault") && text.contains(hint), "{text}");
-    daemon::wait_until("STATS have it", || {
+    until_so("STATS that have it", || {
         daemon.stats()["hint"].as_str().is_some_and(|text| text.starts_with(hint))
     });
 }
@@ -91,16 +92,16 @@ fn watch_chooses_and_thins() {
         assert_eq!(line["channel"], "index");
         line["t_mono_ns"].as_i64().unwrap()
     });
-    // Until the daemon knows of the limit, readings come every 10 ms.
+    // Until the daemon knows of the limit, readings come every 10 ms, or later where the machine has no time for it.
     let mut last = stamps.next().unwrap();
-    let is_thinned =
-        stamps.by_ref().take(10_000).any(|stamp| stamp - std::mem::replace(&mut last, stamp) > 50_000_000);
-    assert!(is_thinned);
-    for stamp in stamps.take(3) {
+    let mut in_a_row = 0;
+    let is_thinned = stamps.take(10_000).any(|stamp| {
         // Nine cycles; a stamp is that of the middle of a discharge.
-        assert!(stamp - last > 89_900_000, "{} ns", stamp - last);
-        last = stamp;
-    }
+        let is_far = stamp - std::mem::replace(&mut last, stamp) > 89_900_000;
+        in_a_row = if is_far { in_a_row + 1 } else { 0 };
+        in_a_row == 5
+    });
+    assert!(is_thinned);
 }
 
 #[test]
@@ -150,7 +151,7 @@ fn record_ends_with_a_whole_line_whatever_ends_it() {
 
     let file = daemon.path("by-ctrl-c");
     let mut record = daemon.spawn(&["record", "-o", file.to_str().unwrap()]);
-    wait_until("something is recorded", || fs::metadata(&file).is_ok_and(|file| file.len() > 2000));
+    until_so("a recording", || fs::metadata(&file).is_ok_and(|file| file.len() > 2000));
     record.interrupt();
     assert_eq!(record.end(), (Some(0), String::new()));
     assert!(lines_of(&file).len() > 5);
@@ -161,7 +162,7 @@ fn a_recording_says_when_the_daemon_ends_it() {
     let mut daemon = Daemon::start();
     let file = daemon.path("cut");
     let record = daemon.spawn(&["record", "-o", file.to_str().unwrap()]);
-    wait_until("something is recorded", || fs::metadata(&file).is_ok_and(|file| file.len() > 2000));
+    until_so("a recording", || fs::metadata(&file).is_ok_and(|file| file.len() > 2000));
     daemon.kill();
     let (status, complaint) = record.end();
     assert_eq!(status, Some(1));
@@ -172,23 +173,17 @@ fn a_recording_says_when_the_daemon_ends_it() {
 #[test]
 fn both_checks_say_the_same() {
     let daemon = Daemon::start();
-    let good = fs::read_to_string(daemon.path("cermd.toml")).unwrap();
     let cases = [
-        ("", "", 0, ": usable: 0 error(s)"),
-        ("\"scene.toml\"", "\"missing.toml\"", 1, "error: mock.scene: cannot read "),
-        ("\"scene.toml\"", "\"pi9\"", 1, "there is no built-in scene \"pi9\"; there are ideal,"),
-        (
-            "force = { alpha = \"13346 N ohm\" }",
-            "force = { table = \"t.csv\" }",
-            1,
-            "error: channel.thumb.force: ",
-        ),
-        ("r-c1 = \"2.32 kohm\"", "r-c1 = \"12.7 kohm\"", 1, "error: circuit.r-c1"),
-        ("rate-hz", "rate-hertz", 1, "unknown field `rate-hertz`"),
+        ("measure", "rate-hz = 100", 0, ": usable: 0 error(s)"),
+        ("mock", "scene = \"missing.toml\"", 1, "error: mock.scene: cannot read "),
+        ("mock", "scene = \"pi9\"", 1, "there is no built-in scene \"pi9\"; there are ideal,"),
+        ("channel.thumb", "force = { table = \"t.csv\" }", 1, "error: channel.thumb.force: "),
+        ("circuit", "r-c1 = \"12.7 kohm\"", 1, "error: circuit.r-c1"),
+        ("measure", "rate-hertz = 100", 1, "unknown field `rate-hertz`"),
     ];
-    for (from, to, status, wanted) in cases {
+    for (table, line, status, wanted) in cases {
         let file = daemon.path("checked.toml");
-        fs::write(&file, good.replacen(from, to, 1)).unwrap();
+        fs::write(&file, config().lines(table, line).to_string()).unwrap();
         let ours = ctl(&["check", "--config", file.to_str().unwrap()]).assert().code(status);
         let ours = String::from_utf8(ours.get_output().stdout.clone()).unwrap();
         assert!(ours.contains(wanted), "{wanted}\n{ours}");

@@ -4,8 +4,9 @@ mod crowd;
 mod killed;
 mod process;
 
+use crate::waiting::until_so;
 use nix::sys::signal::Signal;
-use process::{Daemon, Home, config, program, until};
+use process::{Daemon, Home, config, program};
 use serde_json::{Value, json};
 use std::fs::{self, File};
 use std::os::fd::OwnedFd;
@@ -25,16 +26,21 @@ fn serves_readings_and_statistics() {
     let _daemon = home.start();
     let mut stream = home.connect();
     assert_eq!(ids(&stream.next().unwrap()), ["thumb", "index"]);
-    // The scene has one sensor of 1 kohm, on the first channel; the other is open.
+    // The scene has one sensor of 1 kohm, on the first channel; the other is open. A stamp may be late now and then.
+    let mut numbers = 0;
     for _ in 0..40 {
         let reading = stream.next_of("READING");
         if reading["channel"] == "thumb" {
-            assert_eq!(reading["status"], "ok", "{reading}");
-            assert!((800.0..1200.0).contains(&reading["r_ohm"].as_f64().unwrap()), "{reading}");
+            let is_ok = reading["status"] == "ok";
+            numbers += usize::from(is_ok);
+            assert!(is_ok || reading["fault"] == "latency-outlier", "{reading}");
+            let r_ohm = reading["r_ohm"].as_f64();
+            assert!(r_ohm.is_none_or(|r_ohm| (800.0..1200.0).contains(&r_ohm)), "{reading}");
         } else {
             assert_eq!(reading["status"], "open", "{reading}");
         }
     }
+    assert!(numbers > 10, "{numbers}");
     stream.send(r#"{"class":"STATS"}"#);
     let stats = stream.next_of("STATS");
     assert_eq!(
@@ -66,7 +72,7 @@ fn hangup_puts_a_new_file_in_force() {
     let mut stream = home.connect();
     let mut line = stream.next_of("READING");
 
-    home.configure(&config(&["ring"], FAST));
+    home.configure(config(&["ring"], FAST));
     daemon.signal(Signal::SIGHUP);
     while line["class"] != "VERSION" {
         assert!(["thumb", "index"].contains(&line["channel"].as_str().unwrap()), "{line}");
@@ -80,7 +86,7 @@ fn hangup_puts_a_new_file_in_force() {
 }
 
 /// Hangs up with a file that is wrong; readings go on, uninterrupted.
-fn survives(wrong: &str, because: &str) {
+fn survives(wrong: impl ToString, because: &str) {
     let home = Home::new(&config(&["thumb"], FAST));
     let daemon = home.start();
     let mut stream = home.connect();
@@ -89,30 +95,32 @@ fn survives(wrong: &str, because: &str) {
     daemon.signal(Signal::SIGHUP);
     home.wait_for_log("the old configuration stays in force");
     assert!(home.log().contains(because), "{}", home.log());
-    // So many that some were measured after the signal.
-    for _ in 0..200 {
+    let told = nix::time::clock_gettime(nix::time::ClockId::CLOCK_MONOTONIC).unwrap();
+    let told_ns = told.tv_sec() * 1_000_000_000 + told.tv_nsec();
+    let mut measured_ns = 0;
+    while measured_ns < told_ns {
         let reading = stream.next().unwrap();
         assert_eq!(
             (&reading["class"], &reading["channel"]),
             (&json!("READING"), &json!("thumb")),
             "{reading}"
         );
-        seq += 1;
+        // While nobody reads, a busy machine may lose some.
+        seq += 1 + reading["lost"].as_u64().unwrap();
         assert_eq!(reading["seq"], seq, "the measurement was interrupted");
+        measured_ns = reading["t_mono_ns"].as_i64().unwrap();
     }
 }
 
 #[test]
 fn hangup_with_a_bad_file_changes_nothing() {
-    let good = config(&["thumb"], FAST);
     survives("what = is this", "cermd.toml");
-    survives(&good.replace("r-c1 = \"2.32 kohm\"", "r-c1 = \"22 kohm\""), "circuit.r-c");
+    survives(config(&["thumb"], FAST).set("circuit.r-c1", "22 kohm"), "circuit.r-c");
 }
 
 #[test]
 fn hangup_with_a_file_whose_scene_is_missing_changes_nothing() {
-    let good = config(&["thumb"], FAST);
-    survives(&good.replace("fast.toml", "nowhere.toml"), "nowhere.toml");
+    survives(config(&["thumb"], FAST).set("mock.scene", "nowhere.toml"), "nowhere.toml");
 }
 
 #[test]
@@ -129,14 +137,10 @@ fn without_a_configuration_it_refuses_and_says_how_to_simulate() {
 
 #[test]
 fn check_says_what_the_library_says() {
-    let good = config(&["thumb"], FAST);
-    let cases = [
-        (good.clone(), 0),
-        (good.replace("r-c1", "r-c0"), 1),
-        (good.replace("r-c1 = \"2.32 kohm\"", "r-c1 = \"22 kohm\""), 1),
-    ];
-    for (text, code) in cases {
-        let home = Home::new(&text);
+    for (name, value, code) in
+        [("circuit.r-c1", "2.32 kohm", 0), ("circuit.r-c0", "2.32 kohm", 1), ("circuit.r-c1", "22 kohm", 1)]
+    {
+        let home = Home::new(config(&["thumb"], FAST).set(name, value));
         let output = home.command().arg("--check").stdout(Stdio::piped()).output().unwrap();
         let said = String::from_utf8(output.stdout).unwrap();
         assert_eq!(said, cermd::ctl::check::check(&home.config()).to_string());
@@ -147,14 +151,12 @@ fn check_says_what_the_library_says() {
 
 #[test]
 fn what_keeps_it_from_starting_is_said_in_a_sentence() {
-    let good = config(&["thumb"], FAST);
-    let cases = [
-        (good.replace("fast.toml", "nowhere.toml"), "nowhere.toml"),
-        (good.replace("SOCKET", "/nowhere/s"), "does not exist: create it"),
-        (good.replace("r-c1 = \"2.32 kohm\"", "r-c1 = \"22 kohm\""), "not usable"),
-    ];
-    for (text, because) in cases {
-        let home = Home::new(&text);
+    for (name, value, because) in [
+        ("mock.scene", "nowhere.toml", "nowhere.toml"),
+        ("server.socket", "/nowhere/s", "does not exist: create it"),
+        ("circuit.r-c1", "22 kohm", "not usable"),
+    ] {
+        let home = Home::new(config(&["thumb"], FAST).set(name, value));
         assert_eq!(home.start().end().code(), Some(1));
         assert!(home.log().contains(because) && home.log().contains("ERROR"), "{}", home.log());
         assert!(!home.log().contains("panicked"), "{}", home.log());
@@ -171,8 +173,8 @@ fn log_lines(home: &Home, device: u64, inode: u64) -> Vec<String> {
 
 #[test]
 fn lines_carry_priorities_only_into_the_journal() {
-    let bad = config(&["thumb"], FAST).replace("r-c1 = \"2.32 kohm\"", "r-c1 = \"22 kohm\"");
-    let home = Home::new(&bad);
+    let mut bad = config(&["thumb"], FAST);
+    let home = Home::new(bad.set("circuit.r-c1", "22 kohm"));
     let log = File::create(home.log_file()).unwrap().metadata().unwrap();
     let into_journal = log_lines(&home, log.dev(), log.ino());
     assert!(
@@ -239,8 +241,8 @@ fn the_service_manager_is_told_of_readiness_reload_and_end() {
     assert!(ready.contains("STATUS="), "{ready}");
     // From here on a client is served: it is not told too early.
     std::os::unix::net::UnixStream::connect(home.socket()).unwrap();
-    for text in [config(&["index"], FAST), "what = is this".to_owned()] {
-        home.configure(&text);
+    for text in [config(&["index"], FAST).to_string(), "what = is this".to_owned()] {
+        home.configure(text);
         daemon.signal(Signal::SIGHUP);
         // Type=notify-reload, systemd.service(5).
         let reloading = manager.wait_for("RELOADING=1");
@@ -292,5 +294,5 @@ fn many_reloads_leave_no_descriptor_behind() {
         stream.next_of("VERSION");
         stream.next_of("READING");
     }
-    until("the descriptors of the old measurement to go", || (descriptors() <= before).then_some(()));
+    until_so("the descriptors of the old measurement to go", || descriptors() <= before);
 }

@@ -3,10 +3,10 @@
 
 mod calibrate;
 mod cermctl;
+#[path = "../common/mod.rs"]
+mod common;
 mod daemon;
 mod manual;
 mod processes;
 mod protocol;
-#[path = "../common/seed.rs"]
-#[allow(dead_code, reason = "shared with all other tests")]
-mod seed;
+mod waiting;

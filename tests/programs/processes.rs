@@ -3,6 +3,7 @@
 //! The second process is this test binary again, told by an environment variable to serve.
 
 use crate::protocol::bench::{TIME, channels, reading};
+use crate::waiting::{PATIENCE, until};
 use cermd::stream::client::Client;
 use cermd::stream::server::{Limits, ListenError, Listener, Server};
 use cermd::units::Nanos;
@@ -11,10 +12,8 @@ use std::os::fd::OwnedFd;
 use std::os::unix::net::{UnixListener, UnixStream};
 use std::path::Path;
 use std::process::{Child, Command, Stdio};
-use std::time::Duration;
 
 const SERVE: &str = "CERMD_TEST_SERVE";
-const PATIENCE: Duration = Duration::from_secs(20);
 
 /// Runs in the second process only: serves at the path, or on what the service manager has passed, for ever.
 #[test]
@@ -52,18 +51,6 @@ fn start(path: &Path) -> Killed {
     )
 }
 
-fn connect_when_served(path: &Path) -> UnixStream {
-    let mut attempts = 0;
-    loop {
-        match UnixStream::connect(path) {
-            Ok(socket) => return socket,
-            Err(error) => assert!(attempts < 2000, "{error}"),
-        }
-        attempts += 1;
-        std::thread::sleep(Duration::from_millis(10));
-    }
-}
-
 #[test]
 fn a_killed_server_leaves_whole_lines_and_its_successor_serves() {
     let directory = tempfile::tempdir().unwrap();
@@ -71,7 +58,7 @@ fn a_killed_server_leaves_whole_lines_and_its_successor_serves() {
     for _ in 0..10 {
         // From the second round on there is the stale socket file of the round before.
         let server = start(&path);
-        let mut socket = connect_when_served(&path);
+        let mut socket = until("a connection", || UnixStream::connect(&path).ok());
         let mut bytes = vec![0; 100_000];
         socket.read_exact(&mut bytes).unwrap();
 

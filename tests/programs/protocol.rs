@@ -362,9 +362,8 @@ fn one_client_too_many_is_told_so() {
 fn the_client_library_talks_to_it() {
     let mut bench = Bench::new();
     let path = bench.path();
-    let timeout = Duration::from_secs(10);
     // The server runs in this thread, so VERSION must wait in the socket before the client can read it.
-    let client = std::thread::spawn(move || Client::connect(&path, timeout));
+    let client = std::thread::spawn(move || Client::connect(&path, crate::waiting::PATIENCE));
     while bench.server.clients() == 0 {
         bench.settle();
     }

@@ -1,19 +1,19 @@
 //! Noise of every kind: of the clock, at the threshold, wide-band, and rare long delays.
 
-use crate::common::chance::binomial;
+use crate::common::chance::{Figure, mean_of, sd_of};
 use crate::common::seed::rng;
-use crate::common::{Errors, read, settle};
+use crate::common::{Errors, read, settle, spread_of};
 use crate::paper::{self, Noise, Parts, R_O, Times};
-use crate::scenario::{Board, ByHand, Scenario, moments, percent, rms, share_of, without_number};
+use crate::scenario::{Board, ByHand, FIRST_ORDER, Scenario, percent, rms, without_number};
 use crate::switching::{PI4_NOISE, STAMP, bias_of_offset};
 use cermd::pins::sim::scene::{DelayScene, NoiseScene};
 use cermd::reading::{Fault, Method};
 use cermd::units::{Hertz, Seconds, Volt};
 use rand::RngExt;
-use std::fmt::Write;
+use std::fmt::{Display, Write};
 
 /// The paper's board with capacitors within 1 % of theirs: where in a cycle a crossing falls differs from board to board.
-fn paper_s_boards(method: Method, boards: u64) -> (Errors, f64) {
+fn paper_s_boards(method: Method, boards: u64) -> (Errors, Figure) {
     let (mut all, mut largest) = (Errors::default(), Vec::new());
     for seed in 0..boards {
         let mut rng = rng(seed);
@@ -27,9 +27,9 @@ fn paper_s_boards(method: Method, boards: u64) -> (Errors, f64) {
         let mut errors = Errors::default();
         read(&mut instrument, 500, |reading| errors.add(reading, 100.0));
         largest.push(errors.max());
-        all.errors.extend(errors.errors);
+        all.add_board(errors);
     }
-    (all, moments(&largest).0)
+    (all, mean_of(&largest))
 }
 
 pub fn quantisation() -> Scenario {
@@ -56,18 +56,22 @@ pub fn quantisation() -> Scenario {
     for method in Method::ALL {
         let (errors, largest) = paper_s_boards(method, 60);
         if let Some(predicted) = predicted(method) {
+            // CERM has the error of its offset besides, the more so as 20 ns are much to it.
+            let budget = if method == Method::Cerm { 0.1 } else { FIRST_ORDER };
             it.expect(
                 format!("{}: error, of the predicted {predicted:.3} ohm", method.as_str()),
-                rms(&errors) / predicted,
-                0.9..=1.15,
+                errors.rms_ratio(predicted),
+                1.0,
+                budget,
             );
             of_cerm = predicted;
         }
         if method == Method::Tracked {
-            it.expect("tracked: error, of that predicted for CERM", rms(&errors) / of_cerm, 0.05..=0.2);
+            it.promise("tracked: error, of that predicted for CERM", errors.rms_ratio(of_cerm), 0.0..=0.2);
         }
-        let figure = format!("error {}, largest {}", percent(rms(&errors) / 100.0), percent(largest / 100.0));
-        it.cell(method, figure, largest < 0.88, method == Method::Tracked);
+        let figure =
+            format!("error {}, largest {}", percent(rms(&errors) / 100.0), percent(largest.value / 100.0));
+        it.cell(method, figure, largest.below(0.88), method == Method::Tracked);
     }
     let cycle = 20e-9 / parts.g()[0];
     it.why = format!(
@@ -98,18 +102,14 @@ pub fn trigger() -> Scenario {
         };
         let errors = board.errors(method, r_ohm, 40, 200);
         if let Some(predicted) = predicted {
-            it.expect(
-                format!("{}: error, of the predicted {predicted:.1} ohm", method.as_str()),
-                rms(&errors) / predicted,
-                0.92..=1.2,
-            );
+            let (what, found) = (format!("{}: error, of", method.as_str()), errors.rms_ratio(predicted));
+            match method {
+                Method::Tracked => it.promise(format!("{what} its bound"), found, 1.0..=1.2),
+                _ => it.expect(format!("{what} the predicted {predicted:.1} ohm"), found, 1.0, FIRST_ORDER),
+            }
         }
-        it.cell(
-            method,
-            percent(rms(&errors) / r_ohm),
-            rms(&errors) < 0.002 * r_ohm,
-            method == Method::Tracked,
-        );
+        let holds = errors.rms_ratio(r_ohm).below(0.002);
+        it.cell(method, percent(rms(&errors) / r_ohm), holds, method == Method::Tracked);
     }
     it.why = "trigger noise grows with R: its share of the time stays the same (eq. (8)). Two nodes are better than one only if B falls \
               as fast as A (C_A >> C_B); tracking weights each by its own noise, and does not add that of two calibration \
@@ -133,6 +133,11 @@ fn early(parts: &Parts, last: f64) -> Times {
     Times { c1, c2, x, switch: 0.0 }
 }
 
+/// The first dip below the threshold is one of samples in steps of half a period of the bandwidth.
+fn expect_bias(it: &mut Scenario, what: impl Display, mean: Figure, predicted: f64) {
+    it.expect(format!("{what}: bias, ohm"), mean, predicted, (FIRST_ORDER * predicted).abs());
+}
+
 pub fn wide_band_low() -> Scenario {
     let board = wide_band(Parts::PI4);
     let (parts, r_ohm) = (board.parts, 100.0);
@@ -147,28 +152,25 @@ pub fn wide_band_low() -> Scenario {
         (Method::Tcdic, "", "", of_tcdic),
         (Method::Cerm, "offset = \"8 us\"\nt-l = \"1 s\"", "offset of the stamps ", of_cerm),
     ] {
-        let mean = board.with(measure).errors(method, r_ohm, 40, 100).mean();
-        it.expect(
-            format!("{} {name}: bias, of the predicted {predicted:.2} ohm", method.as_str()),
-            mean / predicted,
-            0.85..=1.15,
-        );
-        it.cell(method, format!("{name}{}", percent(mean / r_ohm)), mean.abs() < 0.01 * r_ohm, false);
+        let mean = board.with(measure).errors(method, r_ohm, 40, 100).mean_error();
+        expect_bias(&mut it, format!("{} {name}", method.as_str()), mean, predicted);
+        let figure = format!("{name}{}", percent(mean.value / r_ohm));
+        it.cell(method, figure, mean.within(0.01 * r_ohm), false);
     }
     for (method, name) in [(Method::Qerm, ""), (Method::Cerm, "offset found "), (Method::Tracked, "")] {
         let measure = if method == Method::Cerm { "t-l = \"1 s\"" } else { "" };
         let errors = board.with(measure).errors(method, r_ohm, 40, 100);
-        let (mean, missing) = (errors.mean(), without_number(&errors));
-        it.expect(
+        let (mean, missing) = (errors.mean_error(), without_number(&errors));
+        it.promise(
             format!("{} {name}: bias, of CERM's as printed", method.as_str()),
-            mean / of_cerm,
+            mean.times(1.0 / of_cerm),
             0.1..=0.4,
         );
-        let mut figure = format!("{name}{}", percent(mean / r_ohm));
+        let mut figure = format!("{name}{}", percent(mean.value / r_ohm));
         if missing > 0.005 {
             write!(figure, ", {:.0} % no number", 100.0 * missing).unwrap();
         }
-        it.cell(method, figure, mean.abs() < 0.01 * r_ohm, false);
+        it.cell(method, figure, mean.within(0.01 * r_ohm), false);
     }
     let [first, second] =
         [parts.r_c1, parts.r_c2].map(|r| -1e6 * paper::early(&parts, VOLTAGE, BANDWIDTH, r)[0]);
@@ -192,34 +194,26 @@ pub fn wide_band_high() -> Scenario {
     let patient = board.with("deadline = \"400 ms\"");
     for (method, predicted) in [(Method::Tpcm, of_tpcm), (Method::Tcdic, of_tcdic), (Method::Cerm, of_tcdic)]
     {
-        let mean = patient.errors(method, r_ohm, 40, 100).mean();
-        it.expect(
-            format!("{}: bias, of the predicted {predicted:.0} ohm", method.as_str()),
-            mean / predicted,
-            0.85..=1.15,
-        );
-        it.cell(method, percent(mean / r_ohm), mean.abs() < 0.001 * r_ohm, false);
+        let mean = patient.errors(method, r_ohm, 40, 100).mean_error();
+        expect_bias(&mut it, method.as_str(), mean, predicted);
+        it.cell(method, percent(mean.value / r_ohm), mean.within(0.001 * r_ohm), false);
     }
-    let in_full = patient.errors(Method::Tracked, r_ohm, 40, 100).mean();
-    it.cell(
-        Method::Tracked,
-        format!("in full {}", percent(in_full / r_ohm)),
-        in_full.abs() < 0.001 * r_ohm,
-        false,
-    );
-    let finished = board.with("deadline = \"60 ms\"").errors(Method::Tracked, r_ohm, 40, 100);
-    it.cell(
-        Method::Tracked,
-        format!("finished through Rc1 after 60 ms {}", percent(finished.mean() / r_ohm)),
-        finished.mean().abs() < 0.001 * r_ohm,
-        true,
-    );
+    for (name, board, expected) in [
+        ("in full", patient, false),
+        ("finished through Rc1 after 60 ms", board.with("deadline = \"60 ms\""), true),
+    ] {
+        let mean = board.errors(Method::Tracked, r_ohm, 40, 100).mean_error();
+        let figure = format!("{name} {}", percent(mean.value / r_ohm));
+        it.cell(Method::Tracked, figure, mean.within(0.001 * r_ohm), expected);
+    }
     it.why = "as at 100 ohm; averaging takes nothing of it away. A discharge that a known resistor finishes is as early as the \
               calibration. A low-pass at the sense lines, or less noise, is the remedy."
         .to_owned();
     it
 }
 
+/// What is not of first order in a spike: 200 us are a sixth of the way from a switch to the end of a discharge.
+const SPIKES_ARE_LONG: f64 = 0.1;
 /// A reading that is so many sigma away from the one before it has changed, or has a late stamp.
 const SUDDEN: f64 = 5.0;
 
@@ -252,56 +246,47 @@ pub fn spikes() -> Scenario {
     ] {
         let found: Vec<f64> =
             by_hand.cycles(20_000, switch).iter().map(|times| equation(&parts, times)).collect();
-        let (found_mean, found_sd) = moments(&found);
+        let (found_mean, found_sd) = (mean_of(&found), sd_of(&found));
         let last = if switch.is_some() { parts.r_c2 } else { r_ohm };
         let exact = Times::of(&parts, r_ohm, switch.unwrap_or(0.0));
         let [predicted, quiet] = [noise, PI4_NOISE]
             .map(|noise| exact.scatter(noise.of_times(&parts, last), |times| equation(&parts, times)));
         it.expect(
             format!("{} as printed: sigma, of the predicted {predicted:.1} ohm", method.as_str()),
-            found_sd / predicted,
-            0.75..=1.25,
+            found_sd.times(1.0 / predicted),
+            1.0,
+            SPIKES_ARE_LONG,
         );
         if method == Method::Cerm {
             let bias = bias_of_offset(&parts, method, probability * mean, r_ohm);
-            let standard_error = found_sd / (found.len() as f64).sqrt();
-            it.expect(
-                format!("cerm as printed: bias, predicted {bias:.2} ohm, off by so many standard errors"),
-                (found_mean - r_ohm - bias) / standard_error,
-                -4.0..=4.0,
-            );
+            let found = Figure { value: found_mean.value - r_ohm, ..found_mean };
+            it.expect("cerm as printed: bias, ohm", found, bias, SPIKES_ARE_LONG * bias.abs());
         }
         it.cell(
             method,
-            format!("as printed: sigma {:.0} times", found_sd / quiet),
-            found_sd < 1.2 * quiet,
+            format!("as printed: sigma {:.0} times", found_sd.value / quiet),
+            found_sd.below(1.2 * quiet),
             false,
         );
     }
     for method in Method::ALL {
         let [calm, all] = [&quiet, &board].map(|board| board.errors(method, r_ohm, 200, 60));
-        let moved = (all.mean() - calm.mean()) / calm.sd();
-        let wider = all.spread() / calm.spread();
+        let moved = all.mean_error().less(calm.mean_error()).times(1.0 / calm.sd());
+        let wider = all.together(spread_of).over(calm.together(spread_of));
         // Two late stamps in a row are told by nothing from a sensor that has changed.
         let wild = all.errors.iter().zip(&all.us).filter(|(error, u)| error.abs() > 10.0 * **u).count();
-        let most = *binomial(all.count() as u64, probability * probability).end();
-        it.expect(
-            format!("{}: readings off by more than ten sigma", method.as_str()),
-            wild as f64,
-            0.0..=most as f64,
-        );
+        let what = format!("{}: readings off by more than ten sigma", method.as_str());
+        it.expect_share(what, wild, all.count(), 0.0..=probability * probability);
         if method == Method::Tpcm {
             // A jump of more than the noise of two readings is no number.
             let hidden = SUDDEN * 2f64.sqrt() * calm.sd() * parts.g()[0];
             let predicted = probability * (-hidden / mean).exp();
-            it.expect(
-                format!("tpcm: readings that are unsettled, of the predicted {predicted:.4}"),
-                share_of(&all, Fault::Unsettled) / predicted,
-                0.7..=1.3,
-            );
+            let unsettled = all.not_ok.iter().filter(|name| **name == Fault::Unsettled.as_str()).count();
+            let readings = all.not_ok.len() + all.without_u + all.count();
+            it.expect_share("tpcm: readings that are unsettled", unsettled, readings, predicted..=predicted);
         }
-        let figure = format!("mean {moved:+.2} sigma, sigma {wider:.2} times");
-        it.cell(method, figure, moved.abs() < 0.1 && wider < 1.2, true);
+        let figure = format!("mean {:+.2} sigma, sigma {:.2} times", moved.value, wider.value);
+        it.cell(method, figure, moved.within(0.1) & wider.below(1.2), true);
     }
     it.why = "one spike is many sigma. With two nodes, crossings that contradict each other are no number (`latency-outlier`), and \
               calibration discharges beyond 4 or 5 sigma are not used. A single node has nothing to compare its sensor's crossing with \

@@ -1,9 +1,10 @@
 //! Where a switch makes a method fail: made too late, counted by another clock than the crossings, made too early, or made
 //! now and not the next time.
 
+use crate::common::chance::{Figure, Verdict, mean_of, share_below};
 use crate::common::{read, records, settle};
 use crate::paper::{self, Noise, Parts, R_O, Times, V_DD, normal_below};
-use crate::scenario::{Board, ByHand, Scenario, is_true, moments, percent, rms, truth};
+use crate::scenario::{Board, ByHand, FIRST_ORDER, Scenario, is_true, moments, percent, rms, truth};
 use cermd::circuit::Node;
 use cermd::pins::{Drives, Pins};
 use cermd::reading::{Branch, Method, Status};
@@ -11,13 +12,16 @@ use cermd::units::Nanos;
 
 /// Latency of `pi4`: stamp, wake-up, half the call that switches.
 pub const STAMP: f64 = 8e-6;
-const REACTION: f64 = STAMP + 53e-6 + 0.6e-6;
+/// On average, the line moves so long after its call has begun.
+pub const HALF_CALL: f64 = 0.6e-6;
+const REACTION: f64 = STAMP + 53e-6 + HALF_CALL;
 const REACTION_JITTER: f64 = 5.2e-6;
 pub const PI4_NOISE: Noise = Noise { jitter: 1.5e-6, voltage: 0.5e-3 };
 
-/// The share of discharges in which B crosses before a switch that is made when the edge of A has come.
-fn too_late(board: &Board, r_ohm: f64, seed: u64) -> f64 {
-    const DISCHARGES: usize = 400;
+const DISCHARGES: usize = 400;
+
+/// In how many of [`DISCHARGES`] B crosses before a switch that is made when the edge of A has come.
+fn too_late(board: &Board, r_ohm: f64, seed: u64) -> usize {
     let mut pins = ByHand::new(board, r_ohm, seed).pins;
     let late = (0..DISCHARGES).filter(|_| {
         pins.drive(Drives::CHARGE).unwrap();
@@ -34,23 +38,23 @@ fn too_late(board: &Board, r_ohm: f64, seed: u64) -> f64 {
         pins.drive(Drives::NONE).unwrap();
         is_late
     });
-    late.count() as f64 / DISCHARGES as f64
+    late.count()
 }
 
-/// The share of planned switches after which the last node crosses.
-fn in_time(board: &Board, method: Method, r_ohm: f64) -> f64 {
+/// How many planned switches came too late for the last node, of how many.
+fn behind(board: &Board, method: Method, r_ohm: f64) -> [usize; 2] {
     let mut instrument = board.bench(method, r_ohm, 1).instrument();
     settle(&mut instrument);
-    let (mut planned, mut in_time) = (0, 0);
+    let (mut planned, mut behind) = (0, 0);
     for record in records(&mut instrument, 2000) {
         let last_ns = record.b_ns.or(record.a_ns);
         if let (Some(_), Some(switch), Some(last_ns)) = (record.through.channel(), record.switch, last_ns) {
             planned += 1;
-            in_time += i32::from(last_ns - 1e9 * STAMP > switch.on_ns);
+            behind += usize::from(last_ns - 1e9 * STAMP <= switch.on_ns);
         }
     }
     assert!(planned > 300, "{planned}");
-    f64::from(in_time) / f64::from(planned)
+    [behind, planned]
 }
 
 pub fn reaction() -> Scenario {
@@ -66,28 +70,32 @@ pub fn reaction() -> Scenario {
     let bound = REACTION / (g_b - g_a) - R_O;
     for share in [0.75, 1.0, 1.25] {
         let r_ohm = share * bound;
-        let predicted = normal_below((REACTION - window(r_ohm)) / REACTION_JITTER);
-        let found = too_late(&board, r_ohm, 1);
-        // Four standard errors of 400 discharges, and 0.5 us of doubt in the mean reaction.
-        it.expect(
+        // Where in its call the line moves scatters.
+        let doubt = HALF_CALL;
+        let share = |reaction: f64| normal_below((reaction - window(r_ohm)) / REACTION_JITTER);
+        it.expect_share(
             format!("{r_ohm:.0} ohm: B crosses first"),
-            found,
-            (predicted - 0.14).max(0.0)..=(predicted + 0.14).min(1.0),
+            too_late(&board, r_ohm, 1),
+            DISCHARGES,
+            share(REACTION - doubt)..=share(REACTION + doubt),
         );
     }
     let late = too_late(&board, 1000.0, 1);
-    it.expect("1 kohm: B crosses first", late, 0.999..=1.0);
-    it.cell(Method::Cerm, format!("in reaction: B first in {:.0} %", 100.0 * late), late < 0.01, false);
+    it.expect_share("1 kohm: B crosses first", late, DISCHARGES, 1.0..=1.0);
+    let figure = format!("in reaction: B first in {:.0} %", 100.0 * late as f64 / DISCHARGES as f64);
+    it.cell(Method::Cerm, figure, share_below(late, DISCHARGES, 0.01), false);
     for method in [Method::Cerm, Method::Tracked] {
         let errors = board.errors(method, 1000.0, 40, 100);
-        let in_time = in_time(&board, method, 1000.0);
-        let figure = format!("planned: in time in {:.0} %, {}", 100.0 * in_time, truth(&errors, 1000.0));
-        it.cell(method, figure, in_time > 0.99 && is_true(&errors), true);
+        let [behind, planned] = behind(&board, method, 1000.0);
+        let in_time = 100.0 * (1.0 - behind as f64 / planned as f64);
+        let figure = format!("planned: in time in {in_time:.0} %, {}", truth(&errors, 1000.0));
+        it.cell(method, figure, share_below(behind, planned, 0.01) & is_true(&errors), true);
         if method == Method::Cerm {
             let times = Times::of(&parts, 1000.0, 0.9 * g_a * 1040.0);
             let noise = PI4_NOISE.of_times(&parts, parts.r_c2);
             let predicted = times.scatter(noise, |times| paper::cerm(&parts, times));
-            it.expect("planned: error of CERM, of the predicted", errors.sd() / predicted, 0.9..=1.1);
+            // It has the error of its offset besides, as with the clock.
+            it.expect("planned: error of CERM, of the predicted", errors.rms_ratio(predicted), 1.0, 0.1);
         }
     }
     let longest = parts.c * (parts.r_series() / parts.r_c2).ln() * (parts.r_series() + R_O);
@@ -123,18 +131,15 @@ pub fn offset() -> Scenario {
         if switches {
             for r_ohm in [100.0, 1000.0, 5000.0] {
                 let uncorrected = board.with("offset = \"0 us\"\nt-l = \"1 s\"");
-                let bias = uncorrected.errors(method, r_ohm, 40, 100).mean();
+                let bias = uncorrected.errors(method, r_ohm, 40, 100).mean_error();
                 let predicted = bias_of_offset(&board.parts, method, STAMP, r_ohm);
-                it.expect(
-                    format!("{}, {r_ohm} ohm: bias, of the predicted {predicted:.2} ohm", method.as_str()),
-                    bias / predicted,
-                    0.95..=1.05,
-                );
+                let what = format!("{}, {r_ohm} ohm: bias, ohm", method.as_str());
+                it.expect(what, bias, predicted, FIRST_ORDER * predicted.abs());
                 if r_ohm == 1000.0 {
                     it.cell(
                         method,
-                        format!("as printed {}", percent(bias / r_ohm)),
-                        bias.abs() < 0.002 * r_ohm,
+                        format!("as printed {}", percent(bias.value / r_ohm)),
+                        bias.within(0.002 * r_ohm),
                         false,
                     );
                 }
@@ -143,7 +148,7 @@ pub fn offset() -> Scenario {
         let errors = board.errors(method, 1000.0, 40, 100);
         let figure =
             format!("{}{}", if switches { "offset found " } else { "" }, percent(errors.mean() / 1000.0));
-        it.cell(method, figure, errors.mean().abs() < 2.0, true);
+        it.cell(method, figure, errors.mean_error().within(2.0), true);
     }
     it.why = "a switch is a call of our own and is not late; only crossings are. In differences of crossings the lateness cancels, \
               in eq. (16) it does not: the bias is -2 d/(g_A + g_B) (Rc2 - Rx)/(Rc2 + Ro). Split calibration finds d."
@@ -152,9 +157,10 @@ pub fn offset() -> Scenario {
 }
 
 /// Changes of branch, by reading, of the branches seen.
-fn changes(board: &Board, method: Method, r_ohm: f64, seeds: u64) -> f64 {
-    let (mut changes, mut readings) = (0usize, 0usize);
+fn changes(board: &Board, method: Method, r_ohm: f64, seeds: u64) -> Figure {
+    let mut shares = Vec::new();
     for seed in 0..seeds {
+        let (mut changes, mut readings) = (0usize, 0usize);
         let mut instrument = board.bench(method, r_ohm, seed).instrument();
         settle(&mut instrument);
         read(&mut instrument, 60, |_| {});
@@ -166,8 +172,9 @@ fn changes(board: &Board, method: Method, r_ohm: f64, seeds: u64) -> f64 {
                 last = Some(branch);
             }
         });
+        shares.push(changes as f64 / readings as f64);
     }
-    changes as f64 / readings as f64
+    mean_of(&shares)
 }
 
 /// Where a discharge in full and a switched one have the same predicted scatter.
@@ -201,45 +208,41 @@ pub fn threshold() -> Scenario {
         board.with(&format!("offset = \"{} us\"\nt-l = \"{} ns\"", 1e6 * offset, (t_l * 1e9).round()))
     };
     // Below and above T_L by a part in a thousand: the mean of one branch and of the other.
-    let jump = fixed(0.0, 1.0).errors(Method::Cerm, r_l, 20, 200).mean()
-        - fixed(0.0, 0.0).errors(Method::Cerm, r_l, 20, 200).mean();
+    let [above, below] =
+        [1.0, 0.0].map(|t_l| fixed(0.0, t_l).errors(Method::Cerm, r_l, 20, 200).mean_error());
+    let jump = above.less(below);
     let predicted = bias_of_offset(&parts, Method::Cerm, STAMP, r_l);
-    it.expect(
-        format!("as printed: jump of the mean, of the predicted {predicted:.2} ohm"),
-        jump / predicted,
-        0.9..=1.1,
-    );
+    it.expect("as printed: jump of the mean, ohm", jump, predicted, FIRST_ORDER * predicted.abs());
     let chatter = changes(&fixed(STAMP, t_l), Method::Cerm, r_l, 20);
-    it.expect("fixed T_L: changes of branch by reading, predicted 0.5", chatter, 0.4..=0.6);
+    it.promise("fixed T_L: changes of branch by reading, about half", chatter, 0.4..=0.6);
+    let [jumps, change] = [jump.value, 100.0 * chatter.value];
     it.cell(
         Method::Cerm,
-        format!("as printed: the mean jumps by {jump:.1} ohm; fixed T_L: {:.0} % change", 100.0 * chatter),
-        chatter < 0.05,
+        format!("as printed: the mean jumps by {jumps:.1} ohm; fixed T_L: {change:.0} % change"),
+        chatter.below(0.05),
         false,
     );
     let direct = board.with("t-l = \"0 ns\"").errors(Method::Cerm, r_l, 40, 100);
     let inferred = board.with("t-l = \"1 s\"").errors(Method::Cerm, r_l, 40, 100);
-    it.expect("offset found: errors of both branches, predicted 1", inferred.sd() / direct.sd(), 0.9..=1.1);
-    let [of_direct, of_inferred] =
-        [&direct, &inferred].map(|errors| errors.sd() / (errors.count() as f64).sqrt());
-    let standard_error = of_direct.hypot(of_inferred);
-    it.expect(
-        "offset found: jump of the mean, in standard errors",
-        (inferred.mean() - direct.mean()) / standard_error,
-        -4.0..=4.0,
-    );
+    let ratio = inferred.rms_ratio(1.0).over(direct.rms_ratio(1.0));
+    it.expect("offset found: errors of both branches", ratio, 1.0, FIRST_ORDER);
+    let jump = inferred.mean_error().less(direct.mean_error());
+    it.expect("offset found: jump of the mean, ohm", jump, 0.0, 0.0);
     for method in [Method::Qerm, Method::Cerm, Method::Tracked] {
-        let mut most = 0.0f64;
-        let mut worst_coverage = 1.0f64;
+        let (mut most, mut worst_coverage) = (0.0f64, 1.0f64);
+        let mut holds = Verdict::from(true);
         for step in 0..16 {
             // From a third of it to three times: wherever this method's own threshold is.
             let r_ohm = r_l * 3f64.powf(f64::from(step) / 7.5 - 1.0);
-            most = most.max(changes(&board, method, r_ohm, 8));
-            worst_coverage = worst_coverage.min(board.errors(method, r_ohm, 8, 50).coverage());
+            let (changes, within) =
+                (changes(&board, method, r_ohm, 8), board.errors(method, r_ohm, 8, 50).within_2u());
+            holds = holds & changes.below(0.05) & within.times(-1.0).below(-0.85);
+            most = most.max(changes.value);
+            worst_coverage = worst_coverage.min(within.value);
         }
         let figure =
             format!("{:.1} % change at the most, {:.0} % in 2u", 100.0 * most, 100.0 * worst_coverage);
-        it.cell(method, figure, most < 0.05 && worst_coverage > 0.85, true);
+        it.cell(method, figure, holds, true);
     }
     it.why = format!(
         "on a fixed threshold noise alone decides, half of the time each way, and an offset left in shows in one branch only. The \
@@ -268,29 +271,33 @@ pub fn denominator() -> Scenario {
     let cycles = by_hand.cycles(4000, Some(switch));
     let (switch, _) = moments(&cycles.iter().map(|times| times.switch).collect::<Vec<_>>());
     let away = switch * (parts.r_c2 + R_O) / 1040.0 / (2f64.sqrt() * sigma);
+    let as_planned = Figure::exact(away);
     it.expect(
         "the denominator's distance from zero, in sigma",
-        away,
-        0.97 * DENOMINATOR..=1.03 * DENOMINATOR,
+        as_planned,
+        DENOMINATOR,
+        FIRST_ORDER * DENOMINATOR,
     );
     let found: Vec<f64> = cycles.iter().map(|times| paper::cerm(&parts, times)).collect();
-    let share = |of: &dyn Fn(f64) -> bool| {
-        found.iter().filter(|r| of((**r + R_O) / 1040.0)).count() as f64 / found.len() as f64
-    };
-    let (negative, far) = (share(&|ratio| ratio < 0.0), share(&|ratio| !(0.5..1.5).contains(&ratio)));
-    let (of_negative, of_far) = (normal_below(-away), normal_below(-away / 3.0) + normal_below(-away));
-    it.expect("as printed: below zero, of the predicted", negative / of_negative, 0.6..=1.4);
-    it.expect("as printed: off by half, of the predicted", far / of_far, 0.85..=1.15);
+    let count = |of: &dyn Fn(f64) -> bool| found.iter().filter(|r| of((**r + R_O) / 1040.0)).count();
+    let (negative, far) = (count(&|ratio| ratio < 0.0), count(&|ratio| !(0.5..1.5).contains(&ratio)));
+    // The sigma in which it is so far away is of first order.
+    let predicted = |of: &dyn Fn(f64) -> f64| of(away * (1.0 + FIRST_ORDER))..=of(away * (1.0 - FIRST_ORDER));
+    let of_negative = predicted(&|away| normal_below(-away));
+    let of_far = predicted(&|away| normal_below(-away / 3.0) + normal_below(-away));
+    it.expect_share("as printed: below zero", negative, found.len(), of_negative);
+    it.expect_share("as printed: off by half", far, found.len(), of_far);
+    let percent = |count: usize| 100.0 * count as f64 / found.len() as f64;
     it.cell(
         Method::Cerm,
-        format!("as printed: {:.0} % off by half, {:.0} % below zero", 100.0 * far, 100.0 * negative),
-        far < 0.001,
+        format!("as printed: {:.0} % off by half, {:.0} % below zero", percent(far), percent(negative)),
+        share_below(far, found.len(), 0.001),
         false,
     );
     let fraction = switch / (parts.g()[0] * 1040.0);
     for method in [Method::Cerm, Method::Tracked] {
         let errors = board.with(&format!("switch-fraction = {fraction:.5}")).errors(method, 1000.0, 20, 100);
-        it.cell(method, truth(&errors, 1000.0), errors.max() < 500.0 && is_true(&errors), true);
+        it.cell(method, truth(&errors, 1000.0), is_true(&errors) & (errors.max() < 500.0).into(), true);
     }
     it.why = format!(
         "switched after {:.1} us, both times through Rc2 differ by {:.0} us only, less or more by their noise of {:.1} us each. The \
@@ -324,17 +331,16 @@ pub fn one_ohm() -> Scenario {
             Method::Tcdic => paper::force(times, f_n) < 0.0,
             _ => equation(&parts, times) < 0.0,
         };
-        let share = cycles.iter().filter(below).count() as f64 / cycles.len() as f64;
-        let predicted = normal_below(-1.0 / sigma);
-        it.expect(
-            format!("{} as printed: below zero, predicted {predicted:.3}", method.as_str()),
-            share,
-            predicted - 0.035..=predicted + 0.035,
-        );
-        it.cell(method, format!("as printed: {:.0} % below zero", 100.0 * share), share < 0.001, false);
+        let negative = cycles.iter().filter(below).count();
+        let predicted = |by: f64| normal_below(-1.0 / (by * sigma));
+        let what = format!("{} as printed: below zero", method.as_str());
+        let range = predicted(1.0 - FIRST_ORDER)..=predicted(1.0 + FIRST_ORDER);
+        it.expect_share(what, negative, cycles.len(), range);
+        let figure = format!("as printed: {:.0} % below zero", 100.0 * negative as f64 / cycles.len() as f64);
+        it.cell(method, figure, share_below(negative, cycles.len(), 0.001), false);
     }
     for method in Method::ALL {
-        let (mut sound, mut short, mut count, mut negative) = (0, 0, 0, 0);
+        let (mut sound, mut short, mut count, mut negative) = (0usize, 0usize, 0usize, 0usize);
         for seed in 0..20 {
             let mut instrument = board.bench(method, 1.0, seed).instrument();
             settle(&mut instrument);
@@ -343,20 +349,20 @@ pub fn one_ohm() -> Scenario {
                 count += 1;
                 match reading.status {
                     Status::Ok { r_ohm, .. } => {
-                        negative += i32::from(r_ohm.value < 0.0);
-                        sound += i32::from((r_ohm.value - 1.0).abs() <= 3.0 * r_ohm.u.unwrap());
+                        negative += usize::from(r_ohm.value < 0.0);
+                        sound += usize::from((r_ohm.value - 1.0).abs() <= 3.0 * r_ohm.u.unwrap());
                     }
                     Status::Short { r_max_ohm, .. } => {
                         short += 1;
-                        sound += i32::from(r_max_ohm >= 1.0);
+                        sound += usize::from(r_max_ohm >= 1.0);
                     }
                     _ => {}
                 }
             });
         }
-        let share = |part: i32| f64::from(part) / f64::from(count);
+        let share = |part: usize| part as f64 / count as f64;
         let figure = format!("{:.0} % short, {:.0} % true", 100.0 * share(short), 100.0 * share(sound));
-        it.cell(method, figure, negative == 0 && share(sound) > 0.9, true);
+        it.cell(method, figure, share_below(count - sound, count, 0.1) & (negative == 0).into(), true);
     }
     it.why = "a resistance of less than its own uncertainty has a reciprocal that may be anything; it is `short`, with an upper bound \
               of R and a lower one of F."

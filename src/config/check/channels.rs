@@ -2,9 +2,10 @@
 
 use crate::config::Findings;
 use crate::config::limits::{ABSURD_ZERO_OHM, EXPONENTS, FORCES, LARGEST_ZERO_OHM, LONGEST_ID};
-use crate::config::{ChannelTable, Force};
+use crate::config::{ChannelTable, Characteristic};
 use crate::pins::MAX_CHANNELS;
-use crate::units::Ohm;
+use crate::sensor::Force;
+use crate::units::{Newton, NewtonOhm, Ohm};
 use std::fmt::Display;
 
 /// The name of a channel's key: by the channel's id, or by its number (from 1) where the id is unfit to print.
@@ -75,39 +76,53 @@ fn zero(index: usize, channel: &ChannelTable, findings: &mut Findings) {
     }
 }
 
-fn force(key: &str, characteristic: &Force, findings: &mut Findings) {
+fn force(key: &str, characteristic: &Characteristic, findings: &mut Findings) {
     let fault = match characteristic {
-        Force::Calibrated { fc1, fc2 } if !(fc2.0 > 0.0 && fc1 > fc2) => Some((
-            format!("fc1 = {fc1} at the lower resistance has to exceed fc2 = {fc2}, and both be above zero"),
-            "the greater force as fc1",
-        )),
-        Force::Alpha(alpha) if alpha.0 <= 0.0 => Some((
-            format!("alpha = {alpha} is not above zero"),
-            "alpha = \"13346 N ohm\", usual for an FSR 402",
-        )),
-        Force::PowerLaw { at_1_kohm, exponent } if !(at_1_kohm.0 > 0.0 && *exponent > 0.0) => Some((
-            format!("at-1-kohm = {at_1_kohm} and exponent = {exponent} have to be above zero"),
-            "{ at-1-kohm = \"13.3 N\", exponent = 1.0 }",
-        )),
-        Force::Calibrated { fc1: force, .. } if !FORCES.contains(&force.0) => Some(absurd(force)),
-        Force::Calibrated { fc2: force, .. } | Force::PowerLaw { at_1_kohm: force, .. }
-            if !FORCES.contains(&force.0) =>
-        {
-            Some(absurd(force))
-        }
-        // At 1 kohm.
-        Force::Alpha(alpha) if !FORCES.contains(&(alpha.0 / 1e3)) => Some(absurd(alpha)),
-        Force::PowerLaw { exponent, .. } if !EXPONENTS.contains(exponent) => Some((
-            format!("exponent = {exponent:e} is not between {} and {}", EXPONENTS.start(), EXPONENTS.end()),
-            "1.0, near which force-sensing resistors are",
-        )),
-        Force::Table(file) if file.as_os_str().is_empty() => {
+        Characteristic::File(file) if file.as_os_str().is_empty() => {
             Some(("table names no file".to_owned(), "a CSV file beside the configuration"))
         }
-        _ => None,
+        Characteristic::File(_) => None,
+        Characteristic::Given(force) => law(force),
     };
     if let Some((reason, remedy)) = fault {
         findings.error(key, reason, remedy);
+    }
+}
+
+/// What is wrong with numbers, and what to try.
+fn law(force: &Force) -> Option<(String, &'static str)> {
+    match *force {
+        Force::Calibrated { fc1_n, fc2_n } if !(fc2_n > 0.0 && fc1_n > fc2_n) => Some((
+            format!(
+                "fc1 = {} at the lower resistance has to exceed fc2 = {}, and both be above zero",
+                Newton(fc1_n),
+                Newton(fc2_n)
+            ),
+            "the greater force as fc1",
+        )),
+        Force::Alpha { alpha_n_ohm } if alpha_n_ohm <= 0.0 => Some((
+            format!("alpha = {} is not above zero", NewtonOhm(alpha_n_ohm)),
+            "alpha = \"13346 N ohm\", usual for an FSR 402",
+        )),
+        Force::Power { at_1_kohm_n, exponent } if !(at_1_kohm_n > 0.0 && exponent > 0.0) => Some((
+            format!("at-1-kohm = {} and exponent = {exponent} have to be above zero", Newton(at_1_kohm_n)),
+            "{ at-1-kohm = \"13.3 N\", exponent = 1.0 }",
+        )),
+        Force::Calibrated { fc1_n, .. } if !FORCES.contains(&fc1_n) => Some(absurd(Newton(fc1_n))),
+        Force::Calibrated { fc2_n: f_n, .. } | Force::Power { at_1_kohm_n: f_n, .. }
+            if !FORCES.contains(&f_n) =>
+        {
+            Some(absurd(Newton(f_n)))
+        }
+        // At 1 kohm.
+        Force::Alpha { alpha_n_ohm } if !FORCES.contains(&(alpha_n_ohm / 1e3)) => {
+            Some(absurd(NewtonOhm(alpha_n_ohm)))
+        }
+        Force::Power { exponent, .. } if !EXPONENTS.contains(&exponent) => Some((
+            format!("exponent = {exponent:e} is not between {} and {}", EXPONENTS.start(), EXPONENTS.end()),
+            "1.0, near which force-sensing resistors are",
+        )),
+        _ => None,
     }
 }
 

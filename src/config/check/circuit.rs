@@ -57,27 +57,17 @@ fn part<Q: Quantity + PartialOrd + Display>(
 
 fn weaknesses(circuit: &Circuit, findings: &mut Findings) {
     let (supply, limit) = (circuit.v_dd.0, format!("{:.0} mA", 1e3 * PIN_LIMIT_A));
-    let charge_a = supply / circuit.r_charge.0;
-    if charge_a > PIN_LIMIT_A {
-        findings.warning(
-            "circuit.r-charge",
-            format!(
-                "charging starts with {:.1} mA, above the {limit} that a pin may deliver",
-                1e3 * charge_a
-            ),
-            format!("at least \"{:.3}\", pin included", Ohm(supply / PIN_LIMIT_A)),
-        );
-    }
-    let sink_a = supply / (circuit.r_c1.0 + circuit.r_o.0);
-    if sink_a > PIN_LIMIT_A {
-        findings.warning(
-            "circuit.r-c1",
-            format!(
-                "the discharge starts with {:.1} mA, above the {limit} that a pin may sink",
-                1e3 * sink_a
-            ),
-            format!("at least \"{:.3}\"", Ohm(supply / PIN_LIMIT_A - circuit.r_o.0)),
-        );
+    for (key, r, r_o, begins, does, pin) in [
+        ("r-charge", circuit.r_charge.0, 0.0, "charging", "deliver", ", pin included"),
+        ("r-c1", circuit.r_c1.0, circuit.r_o.0, "the discharge", "sink", ""),
+    ] {
+        let milliampere = 1e3 * supply / (r + r_o);
+        if milliampere > 1e3 * PIN_LIMIT_A {
+            let reason =
+                format!("{begins} starts with {milliampere:.1} mA, above the {limit} that a pin may {does}");
+            let remedy = format!("at least \"{:.3}\"{pin}", Ohm(supply / PIN_LIMIT_A - r_o));
+            findings.warning(format!("circuit.{key}"), reason, remedy);
+        }
     }
     if circuit.r_second().0 < CALIBRATION_RATIO * circuit.r_c1.0 {
         findings.warning(

@@ -9,14 +9,22 @@ pub fn check(config: &Config, findings: &mut Findings) {
     equal_lines(config, findings);
     let gpio = &config.gpio;
     if gpio.backend == Backend::Mock {
-        return scene(config, findings);
+        if config.mock.as_ref().is_none_or(|mock| mock.scene.trim().is_empty()) {
+            let remedy = "scene = \"pi4\" under [mock], or lines under [gpio]";
+            findings.error(
+                "mock.scene",
+                "missing: without hardware there has to be a simulated circuit",
+                remedy,
+            );
+        }
+        return;
     }
     if gpio.chip.is_none() {
         let remedy = "the chip's label, such as \"pinctrl-rp1\" (see `cermctl lines`)";
         findings.error("gpio.chip", "missing", remedy);
     }
     let has_node_b = config.circuit.kind() == Kind::TwoCapacitor;
-    for Line { key, name, is_needed, is_of_node_b } in lines(gpio) {
+    for (key, name, is_needed, is_of_node_b) in lines(gpio) {
         if name.is_none() && is_needed && (has_node_b || !is_of_node_b) {
             findings.error(key, "missing", "a line's name such as \"GPIO5\", or its offset");
         }
@@ -31,68 +39,45 @@ pub fn check(config: &Config, findings: &mut Findings) {
     }
 }
 
-/// A line that has a key in `[gpio]`.
-struct Line<'a> {
-    key: &'static str,
-    name: Option<&'a LineName>,
-    /// Chargers are not, or not alone: see [`chargers`].
-    is_needed: bool,
-    is_of_node_b: bool,
-}
-
-fn lines(gpio: &Gpio) -> [Line<'_>; 6] {
+/// The lines that have a key in `[gpio]`: whether they are needed (chargers are not, or not alone: see [`chargers`]), and
+/// whether they are at node B.
+fn lines(gpio: &Gpio) -> [(&'static str, Option<&LineName>, bool, bool); 6] {
     [
-        ("gpio.sense-a", &gpio.sense_a, true, false),
-        ("gpio.sense-b", &gpio.sense_b, true, true),
-        ("gpio.charge-a", &gpio.charge_a, false, false),
-        ("gpio.charge-b", &gpio.charge_b, false, true),
-        ("gpio.sink-c1", &gpio.sink_c1, true, false),
-        ("gpio.sink-c2", &gpio.sink_c2, true, false),
+        ("gpio.sense-a", gpio.sense_a.as_ref(), true, false),
+        ("gpio.sense-b", gpio.sense_b.as_ref(), true, true),
+        ("gpio.charge-a", gpio.charge_a.as_ref(), false, false),
+        ("gpio.charge-b", gpio.charge_b.as_ref(), false, true),
+        ("gpio.sink-c1", gpio.sink_c1.as_ref(), true, false),
+        ("gpio.sink-c2", gpio.sink_c2.as_ref(), true, false),
     ]
-    .map(|(key, name, is_needed, is_of_node_b)| Line {
-        key,
-        name: name.as_ref(),
-        is_needed,
-        is_of_node_b,
-    })
-}
-
-fn scene(config: &Config, findings: &mut Findings) {
-    if config.mock.as_ref().is_none_or(|mock| mock.scene.trim().is_empty()) {
-        findings.error(
-            "mock.scene",
-            "missing: without hardware there has to be a simulated circuit",
-            "scene = \"pi4\" under [mock], or lines under [gpio]",
-        );
-    }
 }
 
 fn chargers(gpio: &Gpio, has_node_b: bool, findings: &mut Findings) {
-    let (key, reason, remedy) = match (&gpio.charge_a, &gpio.charge_b) {
+    let pair = "a charger for both nodes, or for none";
+    match (&gpio.charge_a, &gpio.charge_b) {
         (Some(_), None) if has_node_b => {
-            ("gpio.charge-b", "missing, while charge-a is there", "a charger for both nodes, or for none")
+            findings.error("gpio.charge-b", "missing, while charge-a is there", pair);
         }
         (None, Some(_)) if has_node_b => {
-            ("gpio.charge-a", "missing, while charge-b is there", "a charger for both nodes, or for none")
+            findings.error("gpio.charge-a", "missing, while charge-b is there", pair);
         }
-        (None, _) if gpio.backend == Backend::ChardevV1 => (
+        (None, _) if gpio.backend == Backend::ChardevV1 => findings.error(
             "gpio.charge-a",
             "missing: this kernel interface cannot turn a sense line into a charger",
             "lines of their own as chargers, or backend = \"chardev\"",
         ),
-        _ => return,
-    };
-    findings.error(key, reason, remedy);
+        _ => {}
+    }
 }
 
 fn equal_lines(config: &Config, findings: &mut Findings) {
-    let own = lines(&config.gpio).into_iter().map(|line| (line.key.to_owned(), line.name));
+    let own = lines(&config.gpio).into_iter().map(|(key, name, ..)| (key.to_owned(), name));
     let sinks = config.channels.iter().enumerate().map(|(i, c)| (key(i, c, "sink"), c.sink.as_ref()));
     let mut seen: Vec<(String, &LineName)> = Vec::new();
     for (key, line) in own.chain(sinks).filter_map(|(key, line)| Some((key, line?))) {
         match seen.iter().find(|(_, other)| *other == line) {
             Some((first, _)) => {
-                findings.error(key, format!("{line} is {first} already"), "a line of its own")
+                findings.error(key, format!("{} is {first} already", line.0), "a line of its own")
             }
             None => seen.push((key, line)),
         }

@@ -50,20 +50,18 @@ fn method(method: Option<Method>, kind: Kind, findings: &mut Findings) {
 }
 
 fn durations(measure: &Measure, findings: &mut Findings) {
-    let derived = "without it: it is derived";
-    let default = "without it: there is a default";
+    let (derived, default) = ("without it: it is derived", "without it: there is a default");
     for (name, time, least, longest, remedy) in [
         ("charge-time", measure.charge_time, Nanos(1), LONGEST_WAIT, derived),
         ("deadline", measure.deadline, Nanos(1), LONGEST_WAIT, derived),
         ("settle-time", measure.settle_time, Nanos::ZERO, LONGEST_WAIT, default),
         ("t-l", measure.t_l, Nanos::ZERO, Nanos::MAX, default),
     ] {
-        let Some(time) = time else { continue };
-        let reason = match time {
-            time if time < least && least > Nanos::ZERO => "not above zero".to_owned(),
-            time if time < least => "below zero".to_owned(),
-            time if time > longest => format!("{:.3} is longer than a minute", Seconds::from(time)),
-            _ => continue,
+        let Some(time) = time.filter(|time| !(least..=longest).contains(time)) else { continue };
+        let reason = match time > longest {
+            true => format!("{:.3} is longer than a minute", Seconds::from(time)),
+            false if least > Nanos::ZERO => "not above zero".to_owned(),
+            false => "below zero".to_owned(),
         };
         findings.error(format!("measure.{name}"), reason, remedy);
     }

@@ -2,54 +2,36 @@
 
 use super::*;
 use crate::config::{Finding, Severity};
+use crate::config_file::{self, ConfigFile};
 use crate::pins::MAX_CHANNELS;
 use crate::units::{Nanos, Seconds};
 use proptest::prelude::*;
 
-const GOOD: &str = r#"
-[circuit]
-kind = "two-capacitor"
-c-a = "2.2 uF"
-c-b = "680 nF"
-r-c1 = "2.32 kohm"
-r-c2 = "12.7 kohm"
-
-[gpio]
-backend = "chardev"
-chip = "pinctrl-rp1"
-sense-a = "GPIO5"
-sense-b = "GPIO6"
-charge-a = "GPIO13"
-charge-b = "GPIO19"
-sink-c1 = "GPIO20"
-sink-c2 = "GPIO21"
-
-[measure]
-method = "cerm"
-
-[[channel]]
-id = "thumb"
-sink = "GPIO16"
-force = { fc1 = "5.75 N", fc2 = "1.05 N" }
-
-[server]
-socket = "/run/cermd/cermd.sock"
-"#;
-
-const SERIES: [(&str, &str); 4] = [
-    ("\"two-capacitor\"", "\"series-calibration\""),
-    ("c-a = \"2.2 uF\"\nc-b = \"680 nF\"", "c = \"1 uF\""),
-    ("sense-b = \"GPIO6\"\n", ""),
-    ("charge-b = \"GPIO19\"\n", ""),
-];
-
-/// GOOD with some of its text replaced; what is replaced has to be there exactly once.
-fn config(changes: &[(&str, &str)]) -> Config {
-    let text = changes.iter().fold(GOOD.to_owned(), |text, (old, new)| {
-        assert_eq!(text.matches(old).count(), 1, "{old}");
-        text.replace(old, new)
+/// A good configuration with something changed.
+fn config(change: impl FnOnce(&mut ConfigFile) -> &mut ConfigFile) -> Config {
+    let lines = [
+        ("sense-a", "GPIO5"),
+        ("sense-b", "GPIO6"),
+        ("charge-a", "GPIO13"),
+        ("charge-b", "GPIO19"),
+        ("sink-c1", "GPIO20"),
+        ("sink-c2", "GPIO21"),
+    ];
+    let good = config_file::config(|c| {
+        c.set("gpio.backend", "chardev").set("gpio.chip", "pinctrl-rp1").set("measure.method", "cerm");
+        for (line, name) in lines {
+            c.set(&format!("gpio.{line}"), name);
+        }
+        c.channel("thumb").set("channel.thumb.sink", "GPIO16");
+        c.lines("channel.thumb", "force = { fc1 = \"5.75 N\", fc2 = \"1.05 N\" }");
+        c.set("server.socket", "/run/cermd/cermd.sock")
     });
-    Config::parse(&text, "test").unwrap_or_else(|error| panic!("{error}"))
+    change(&mut good.clone()).parse()
+}
+
+/// The circuit with one capacitor and two lines less.
+fn one_capacitor<'a>(c: &'a mut ConfigFile, kind: &str) -> &'a mut ConfigFile {
+    c.one_capacitor(kind, "1 uF").unset(&["gpio.sense-b", "gpio.charge-b"])
 }
 
 /// The findings that are not predictions, as they are printed.
@@ -60,8 +42,8 @@ fn complaints(config: &Config) -> Vec<String> {
 
 /// Exactly one complaint, that begins as said.
 #[track_caller]
-fn one(changes: &[(&str, &str)], beginning: &str) {
-    let complaints = complaints(&config(changes));
+fn one(change: impl FnOnce(&mut ConfigFile) -> &mut ConfigFile, beginning: &str) {
+    let complaints = complaints(&config(change));
     assert!(complaints.len() == 1 && complaints[0].starts_with(beginning), "{complaints:#?}");
     assert!(complaints[0].contains("; try "), "{complaints:#?}");
 }
@@ -69,18 +51,18 @@ fn one(changes: &[(&str, &str)], beginning: &str) {
 /// One complaint about an added line of `[measure]`.
 #[track_caller]
 fn one_measure(line: &str, beginning: &str) {
-    one(&[("[measure]\n", &format!("[measure]\n{line}\n"))], beginning);
+    one(|c| c.lines("measure", line), beginning);
 }
 
 /// One complaint about another `force`.
 #[track_caller]
 fn one_force(force: &str, beginning: &str) {
-    one(&[("{ fc1 = \"5.75 N\", fc2 = \"1.05 N\" }", force)], beginning);
+    one(|c| c.lines("channel.thumb", &format!("force = {force}")), beginning);
 }
 
 #[test]
 fn a_good_one_has_predictions_only() {
-    let findings: Vec<String> = config(&[]).check().0.iter().map(Finding::to_string).collect();
+    let findings: Vec<String> = config(|c| c).check().0.iter().map(Finding::to_string).collect();
     insta::assert_snapshot!(findings.join("\n"), @r#"
     info: circuit.r-c1: through Rc1, node A after 1.14 ms, node B after 1.93 ms
     info: circuit.r-c2: through Rc2, node A after 6.16 ms, node B after 10.4 ms
@@ -92,9 +74,8 @@ fn a_good_one_has_predictions_only() {
 
 #[test]
 fn series_calibration_is_good_too() {
-    let mut changes = SERIES.to_vec();
-    changes.push(("\"cerm\"", "\"qerm\""));
-    let findings: Vec<String> = config(&changes).check().0.iter().map(Finding::to_string).collect();
+    let config = config(|c| one_capacitor(c, "series-calibration").set("measure.method", "qerm"));
+    let findings: Vec<String> = config.check().0.iter().map(Finding::to_string).collect();
     insta::assert_snapshot!(findings.join("\n"), @r#"
     info: circuit.r-c1: through Rc1, node A after 2.2 ms
     info: circuit.r-c2: through Rc1 + Rc2, node A after 14 ms
@@ -107,33 +88,32 @@ fn series_calibration_is_good_too() {
 #[test]
 fn circuit_values() {
     one(
-        &[("\"2.32 kohm\"", "\"12.7 kohm\"")],
+        |c| c.set("circuit.r-c1", "12.7 kohm"),
         "error: circuit.r-c1: 12.7 kohm is not below r-c2 = 12.7 kohm",
     );
-    one(&[("\"2.32 kohm\"", "\"15 kohm\"")], "error: circuit.r-c1: 15 kohm is not below");
-    one(&[("\"2.2 uF\"", "\"0 F\"")], "error: circuit.c-a: c-a is not above zero");
-    let negative = &[("\"2.32 kohm\"", "\"-1 ohm\"")];
+    one(|c| c.set("circuit.r-c1", "15 kohm"), "error: circuit.r-c1: 15 kohm is not below");
+    one(|c| c.set("circuit.c-a", "0 F"), "error: circuit.c-a: c-a is not above zero");
     one(
-        negative,
+        |c| c.set("circuit.r-c1", "-1 ohm"),
         "error: circuit.r-c1: r-c1 is not above zero; try the value of the part, such as \"2.32 kohm\"",
     );
-    one(&[("\"2.2 uF\"", "\"2.2 F\"")], "error: circuit.c-a: 2.2 F is not between 10 pF and 1 mF");
+    one(|c| c.set("circuit.c-a", "2.2 F"), "error: circuit.c-a: 2.2 F is not between 10 pF and 1 mF");
     one(
-        &[("\"2.32 kohm\"", "\"2.32 mohm\"")],
+        |c| c.set("circuit.r-c1", "2.32 mohm"),
         "error: circuit.r-c1: 2.32 mohm is not between 1 ohm and 100 Mohm",
     );
-    one(&[("\"680 nF\"", "\"1.43 uF\"")], "error: circuit.c-b: node B never falls below 1.3 V");
-    one(&[("\"680 nF\"", "\"1.4 uF\"")], "warning: circuit.c-b: node B ends at 1.28 V");
-    one(&[("\"12.7 kohm\"", "\"3.3 kohm\"")], "warning: circuit.r-c2: calibration at");
+    one(|c| c.set("circuit.c-b", "1.43 uF"), "error: circuit.c-b: node B never falls below 1.3 V");
+    one(|c| c.set("circuit.c-b", "1.4 uF"), "warning: circuit.c-b: node B ends at 1.28 V");
+    one(|c| c.set("circuit.r-c2", "3.3 kohm"), "warning: circuit.r-c2: calibration at");
     one(
-        &[("\"2.32 kohm\"", "\"100 ohm\"")],
+        |c| c.set("circuit.r-c1", "100 ohm"),
         "warning: circuit.r-c1: the discharge starts with 23.6 mA, above the 16 mA",
     );
 }
 
 #[test]
 fn circuit_nominals() {
-    let circuit = |line: &str| config(&[("[circuit]\n", &format!("[circuit]\n{line}\n"))]);
+    let circuit = |line: &str| config(|c| c.lines("circuit", line));
     for (line, beginning) in [
         ("v-th = \"3.3 V\"", "error: circuit.v-th: the threshold 3.3 V is not below the supply 3.3 V"),
         (
@@ -149,40 +129,45 @@ fn circuit_nominals() {
 
 #[test]
 fn lines_that_are_missing() {
-    for (line, key) in [
-        ("chip = \"pinctrl-rp1\"\n", "gpio.chip"),
-        ("sense-a = \"GPIO5\"\n", "gpio.sense-a"),
-        ("sense-b = \"GPIO6\"\n", "gpio.sense-b"),
-        ("charge-a = \"GPIO13\"\n", "gpio.charge-a"),
-        ("charge-b = \"GPIO19\"\n", "gpio.charge-b"),
-        ("sink-c1 = \"GPIO20\"\n", "gpio.sink-c1"),
-        ("sink-c2 = \"GPIO21\"\n", "gpio.sink-c2"),
-        ("sink = \"GPIO16\"\n", "channel.thumb.sink"),
+    for key in [
+        "gpio.chip",
+        "gpio.sense-a",
+        "gpio.sense-b",
+        "gpio.charge-a",
+        "gpio.charge-b",
+        "gpio.sink-c1",
+        "gpio.sink-c2",
+        "channel.thumb.sink",
     ] {
-        one(&[(line, "")], &format!("error: {key}: missing"));
+        one(|c| c.unset(&[key]), &format!("error: {key}: missing"));
     }
 }
 
 #[test]
 fn sense_lines_may_charge_in_uapi_v2_only() {
-    let own = [("charge-a = \"GPIO13\"\ncharge-b = \"GPIO19\"\n", "")];
-    assert_eq!(complaints(&config(&own)), Vec::<String>::new());
-    one(&[own[0], ("\"chardev\"", "\"chardev-v1\"")], "error: gpio.charge-a: missing: this kernel interface");
-    assert_eq!(complaints(&config(&[("\"chardev\"", "\"chardev-v1\"")])), Vec::<String>::new());
+    let own = ["gpio.charge-a", "gpio.charge-b"];
+    assert_eq!(complaints(&config(|c| c.unset(&own))), Vec::<String>::new());
+    one(
+        |c| c.unset(&own).set("gpio.backend", "chardev-v1"),
+        "error: gpio.charge-a: missing: this kernel interface",
+    );
+    assert_eq!(complaints(&config(|c| c.set("gpio.backend", "chardev-v1"))), Vec::<String>::new());
 }
 
 #[test]
 fn lines_that_are_equal() {
-    one(&[("\"GPIO21\"", "\"GPIO20\"")], "error: gpio.sink-c2: GPIO20 is gpio.sink-c1 already");
-    one(&[("\"GPIO16\"", "\"GPIO5\"")], "error: channel.thumb.sink: GPIO5 is gpio.sense-a already");
-    one(&[("\"GPIO5\"", "5"), ("\"GPIO6\"", "\"5\"")], "error: gpio.sense-b: 5 is gpio.sense-a already");
+    one(|c| c.set("gpio.sink-c2", "GPIO20"), "error: gpio.sink-c2: GPIO20 is gpio.sink-c1 already");
+    one(|c| c.set("channel.thumb.sink", "GPIO5"), "error: channel.thumb.sink: GPIO5 is gpio.sense-a already");
+    one(
+        |c| c.set("gpio.sense-a", 5).set("gpio.sense-b", "5"),
+        "error: gpio.sense-b: 5 is gpio.sense-a already",
+    );
 }
 
 #[test]
 fn lines_that_are_not_used() {
-    let mut changes = SERIES[..2].to_vec();
-    changes.push(("\"cerm\"", "\"qerm\""));
-    let complaints = complaints(&config(&changes));
+    let series = config(|c| c.one_capacitor("series-calibration", "1 uF").set("measure.method", "qerm"));
+    let complaints = complaints(&series);
     assert_eq!(complaints.len(), 2, "{complaints:#?}");
     assert!(complaints[0].starts_with("warning: gpio.sense-b: not used"));
     assert!(complaints[1].starts_with("warning: gpio.charge-b: not used"));
@@ -190,32 +175,38 @@ fn lines_that_are_not_used() {
 
 #[test]
 fn the_simulated_circuit() {
-    let gpio = &GOOD[GOOD.find("[gpio]").unwrap()..GOOD.find("[measure]").unwrap()];
-    one(&[(gpio, "")], "error: mock.scene: missing");
-    one(&[(gpio, "[mock]\nscene = \"\"\n")], "error: mock.scene: missing");
-    let mock = config(&[(gpio, "[mock]\nscene = \"pi4\"\n"), ("sink = \"GPIO16\"\n", "")]);
+    one(|c| c.unset(&["gpio"]), "error: mock.scene: missing");
+    one(|c| c.unset(&["gpio"]).set("mock.scene", ""), "error: mock.scene: missing");
+    let mock = config(|c| c.unset(&["gpio", "channel.thumb.sink"]).set("mock.scene", "pi4"));
     assert_eq!(complaints(&mock), Vec::<String>::new());
 }
 
 #[test]
 fn methods() {
-    assert_eq!(complaints(&config(&[("\"cerm\"", "\"tracked\"")])), Vec::<String>::new());
+    assert_eq!(complaints(&config(|c| c.set("measure.method", "tracked"))), Vec::<String>::new());
     one(
-        &[("\"cerm\"", "\"tracked\"\ncalibration = \"each-reading\"")],
+        |c| c.set("measure.method", "tracked").set("measure.calibration", "each-reading"),
         "warning: measure.calibration: not used",
     );
     one_measure("resolution = \"0 s\"", "error: measure.resolution: not between");
-    one(&[("\"cerm\"", "\"qerm\"")], "error: measure.method: \"qerm\" needs kind = \"series-calibration\"");
-    one(&SERIES, "error: measure.method: \"cerm\" needs kind = \"two-capacitor\"");
-    let one_capacitor = [SERIES[0].0, "\"one-capacitor\""];
     one(
-        &[(one_capacitor[0], one_capacitor[1]), SERIES[1], SERIES[2], SERIES[3], ("\"cerm\"", "\"tcdic\"")],
+        |c| c.set("measure.method", "qerm"),
+        "error: measure.method: \"qerm\" needs kind = \"series-calibration\"",
+    );
+    one(
+        |c| one_capacitor(c, "series-calibration"),
+        "error: measure.method: \"cerm\" needs kind = \"two-capacitor\"",
+    );
+    one(
+        |c| one_capacitor(c, "one-capacitor").set("measure.method", "tcdic"),
         "error: measure.method: \"tcdic\" needs kind = \"two-capacitor\"",
     );
-    for (method, changes) in [("\"tpcm\"", &[][..]), ("\"tcdic\"", &[]), ("\"tpcm\"", &SERIES)] {
-        let changes: Vec<_> = changes.iter().copied().chain([("\"cerm\"", method)]).collect();
-        assert_eq!(complaints(&config(&changes)), Vec::<String>::new(), "{method}");
+    for method in ["tpcm", "tcdic"] {
+        let complaints = complaints(&config(|c| c.set("measure.method", method)));
+        assert_eq!(complaints, Vec::<String>::new(), "{method}");
     }
+    let series = config(|c| one_capacitor(c, "series-calibration").set("measure.method", "tpcm"));
+    assert_eq!(complaints(&series), Vec::<String>::new());
 }
 
 #[test]
@@ -233,7 +224,7 @@ fn durations() {
         "error: measure.charge-time: 90 s is longer than a minute",
     );
     one_measure("t-l = \"-1 ms\"", "error: measure.t-l: below zero");
-    one(&[("\"cerm\"", "\"tcdic\"\nt-l = \"1 ms\"")], "warning: measure.t-l: not used");
+    one(|c| c.set("measure.method", "tcdic").set("measure.t-l", "1 ms"), "warning: measure.t-l: not used");
 }
 
 #[test]
@@ -242,7 +233,7 @@ fn rates() {
     one_measure("rate-hz = nan", "error: measure.rate-hz: not above zero");
     one_measure("rate-hz = 100", "error: measure.rate-hz: calibration and charging alone take");
     one_measure("rate-hz = 24", "warning: measure.rate-hz: a cycle with the sensor at Rc2 takes");
-    assert_eq!(complaints(&config(&[("[measure]", "[measure]\nrate-hz = 10")])), Vec::<String>::new());
+    assert_eq!(complaints(&config(|c| c.set("measure.rate-hz", 10))), Vec::<String>::new());
 }
 
 #[test]
@@ -256,37 +247,42 @@ fn offsets_and_switches() {
         );
     }
     // The paper's capacitors: B follows A closely.
-    let paper = [("\"2.2 uF\"", "\"330 nF\""), ("\"680 nF\"", "\"22 nF\"")];
+    fn paper(c: &mut ConfigFile) -> &mut ConfigFile {
+        c.set("circuit.c-a", "330 nF").set("circuit.c-b", "22 nF")
+    }
     one(
-        &[paper[0], paper[1], ("[measure]", "[measure]\nswitch-fraction = 1.2\noffset = \"8 us\"")],
+        |c| paper(c).set("measure.switch-fraction", 1.2).set("measure.offset", "8 us"),
         "warning: measure.switch-fraction: the last crossing comes at 1.116 of T_xA",
     );
     one(
-        &paper,
+        paper,
         "warning: measure.offset: \"auto\" splits a calibration discharge, and its part through Rc1 has only 41 us",
     );
 }
 
 #[test]
 fn channels() {
-    let channel = &GOOD[GOOD.find("[[channel]]").unwrap()..GOOD.find("[server]").unwrap()];
-    one(&[(channel, "")], "error: channel: there is none");
-    let many: String =
-        (0..=MAX_CHANNELS).map(|i| format!("[[channel]]\nid = \"{i}\"\nsink = {}\n", 100 + i)).collect();
-    one(&[(channel, &many)], "error: channel: there are 17, more than the 16");
-    // Of which nothing more is said.
-    let same = format!("{channel}\n[[channel]]\nid = \"thumb\"\n").repeat(20);
-    one(&[(channel, &same)], "error: channel: there are 40, more than the 16");
-    one(&[("\"thumb\"", "\"\"")], "error: channel.#1.id: \"\" is empty or has control characters");
-    one(&[("\"thumb\"", "\"a\\nb\"")], "error: channel.#1.id: \"a\\nb\" is empty or has control");
-    one(&[("\"thumb\"", &format!("\"{}\"", "x".repeat(65)))], "error: channel.xxx");
+    one(|c| c.unset(&["channel"]), "error: channel: there is none");
     one(
-        &[("[server]", "[[channel]]\nid = \"thumb\"\nsink = 17\n[server]")],
+        |c| {
+            c.unset(&["channel"]);
+            (0..=MAX_CHANNELS)
+                .fold(c, |c, i| c.channel(&i.to_string()).set(&format!("channel.{i}.sink"), 100 + i as i64))
+        },
+        "error: channel: there are 17, more than the 16",
+    );
+    // Of which nothing more is said.
+    one(|c| (1..40).fold(c, |c, _| c.channel("thumb")), "error: channel: there are 40, more than the 16");
+    one(|c| c.set("channel.thumb.id", ""), "error: channel.#1.id: \"\" is empty or has control characters");
+    one(|c| c.set("channel.thumb.id", "a\nb"), "error: channel.#1.id: \"a\\nb\" is empty or has control");
+    one(|c| c.set("channel.thumb.id", "x".repeat(65)), "error: channel.xxx");
+    one(
+        |c| c.channel("thumb").set("channel.1.sink", 17),
         "error: channel.thumb.id: two channels have this id",
     );
-    one(&[("id = ", "zero-ohm = inf\nid = ")], "error: channel.thumb.zero-ohm: not a number");
-    one(&[("id = ", "zero-ohm = 1000\nid = ")], "warning: channel.thumb.zero-ohm: 1 kohm is more");
-    one(&[("id = ", "zero-ohm = -1e308\nid = ")], "error: channel.thumb.zero-ohm: -1e308 ohm is more");
+    one(|c| c.set("channel.thumb.zero-ohm", f64::INFINITY), "error: channel.thumb.zero-ohm: not a number");
+    one(|c| c.set("channel.thumb.zero-ohm", 1000), "warning: channel.thumb.zero-ohm: 1 kohm is more");
+    one(|c| c.set("channel.thumb.zero-ohm", -1e308), "error: channel.thumb.zero-ohm: -1e308 ohm is more");
 }
 
 #[test]
@@ -315,20 +311,18 @@ fn forces() {
     for force in
         ["{ alpha = \"13346 N ohm\" }", "{ at-1-kohm = \"13 N\", exponent = 1.1 }", "{ table = \"f.csv\" }"]
     {
-        let config = config(&[("{ fc1 = \"5.75 N\", fc2 = \"1.05 N\" }", force)]);
+        let config = config(|c| c.lines("channel.thumb", &format!("force = {force}")));
         assert_eq!(complaints(&config), Vec::<String>::new(), "{force}");
     }
 }
 
 #[test]
 fn sockets() {
-    let socket = "\"/run/cermd/cermd.sock\"";
-    let long = format!("\"/{}\"", "x".repeat(107));
-    one(&[(socket, &long)], "error: server.socket: the path has 108 bytes, and 1 to 107");
-    one(&[(socket, "\"\"")], "error: server.socket: the path has 0 bytes");
-    let mode = |mode: &str| format!("{socket}\nmode = \"{mode}\"");
-    one(&[(socket, &mode("0666"))], "warning: server.mode: \"0666\" lets everybody write");
-    one(&[(socket, &mode("060"))], "warning: server.mode: \"0060\" keeps even the owner out");
+    let long = format!("/{}", "x".repeat(107));
+    one(|c| c.set("server.socket", long), "error: server.socket: the path has 108 bytes, and 1 to 107");
+    one(|c| c.set("server.socket", ""), "error: server.socket: the path has 0 bytes");
+    one(|c| c.set("server.mode", "0666"), "warning: server.mode: \"0666\" lets everybody write");
+    one(|c| c.set("server.mode", "060"), "warning: server.mode: \"0060\" keeps even the owner out");
 }
 
 proptest! {
@@ -341,10 +335,10 @@ proptest! {
         r_c1 in quantity("ohm", 0..5), r_c2 in quantity("ohm", 2..9),
         deadline in quantity("s", -4..2), method in prop_oneof![Just("cerm"), Just("tcdic"), Just("tpcm")],
     ) {
-        let config = config(&[
-            ("2.2 uF", &c_a), ("680 nF", &c_b), ("2.32 kohm", &r_c1), ("12.7 kohm", &r_c2),
-            ("\"cerm\"", &format!("\"{method}\"\ndeadline = \"{deadline}\"")),
-        ]);
+        let config = config(|c| {
+            c.set("circuit.c-a", c_a).set("circuit.c-b", c_b).set("circuit.r-c1", r_c1).set("circuit.r-c2", r_c2);
+            c.set("measure.method", method).set("measure.deadline", deadline)
+        });
         if !config.check().has_errors() {
             let calibration = config.circuit.crossing(config.last_node(), config.circuit.r_c2);
             prop_assert!(calibration.is_some_and(|time| time.0 > 0.0 && time.0 <= config.deadline().as_seconds()));

@@ -2,9 +2,10 @@
 //!
 //! Every other byte stays; the new file is checked before it counts, and the old one is kept.
 
-use super::{CtlError, nothing};
+use super::CtlError;
 use crate::ctl::check;
-use crate::estimate::fit::{Fit, Pair};
+use crate::estimate::fit::Pair;
+use crate::sensor::Force;
 use crate::units::{Newton, NewtonOhm, to_places};
 use jiff::Timestamp;
 use std::fs::{self, File};
@@ -19,7 +20,7 @@ pub enum Value {
     /// `zero-ohm`.
     ZeroOhm(f64),
     /// `force`; a table becomes a file beside the configuration.
-    Force(Fit, Vec<Pair>),
+    Force(Force, Vec<Pair>),
 }
 
 /// Changes a channel of the file, and gives the path of the file as it was.
@@ -35,9 +36,9 @@ pub fn update(path: &Path, id: &str, value: &Value) -> Result<PathBuf, CtlError>
     let stamp = Timestamp::now().strftime("%Y%m%dT%H%M%SZ").to_string();
     let table_name = format!("force-{}-{stamp}.csv", file_name(id));
     let edited = edit(&text, id, value, &table_name)
-        .map_err(|reason| nothing(format!("{}: {reason}; nothing was changed", path.display())))?;
+        .map_err(|reason| CtlError::Said(format!("{}: {reason}; nothing was changed", path.display())))?;
     let table = match value {
-        Value::Force(Fit::Table(_), pairs) => Some((folder.join(table_name), csv(pairs))),
+        Value::Force(Force::Table { .. }, pairs) => Some((folder.join(table_name), csv(pairs))),
         _ => None,
     };
     if let Some((path, text)) = &table {
@@ -64,7 +65,7 @@ fn replace(path: &Path, text: &str, stamp: &str) -> Result<PathBuf, CtlError> {
     let report = check::check(new.path());
     if !report.is_usable() {
         let errors = report.errors();
-        return Err(nothing(format!(
+        return Err(CtlError::Said(format!(
             "nothing was changed, for the configuration would not be usable:\n{errors}"
         )));
     }
@@ -88,7 +89,7 @@ fn edit(text: &str, id: &str, value: &Value, table_name: &str) -> Result<String,
     let channel = find(channels, id).ok_or_else(|| format!("there is no [[channel]] with id = \"{id}\""))?;
     match value {
         Value::ZeroOhm(ohm) => set(channel, "zero-ohm", to_places(*ohm, 4).into()),
-        Value::Force(fit, _) => set(channel, "force", characteristic(fit, table_name).into()),
+        Value::Force(force, _) => set(channel, "force", characteristic(force, table_name).into()),
     }
     Ok(document.to_string())
 }
@@ -122,21 +123,19 @@ fn set(table: &mut dyn TableLike, key: &str, mut new: toml_edit::Value) {
     }
 }
 
-fn characteristic(fit: &Fit, table_name: &str) -> InlineTable {
-    let mut table = InlineTable::new();
-    match fit {
-        Fit::Alpha { alpha } => {
-            table.insert("alpha", NewtonOhm(to_places(alpha.value, 2)).to_string().into());
+fn characteristic(force: &Force, table_name: &str) -> InlineTable {
+    let newton = |f_n: f64| Newton(to_places(f_n, 6)).to_string().into();
+    let pairs: Vec<(&str, toml_edit::Value)> = match *force {
+        Force::Alpha { alpha_n_ohm } => {
+            vec![("alpha", NewtonOhm(to_places(alpha_n_ohm, 2)).to_string().into())]
         }
-        Fit::Power { at_1_kohm, exponent } => {
-            table.insert("at-1-kohm", Newton(to_places(at_1_kohm.value, 6)).to_string().into());
-            table.insert("exponent", to_places(exponent.value, 6).into());
+        Force::Power { at_1_kohm_n, exponent } => {
+            vec![("at-1-kohm", newton(at_1_kohm_n)), ("exponent", to_places(exponent, 6).into())]
         }
-        Fit::Table(_) => {
-            table.insert("table", table_name.into());
-        }
-    }
-    table
+        Force::Calibrated { fc1_n, fc2_n } => vec![("fc1", newton(fc1_n)), ("fc2", newton(fc2_n))],
+        Force::Table { .. } => vec![("table", table_name.into())],
+    };
+    pairs.into_iter().collect()
 }
 
 fn csv(pairs: &[Pair]) -> String {
@@ -152,14 +151,13 @@ fn file_name(id: &str) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::reading::Measured;
 
     const TEXT: &str = "# mine\n[circuit]  # parts\nc-a = \"2.2 uF\"\n\n[[channel]]\nid = \"thumb\"   # left\n\
         zero-ohm =  1.5  # measured in May\nforce = { alpha = \"1 N ohm\" }\n# the end of thumb\n\n[[channel]]\n\
         id = \"index\"\nsink = 5\n\n# served here\n[server]\nmode = \"0660\" # group\n";
 
     fn alpha(value: f64) -> Value {
-        Value::Force(Fit::Alpha { alpha: Measured { value, u: None } }, Vec::new())
+        Value::Force(Force::Alpha { alpha_n_ohm: value }, Vec::new())
     }
 
     #[test]

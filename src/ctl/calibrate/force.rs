@@ -2,11 +2,13 @@
 //!
 //! Pairs come from a file, from the keyboard, or are measured while weights lie on the sensor.
 
-use super::{CtlError, Target, Value, nothing, plot, wait_for};
+use super::{CtlError, Target, Value, plot, wait_for};
 use crate::circuit::Circuit;
-use crate::config::{PairsError, pairs};
+use crate::config::pairs;
 use crate::ctl::cli::{Force, Model};
+use crate::ctl::stream::Stream;
 use crate::estimate::fit::{self, Fit, Pair};
+use crate::sensor::Force as Law;
 use crate::stream::wire::{ReadingLine, ServerMessage, StatusName};
 use crate::units::measured;
 use serde::Serialize;
@@ -24,7 +26,7 @@ pub fn run(arguments: &Force) -> Result<(), CtlError> {
     let pairs = match &arguments.csv {
         Some(path) => {
             let text = fs::read_to_string(path).map_err(CtlError::file(path))?;
-            pairs::of_csv(&text, &path.display().to_string()).map_err(nothing)?
+            pairs::of_csv(&text, &path.display().to_string()).map_err(CtlError::said)?
         }
         None => typed(&target, arguments)?,
     };
@@ -33,14 +35,14 @@ pub fn run(arguments: &Force) -> Result<(), CtlError> {
         Model::Power => fit::power(&pairs),
         Model::Table => fit::table(&pairs),
     };
-    let fit = fit.map_err(nothing)?;
+    let fit = fit.map_err(CtlError::said)?;
     target.say(&report(&fit, &pairs, &target.config.circuit))?;
     if let Some(path) = &arguments.plot {
         fs::write(path, plot::svg(&fit, &pairs, &target.id)).map_err(CtlError::file(path))?;
         target.say(&format!("plot: {}", path.display()))?;
     }
     let line = ForceLine::new(&fit, &pairs, &target);
-    target.offer(&Value::Force(fit, pairs), line)
+    target.offer(&Value::Force(fit.force, pairs), line)
 }
 
 /// Pairs from standard input, up to an empty line. Its end without one may be a line that was cut off: no pairs.
@@ -53,8 +55,7 @@ fn typed(target: &Target, arguments: &Force) -> Result<Vec<Pair>, CtlError> {
         let mut text = String::new();
         let read = io::stdin().lock().read_line(&mut text);
         read.map_err(|error| CtlError::System("standard input", error))?;
-        let wrong =
-            |reason| nothing(PairsError::Line { origin: "standard input".to_owned(), line: number, reason });
+        let wrong = |reason: String| CtlError::Said(format!("standard input, line {number}: {reason}"));
         if !text.ends_with('\n') {
             eprintln!();
             return Err(wrong("the input ends before the empty line that ends the weights".to_owned()));
@@ -80,14 +81,14 @@ fn typed(target: &Target, arguments: &Force) -> Result<Vec<Pair>, CtlError> {
 /// The mean of the next readings, ohm; or why there is none.
 fn measure(target: &Target, arguments: &Force) -> Result<Result<f64, String>, CtlError> {
     // Anew for each weight: readings that were waiting are of the weight before.
-    let mut stream = target.connect(&arguments.connection)?;
+    let mut stream = Stream::connect(&arguments.connection.socket, std::slice::from_ref(&target.id))?;
     let (mut numbers, mut others) = (Vec::new(), 0);
     while (numbers.len() as u64) < arguments.count {
         let reading = wait_for(&mut stream, "reading", |message| match message {
             ServerMessage::Reading(reading) => Some(reading),
             _ => None,
         })?;
-        match (reading.status, reading.r_ohm) {
+        match (reading.state.status, reading.state.r_ohm) {
             (StatusName::Ok, Some(r_ohm)) => numbers.push(r_ohm),
             _ if others == arguments.count => return Ok(Err(format!("the sensor reads {}", said(&reading)))),
             _ => others += 1,
@@ -101,7 +102,7 @@ fn measure(target: &Target, arguments: &Force) -> Result<Result<f64, String>, Ct
 }
 
 fn said(reading: &ReadingLine) -> String {
-    match (&reading.fault, reading.status) {
+    match (&reading.state.fault, reading.state.status) {
         (Some(fault), _) => format!("fault {fault}"),
         (None, StatusName::Open) => "open: is there a weight on it, and is it connected?".to_owned(),
         (None, _) => "short: is there a short circuit in its place?".to_owned(),
@@ -111,7 +112,7 @@ fn said(reading: &ReadingLine) -> String {
 /// The forces at Rc1 and Rc2, newton; `None` where the characteristic gives none.
 fn at_resistors(fit: &Fit, circuit: &Circuit) -> [Option<f64>; 2] {
     let known = [circuit.r_c1.0, circuit.r_c2.0];
-    known.map(|r_ohm| fit.force().at_bound(r_ohm, known))
+    known.map(|r_ohm| fit.force.at_bound(r_ohm, known))
 }
 
 /// What was fitted, and by how much each pair is off, with a bar to the side that it is off to.
@@ -131,17 +132,18 @@ fn report(fit: &Fit, pairs: &[Pair], circuit: &Circuit) -> String {
         );
         let _ = writeln!(text, "{}", row.trim_end());
     }
-    let _ = match fit {
-        Fit::Alpha { alpha } => {
-            writeln!(text, "R = alpha / F    alpha = {}", measured(alpha.value, alpha.u, "N ohm", false))
-        }
-        Fit::Power { at_1_kohm, exponent } => writeln!(
+    let number = |value, u, unit| measured(value, u, unit, false);
+    let _ = match fit.force {
+        Law::Power { at_1_kohm_n, exponent } => writeln!(
             text,
             "F = F_1k (R / 1 kohm)^-p    F_1k = {}, p = {}",
-            measured(at_1_kohm.value, at_1_kohm.u, "N", false),
-            measured(exponent.value, exponent.u, "", false).trim_end()
+            number(at_1_kohm_n, fit.u[0], "N"),
+            number(exponent, fit.u[1], "").trim_end()
         ),
-        Fit::Table(_) => writeln!(text, "table of {} pairs; no force outside them", pairs.len()),
+        Law::Alpha { alpha_n_ohm } => {
+            writeln!(text, "R = alpha / F    alpha = {}", number(alpha_n_ohm, fit.u[0], "N ohm"))
+        }
+        _ => writeln!(text, "table of {} pairs; no force outside them", pairs.len()),
     };
     let names = ["F_c1", "F_c2"].into_iter().zip(["Rc1", "Rc2"]);
     for ((force, resistor), f_n) in names.zip(at_resistors(fit, circuit)) {
@@ -173,25 +175,24 @@ struct PairLine {
 impl ForceLine {
     fn new(fit: &Fit, pairs: &[Pair], target: &Target) -> ForceLine {
         let [fc1_n, fc2_n] = at_resistors(fit, &target.config.circuit);
-        let mut numbers = vec![("fc1_n", fc1_n), ("fc2_n", fc2_n)];
-        match fit {
-            Fit::Alpha { alpha } => {
-                numbers.extend([("alpha_n_ohm", Some(alpha.value)), ("alpha_u_n_ohm", alpha.u)]);
-            }
-            Fit::Power { at_1_kohm, exponent } => numbers.extend([
-                ("at_1_kohm_n", Some(at_1_kohm.value)),
-                ("at_1_kohm_u_n", at_1_kohm.u),
-                ("exponent", Some(exponent.value)),
-                ("exponent_u", exponent.u),
-            ]),
-            Fit::Table(_) => {}
-        }
+        let [u, u_exponent] = fit.u;
+        let numbers = match fit.force {
+            Law::Alpha { alpha_n_ohm } => vec![("alpha_n_ohm", Some(alpha_n_ohm)), ("alpha_u_n_ohm", u)],
+            Law::Power { at_1_kohm_n, exponent } => vec![
+                ("at_1_kohm_n", Some(at_1_kohm_n)),
+                ("at_1_kohm_u_n", u),
+                ("exponent", Some(exponent)),
+                ("exponent_u", u_exponent),
+            ],
+            _ => Vec::new(),
+        };
+        let numbers = numbers.into_iter().chain([("fc1_n", fc1_n), ("fc2_n", fc2_n)]);
         let line = |pair: &Pair| PairLine { f_n: pair.f_n, r_ohm: pair.r_ohm, residual: fit.residual(*pair) };
         ForceLine {
             channel: target.id.clone(),
             relative_rms: fit.relative_rms(pairs),
             pairs: pairs.iter().map(line).collect(),
-            numbers: numbers.into_iter().filter_map(|(key, value)| Some((key, value?))).collect(),
+            numbers: numbers.filter_map(|(key, value)| Some((key, value?))).collect(),
         }
     }
 }

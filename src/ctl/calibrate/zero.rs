@@ -3,7 +3,7 @@
 //! A reading that cannot be told from a short circuit has no number, and a zero may be negative. So what is averaged are
 //! estimates from the timings of the discharges, which keep their sign, by the method of the daemon.
 
-use super::{CtlError, Target, Value, nothing, silent, wait_for};
+use super::{CtlError, Target, Value, silent, wait_for};
 use crate::config::LARGEST_ZERO_OHM;
 use crate::ctl::cli::Zero;
 use crate::ctl::replay;
@@ -36,7 +36,7 @@ pub fn run(arguments: &Zero, reference_ohm: f64) -> Result<(), CtlError> {
     let Some(mean) = fit::mean(&numbers) else { return Err(silent("number")) };
     let zero_ohm = mean.value - reference_ohm;
     if zero_ohm.is_nan() || zero_ohm.abs() > LARGEST_ZERO_OHM {
-        return Err(nothing(format!(
+        return Err(CtlError::Said(format!(
             "a zero of {zero_ohm:.1} ohm is more than pins and a series resistor make up; is the {part} in the sensor's place?"
         )));
     }
@@ -54,10 +54,10 @@ pub fn run(arguments: &Zero, reference_ohm: f64) -> Result<(), CtlError> {
 
 /// Signed estimates of as many discharges as were asked for; those that gave none are left out.
 fn take(target: &Target, arguments: &Zero, part: &str) -> Result<Vec<f64>, CtlError> {
-    let mut stream = target.connect(&arguments.connection)?;
+    let mut stream = Stream::connect(&arguments.connection.socket, std::slice::from_ref(&target.id))?;
     let method = method(&mut stream)?;
     if method.is_tracked() || target.config.is_tracked() {
-        return Err(nothing(
+        return Err(CtlError::said(
             "a tracked calibration takes too few discharges of Rc1 and Rc2 to tell a zero from; for the zero, set method = \
              \"cerm\" and calibration = \"each-reading\" in [measure] and reload cermd; it holds for every method",
         ));
@@ -69,14 +69,14 @@ fn take(target: &Target, arguments: &Zero, part: &str) -> Result<Vec<f64>, CtlEr
     }
     let Some(header) = tape.header else { return Err(silent("discharge")) };
     let estimates = replay::signed_ohm(&header, &tape.entries, method, &target.id)
-        .map_err(|source| CtlError::Tape { path: arguments.connection.socket.clone(), source })?;
+        .map_err(|why| CtlError::Said(format!("{}: {why}", arguments.connection.socket.display())))?;
     let discharges = estimates.len();
     let fault = estimates.iter().rev().find_map(|estimate| estimate.err());
     let numbers: Vec<f64> = estimates.into_iter().flatten().collect();
     if 2 * numbers.len() < discharges || numbers.len() < 2 {
         let fault = fault.map(|fault| format!(" (the last fault: {fault})")).unwrap_or_default();
         let count = numbers.len();
-        return Err(nothing(format!(
+        return Err(CtlError::Said(format!(
             "only {count} of {discharges} discharges gave a number{fault}; is the {part} in the sensor's place?"
         )));
     }

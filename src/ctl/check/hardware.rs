@@ -55,9 +55,8 @@ fn measure(pins: &mut dyn Pins, config: &Config, findings: &mut Findings) -> Res
 }
 
 fn kernel(backend: Backend, findings: &mut Findings) {
-    let release = nix::sys::utsname::uname().map(|name| name.release().to_string_lossy().into_owned());
-    let release = release.unwrap_or_default();
-    let has_v2 = version(&release).is_none_or(|version| version >= FIRST_V2);
+    let (release, version) = crate::pins::kernel();
+    let has_v2 = version.is_none_or(|version| version >= FIRST_V2);
     match (backend, has_v2) {
         (Backend::Chardev, false) => findings.error(
             "gpio.backend",
@@ -72,12 +71,6 @@ fn kernel(backend: Backend, findings: &mut Findings) {
         (_, true) => findings.info("kernel", format!("Linux {release}, GPIO uAPI v2")),
         (_, false) => findings.info("kernel", format!("Linux {release}, GPIO uAPI v1")),
     }
-}
-
-/// The first two numbers of a release: `6.12.34+rpt-rpi-2712`.
-fn version(release: &str) -> Option<(u32, u32)> {
-    let mut numbers = release.split(|c: char| !c.is_ascii_digit()).map(str::parse);
-    Some((numbers.next()?.ok()?, numbers.next()?.ok()?))
 }
 
 fn rights(realtime: &Realtime, findings: &mut Findings) {
@@ -108,15 +101,6 @@ fn ask_the_daemon(config: &Config) -> Result<String, CtlError> {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn releases_of_kernels_are_read() {
-        assert_eq!(version("6.12.34+rpt-rpi-2712"), Some((6, 12)));
-        assert_eq!(version("5.4.0-150-generic"), Some((5, 4)));
-        assert_eq!(version("7.2-rc1"), Some((7, 2)));
-        assert_eq!(version("unknown"), None);
-        assert!(version("5.9.16").unwrap() < FIRST_V2 && version("5.10.1").unwrap() >= FIRST_V2);
-    }
 
     #[test]
     fn a_simulated_circuit_has_no_hardware() {

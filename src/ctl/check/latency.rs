@@ -84,9 +84,7 @@ mod tests {
 
     #[test]
     fn stamps_show_the_jitter_of_a_board_and_none_without() {
-        let config = "[circuit]\nkind = \"two-capacitor\"\nc-a = \"2.2 uF\"\nc-b = \"680 nF\"\nr-c1 = \"2.32 kohm\"\n\
-                      r-c2 = \"12.7 kohm\"\n[[channel]]\nid = \"thumb\"\n";
-        let config = Config::parse(config, "test").unwrap();
+        let config = crate::config_file::config(|c| c.channel("thumb")).parse();
         let of = |name| {
             stamps(&mut SimPins::new(&Scene::builtin(name).unwrap(), Some(crate::seed::seed(1))), &config)
                 .unwrap()

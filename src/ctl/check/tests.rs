@@ -1,6 +1,7 @@
 //! The reports on a configuration that is wrong in one way or another.
 
 use super::*;
+use crate::config_file::ConfigFile;
 use std::fs;
 
 const FULL: &str = include_str!("../../config/tests_full.toml");
@@ -12,11 +13,16 @@ fn a_file_that_is_not_there_gets_a_hint() {
     insta::assert_snapshot!(report, @"error: /nonexistent/cermd.toml: No such file or directory (os error 2); name a file with --config, or try `cermctl demo`");
 }
 
-/// The report on FULL, changed a little, with the file's folder left out.
-fn rendered(change: (&str, &str)) -> (String, bool) {
+/// The report on FULL with a change, the file's folder left out.
+fn rendered(change: impl FnOnce(&mut ConfigFile) -> &mut ConfigFile) -> (String, bool) {
+    let mut config = ConfigFile::of(FULL);
+    report_on(&change(&mut config).to_string())
+}
+
+fn report_on(config: &str) -> (String, bool) {
     let folder = tempfile::tempdir().unwrap();
     let file = folder.path().join("cermd.toml");
-    fs::write(&file, FULL.replace(change.0, change.1)).unwrap();
+    fs::write(&file, config).unwrap();
     fs::write(folder.path().join("index.csv"), "1.2,11122\n6.06,2200\n").unwrap();
     let report = check(&file);
     (report.to_string().replace(&format!("{}/", folder.path().display()), ""), report.is_usable())
@@ -24,7 +30,7 @@ fn rendered(change: (&str, &str)) -> (String, bool) {
 
 #[test]
 fn a_report_of_errors() {
-    let (text, usable) = rendered(("\"12.7 kohm\"", "\"1.27 kohm\""));
+    let (text, usable) = rendered(|c| c.set("circuit.r-c2", "1.27 kohm"));
     assert!(!usable);
     insta::assert_snapshot!(text, @r#"
     error: circuit.r-c1: 2.32 kohm is not below r-c2 = 1.27 kohm; try the lower resistor as r-c1
@@ -35,7 +41,7 @@ fn a_report_of_errors() {
 
 #[test]
 fn a_report_of_warnings() {
-    let (text, usable) = rendered(("id = \"index\"\n", "id = \"index\"\nsink = 17\n"));
+    let (text, usable) = rendered(|c| c.set("channel.index.sink", 17));
     assert!(usable);
     insta::assert_snapshot!(text, @r#"
     warning: measure.charge-time: 3 ms is 1.9 time constants: the discharge before changes a reading by up to 32.93 of its u (at 62 kohm); try at least "12 ms", or without it
@@ -50,7 +56,7 @@ fn a_report_of_warnings() {
 
 #[test]
 fn a_report_of_a_refusal() {
-    let (text, usable) = rendered(("rate-hz", "rate"));
+    let (text, usable) = report_on(&FULL.replace("rate-hz", "rate"));
     assert!(!usable);
     insta::assert_snapshot!(text, @r#"
     error: cermd.toml: TOML parse error at line 24, column 1

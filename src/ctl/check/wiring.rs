@@ -4,8 +4,8 @@
 //! [`Board`]; only here a node is watched while nothing drives, and times are held against the printed values.
 
 use crate::circuit::{Kind, Node};
-use crate::config::{Config, Findings};
-use crate::estimate::{leak, limits};
+use crate::config::{Config, Findings, Severity};
+use crate::estimate::{leak, limits, scatter::median};
 use crate::instrument::diagnosis::Board;
 use crate::instrument::discharge::{self, Plan};
 use crate::pins::{Drives, Pins, PinsError};
@@ -33,11 +33,7 @@ const AGAIN: &str = "the same again; the kernel's log (dmesg)";
 ///
 /// # Errors
 /// If the pins cannot be used.
-pub fn test<P: Pins + ?Sized>(
-    pins: &mut P,
-    config: &Config,
-    findings: &mut Findings,
-) -> Result<(), PinsError> {
+pub fn test(pins: &mut dyn Pins, config: &Config, findings: &mut Findings) -> Result<(), PinsError> {
     let circuit = &config.circuit;
     let board = Board {
         kind: circuit.kind(),
@@ -50,23 +46,24 @@ pub fn test<P: Pins + ?Sized>(
     bench.pins.drive(Drives::NONE).map(drop)
 }
 
-struct Bench<'a, P: ?Sized> {
-    pins: &'a mut P,
+/// A discharge, or the fault that it ended with.
+type Taken = Result<Result<Record, Fault>, PinsError>;
+
+struct Bench<'a> {
+    pins: &'a mut dyn Pins,
     config: &'a Config,
     board: Board,
     findings: &'a mut Findings,
 }
 
-impl<P: Pins + ?Sized> Bench<'_, P> {
+impl Bench<'_> {
     fn run(&mut self) -> Result<(), PinsError> {
         self.drain()?;
         if !self.charges()? || !self.holds(true)? {
             return Ok(());
         }
-        let second = match self.board.kind {
-            Kind::SeriesCalibration => Through::C12,
-            _ => Through::C2,
-        };
+        let is_series = self.board.kind == Kind::SeriesCalibration;
+        let second = if is_series { Through::C12 } else { Through::C2 };
         let c1 = self.calibration(Through::C1)?;
         // If nothing fell, the other resistor tells whether it is the resistor's wire or a node.
         let falls = c1.is_some_and(|record| record.crossings().iter().any(Option::is_some));
@@ -92,17 +89,16 @@ impl<P: Pins + ?Sized> Bench<'_, P> {
     fn is_suspect(&mut self, c1: Option<Record>, c2: Option<Record>) -> bool {
         let known = [c1, c2].map(|record| record.map(|record| record.crossings()));
         let Some(suspect) = self.board.suspect(known) else { return false };
-        let names = ["Rc1", self.board.kind.second()];
-        let taken = names.iter().zip([c1, c2]).filter_map(|(name, record)| Some((name, record?)));
-        let taken: Vec<String> =
-            taken.map(|(name, record)| format!("{} through {name}", times(&record))).collect();
-        self.suspect(suspect, &format!("{} ({})", suspect.seen(), taken.join("; ")));
+        let names = ["Rc1", self.board.kind.second()].into_iter().zip([c1, c2]);
+        let taken = names.filter_map(|(name, record)| Some(format!("{} through {name}", times(&record?))));
+        let taken = taken.collect::<Vec<_>>().join("; ");
+        self.suspect(Severity::Error, suspect, suspect, &format!("{} ({taken})", suspect.seen()));
         true
     }
 
-    /// An error that the rules for boards have found.
-    fn suspect(&mut self, suspect: Suspect, reason: &str) {
-        self.findings.error(key(suspect), reason, another(suspect));
+    /// What was seen at the place of `at`, and looks like `like`.
+    fn suspect(&mut self, severity: Severity, at: Suspect, like: Suspect, reason: &str) {
+        self.findings.add(severity, key(at), reason, Some(&format!("another {}", like.look())));
     }
 
     /// Takes out what an earlier charge has left, or chargers without wires would seem to work. Through both resistors:
@@ -125,23 +121,24 @@ impl<P: Pins + ?Sized> Bench<'_, P> {
         let levels = self.pins.arm()?.levels;
         let suspects: Vec<Suspect> = self.board.uncharged(levels).collect();
         for suspect in &suspects {
-            self.suspect(*suspect, &format!("{} of {:.3}", suspect.seen(), Seconds::from(time)));
+            let reason = format!("{} of {:.3}", suspect.seen(), Seconds::from(time));
+            self.suspect(Severity::Error, *suspect, *suspect, &reason);
         }
         Ok(suspects.is_empty())
     }
 
     /// Whether every node keeps its level, `high` or low, while nothing drives.
     fn holds(&mut self, high: bool) -> Result<bool, PinsError> {
-        let (moves, suspect) = if high { ("falls", Suspect::Leak) } else { ("rises", Suspect::Pull) };
+        let (moves, like) = if high { ("falls", Suspect::Leak) } else { ("rises", Suspect::Pull) };
         let time = self.config.circuit.crossing(Node::A, NO_PULL).unwrap_or_default();
         let until = self.pins.now() + Nanos::from_seconds(time.0);
         self.pins.sleep_until(until)?;
         let levels = self.pins.levels()?;
-        let mut all_hold = true;
-        for &node in self.board.nodes.iter().filter(|node| levels.of(**node) != high) {
+        let moved = || self.board.nodes.iter().filter(|node| levels.of(**node) != high);
+        let all_hold = moved().count() == 0;
+        for &node in moved() {
             let reason = format!("node {node:?} {moves} by itself within {time:.3} while nothing drives");
-            self.findings.error(key(Suspect::StaysHigh(node)), reason, another(suspect));
-            all_hold = false;
+            self.suspect(Severity::Error, Suspect::StaysHigh(node), like, &reason);
         }
         Ok(all_hold)
     }
@@ -157,26 +154,22 @@ impl<P: Pins + ?Sized> Bench<'_, P> {
 
     /// Whether discharges that are held back are shorter than those that begin at once.
     fn leak(&mut self) -> Result<(), PinsError> {
-        let (r, timeout) = (self.config.circuit.r_c1, self.patience());
         let mut siemens = Vec::with_capacity(HELD);
         for _ in 0..HELD {
-            let mut fall = |hold| {
-                let record = self.discharge(Through::C1, timeout, hold)?;
-                Ok(record.ok().and_then(|record| record.a_ns))
-            };
-            if let (Some(usual), Some(held)) = (fall(Nanos::ZERO)?, fall(limits::LEAK_HOLD)?) {
-                siemens.push(leak::siemens_by(usual - held, r.0));
+            let [usual, held] = [Nanos::ZERO, limits::LEAK_HOLD]
+                .map(|hold| self.discharge(Through::C1, self.patience(), hold));
+            if let (Ok(usual), Ok(held)) = (usual?, held?) {
+                let lost_ns = usual.a_ns.zip(held.a_ns).map(|(usual, held)| usual - held);
+                siemens.extend(lost_ns.map(|ns| leak::siemens_by(ns, self.board.r_ohm[0])));
             }
         }
-        siemens.sort_unstable_by(f64::total_cmp);
         // Every pair agrees that there is one: the jitter of stamps is of either sign.
-        let is_leak = siemens.first().is_some_and(|least| *least > 0.0);
-        if let Some(median) =
-            siemens.get(siemens.len() / 2).filter(|median| is_leak && **median > SMALLEST_LEAK)
-        {
+        let is_leak = !siemens.is_empty() && siemens.iter().all(|siemens| *siemens > 0.0);
+        let median = median(&mut siemens);
+        if is_leak && median > SMALLEST_LEAK {
             let leak = Ohm(1.0 / median);
             let reason = format!("charge leaks away as through {leak:.2} beside the resistors");
-            self.findings.warning(key(Suspect::Leak), reason, another(Suspect::Leak));
+            self.suspect(Severity::Warning, Suspect::Leak, Suspect::Leak, &reason);
         }
         Ok(())
     }
@@ -187,12 +180,7 @@ impl<P: Pins + ?Sized> Bench<'_, P> {
     }
 
     /// A discharge that is held back for so long.
-    fn discharge(
-        &mut self,
-        through: Through,
-        timeout: Nanos,
-        hold: Nanos,
-    ) -> Result<Result<Record, Fault>, PinsError> {
+    fn discharge(&mut self, through: Through, timeout: Nanos, hold: Nanos) -> Taken {
         let plan = Plan {
             settle: self.config.settle_time() + hold,
             ..Plan::full(through, self.board.kind.last(), self.config.charge_time(), timeout)
@@ -279,11 +267,6 @@ impl<P: Pins + ?Sized> Bench<'_, P> {
         }
         Ok(())
     }
-}
-
-/// Beginning with "another look".
-fn another(suspect: Suspect) -> String {
-    format!("another {}", suspect.look())
 }
 
 /// The key of the configuration that a suspect is about.

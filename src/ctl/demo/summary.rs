@@ -19,45 +19,33 @@ const HINTS: [(&str, &str); 3] = [
 pub struct Tally<'a> {
     board: &'a Board,
     truth: SimPins,
-    numbers: usize,
-    open: usize,
-    short: usize,
+    /// Numbers, open ones, short ones.
+    counts: [usize; 3],
     faults: BTreeMap<String, usize>,
     /// Of the numbers whose truth can be told, in units of their uncertainties.
     errors: Vec<f64>,
-    first: Option<Nanos>,
-    last: Nanos,
+    /// When the first and the last one were.
+    span: Option<[Nanos; 2]>,
 }
 
 impl Tally<'_> {
     /// Nothing yet; `truth`: a circuit that behaves as the measured one.
     pub fn new(board: &Board, truth: SimPins) -> Tally<'_> {
-        let (numbers, open, short, faults) = (0, 0, 0, BTreeMap::new());
-        Tally {
-            board,
-            truth,
-            numbers,
-            open,
-            short,
-            faults,
-            errors: Vec::new(),
-            first: None,
-            last: Nanos::ZERO,
-        }
+        Tally { board, truth, counts: [0; 3], faults: BTreeMap::new(), errors: Vec::new(), span: None }
     }
 
     /// One more.
     pub fn add(&mut self, reading: &ReadingLine) {
-        self.last = Nanos(reading.t_mono_ns);
-        self.first.get_or_insert(self.last);
-        match (reading.status, reading.r_ohm) {
-            (StatusName::Open, _) => self.open += 1,
-            (StatusName::Short, _) => self.short += 1,
+        let at = Nanos(reading.t_mono_ns);
+        self.span.get_or_insert([at; 2])[1] = at;
+        match (reading.state.status, reading.state.r_ohm) {
+            (StatusName::Open, _) => self.counts[1] += 1,
+            (StatusName::Short, _) => self.counts[2] += 1,
             (StatusName::Ok, Some(r_ohm)) => {
-                self.numbers += 1;
+                self.counts[0] += 1;
                 self.errors.extend(self.error(reading, r_ohm));
             }
-            _ => *self.faults.entry(reading.fault.clone().unwrap_or_default()).or_default() += 1,
+            _ => *self.faults.entry(reading.state.fault.clone().unwrap_or_default()).or_default() += 1,
         }
     }
 
@@ -66,7 +54,7 @@ impl Tally<'_> {
     fn error(&self, reading: &ReadingLine, r_ohm: f64) -> Option<f64> {
         const HALF: Nanos = Nanos(500_000);
         let channel = self.board.config.channels.iter().position(|channel| channel.id == reading.channel)?;
-        let (at, u) = (Nanos(reading.t_mono_ns), reading.r_u_ohm?);
+        let (at, u) = (Nanos(reading.t_mono_ns), reading.state.r_u_ohm?);
         let r_x = |at| self.truth.r_x(channel, at);
         let (before, truth, after) = (r_x(at - HALF)?, r_x(at)?, r_x(at + HALF)?);
         ((after - before).abs() < u).then_some((r_ohm - truth) / u)
@@ -102,11 +90,10 @@ impl Tally<'_> {
     }
 
     fn counts(&self) -> String {
-        let (numbers, faults) = (self.numbers, self.faults.values().sum::<usize>());
-        let count = numbers + self.open + self.short + faults;
-        let seconds = self.first.map_or(0.0, |first| (self.last - first).as_seconds());
-        let short = if self.short > 0 { format!(", {} short", self.short) } else { String::new() };
-        let open = self.open;
+        let ([numbers, open, short], faults) = (self.counts, self.faults.values().sum::<usize>());
+        let count = numbers + open + short + faults;
+        let seconds = self.span.map_or(0.0, |[first, last]| (last - first).as_seconds());
+        let short = if short > 0 { format!(", {short} short") } else { String::new() };
         let text = format!(
             "{count} readings in {seconds:.1} s: {numbers} numbers, {open} open{short}, {faults} faults"
         );

@@ -3,7 +3,7 @@
 use crate::estimate::law;
 use crate::estimate::method::dual::Gradient;
 use crate::estimate::noise::Covariance;
-use crate::estimate::tracker::{Tracker, quadratic};
+use crate::estimate::tracker::Tracker;
 
 /// The covariance matrix of all [`Times`](crate::estimate::method::Times), block by block.
 pub(super) struct Covariances<'a> {
@@ -38,8 +38,10 @@ impl Covariances<'_> {
 
 /// What the uncertainty of a tracked state adds.
 fn tracked_part(tracker: &Tracker, by: &Gradient) -> f64 {
-    let mut by_state = [0.0; 4];
+    let mut by_state = law::State::default();
     by_state[law::D] = by.offset;
+    // What node B is later is taken off all of its crossings.
+    by_state[law::D_B] = -(by.c1[1] + by.c2[1] + by.x[1]);
     for (crossings, by) in tracker.calibration().iter().zip([by.c1, by.c2]) {
         for (crossing, by) in crossings.iter().zip(by) {
             for (sum, partial) in by_state.iter_mut().zip(crossing.by_state) {
@@ -47,5 +49,5 @@ fn tracked_part(tracker: &Tracker, by: &Gradient) -> f64 {
             }
         }
     }
-    quadratic(tracker.covariance(), &by_state)
+    tracker.variance(&by_state)
 }

@@ -1,12 +1,12 @@
 //! What is known about a sensor: a number, or a state with its reason.
 
 use super::Estimator;
-use crate::estimate::force::Force;
 use crate::estimate::limits::{BEYOND_NOISE, COVERAGE};
 use crate::estimate::method::tracked;
 use crate::estimate::motion::Motion;
 use crate::reading::{Fault, Measured, Status};
 use crate::record::Record;
+use crate::sensor::Force;
 use crate::units::Nanos;
 
 impl Estimator {

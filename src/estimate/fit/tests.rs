@@ -1,4 +1,5 @@
 use super::*;
+use crate::chance::{rms_of, sigmas};
 
 const KNOWN: [f64; 2] = [2320.0, 12_700.0];
 use rand_chacha::ChaCha8Rng;
@@ -19,18 +20,18 @@ fn the_sensor_of_the_paper_is_found_again() {
     // Two pairs that the paper names; alpha hangs on the light one, which is rounded to 0.01 N.
     let pairs = [pair(6.06, 2200.0), pair(1.20, 11122.0)];
     let fit = alpha(&pairs).unwrap();
-    let Fit::Alpha { alpha } = &fit else { panic!("{fit:?}") };
+    let Force::Alpha { alpha_n_ohm } = fit.force else { panic!("{fit:?}") };
     let rounding = ALPHA * 0.005 / 1.2;
-    assert!((alpha.value - ALPHA).abs() < rounding, "{alpha:?}");
+    assert!((alpha_n_ohm - ALPHA).abs() < rounding, "{alpha_n_ohm}");
     for pair in pairs {
-        let of_paper = Fit::Alpha { alpha: Measured { value: ALPHA, u: None } };
+        let of_paper = Fit { force: Force::Alpha { alpha_n_ohm: ALPHA }, u: [None; 2] };
         assert!(of_paper.residual(pair).abs() < REPEATABILITY, "{pair:?}");
-        let at = |r_ohm| format!("{:.2}", of_paper.force().at_bound(r_ohm, KNOWN).unwrap());
+        let at = |r_ohm| format!("{:.2}", of_paper.force.at_bound(r_ohm, KNOWN).unwrap());
         assert_eq!([at(2320.0), at(12_700.0)], ["5.75", "1.05"]);
         assert!(fit.residual(pair).abs() < REPEATABILITY, "{pair:?}");
     }
     // F_c1 and F_c2 at its calibration resistors.
-    let force = fit.force();
+    let force = fit.force.clone();
     assert_eq!(format!("{:.2}", force.at_bound(2320.0, KNOWN).unwrap()), "5.75");
     assert_eq!(format!("{:.2}", force.at_bound(12_700.0, KNOWN).unwrap()), "1.05");
 }
@@ -44,12 +45,12 @@ fn pulls(mut draw: impl FnMut(&mut ChaCha8Rng) -> (f64, Measured)) -> f64 {
     (squares / TIMES as f64).sqrt()
 }
 
-/// The root mean square of Student's t with `nu` degrees of freedom, and 4 sigma of its estimate from 2000 draws.
+/// The root mean square of Student's t with `nu` degrees of freedom, and how far chance takes its estimate from 2000 draws.
 fn student(nu: f64) -> std::ops::Range<f64> {
     let variance = nu / (nu - 2.0);
     let kurtosis = 3.0 + 6.0 / (nu - 4.0);
     let u = ((kurtosis - 1.0) / 2000.0).sqrt() / 2.0;
-    variance.sqrt() * (1.0 - 4.0 * u)..variance.sqrt() * (1.0 + 4.0 * u)
+    variance.sqrt() * (1.0 - sigmas() * u)..variance.sqrt() * (1.0 + sigmas() * u)
 }
 
 fn normal(rng: &mut ChaCha8Rng) -> f64 {
@@ -71,7 +72,7 @@ fn alpha_is_off_by_what_its_uncertainty_says() {
             })
             .collect();
         match alpha(&pairs).unwrap() {
-            Fit::Alpha { alpha } => (truth, alpha),
+            Fit { force: Force::Alpha { alpha_n_ohm: value }, u: [u, _] } => (truth, Measured { value, u }),
             other => panic!("{other:?}"),
         }
     });
@@ -87,7 +88,9 @@ fn random_power(rng: &mut ChaCha8Rng) -> ([f64; 2], [Measured; 2]) {
         })
         .collect();
     match power(&pairs).unwrap() {
-        Fit::Power { at_1_kohm, exponent } => ([f_1k, p], [at_1_kohm, exponent]),
+        Fit { force: Force::Power { at_1_kohm_n, exponent }, u: [u_n, u] } => {
+            ([f_1k, p], [Measured { value: at_1_kohm_n, u: u_n }, Measured { value: exponent, u }])
+        }
         other => panic!("{other:?}"),
     }
 }
@@ -110,7 +113,7 @@ fn every_fit_goes_through_pairs_that_follow_it() {
         assert!(fit.relative_rms(&pairs) < 1e-12, "{fit:?}");
         for pair in &pairs {
             assert!(
-                (fit.force().at_bound(pair.r_ohm, KNOWN).unwrap() / pair.f_n - 1.0).abs() < 1e-9,
+                (fit.force.at_bound(pair.r_ohm, KNOWN).unwrap() / pair.f_n - 1.0).abs() < 1e-9,
                 "{fit:?}"
             );
         }
@@ -127,7 +130,7 @@ fn what_cannot_be_fitted_is_refused() {
     assert!(matches!(power(&[pair(1.0, 5.0), pair(2.0, 6.0)]), Err(FitError::Rising)));
     assert!(matches!(table(&[pair(1.0, 5.0), pair(2.0, 6.0)]), Err(FitError::Table(_))));
     // One pair has no scatter to tell from.
-    assert!(matches!(alpha(&[pair(1.0, 5.0)]), Ok(Fit::Alpha { alpha: Measured { u: None, .. } })));
+    assert!(matches!(alpha(&[pair(1.0, 5.0)]), Ok(Fit { u: [None, None], .. })));
 }
 
 #[test]
@@ -136,10 +139,16 @@ fn what_readings_share_is_in_the_uncertainty_of_their_mean() {
     assert_eq!(mean(&[2.0]), Some(Measured { value: 2.0, u: None }));
     let mut rng = crate::seed::rng(1);
     // 10 calibrations with 10 readings each: the shared part counts 10 times, not 100.
-    let shared: Vec<f64> = (0..10).map(|_| normal(&mut rng)).collect();
-    let readings: Vec<f64> = (0..100).map(|index| shared[index / 10] + 0.1 * normal(&mut rng)).collect();
-    let found = mean(&readings).unwrap();
-    let u = found.u.unwrap();
-    // 1/sqrt(10) = 0.316, itself known to 24 % from 10 values.
-    assert!((0.16..0.55).contains(&u) && found.value.abs() < 4.0 * u, "{found:?}");
+    let found: Vec<Measured> = (0..400)
+        .map(|_| {
+            let shared: Vec<f64> = (0..10).map(|_| normal(&mut rng)).collect();
+            let readings: Vec<f64> =
+                (0..100).map(|index| shared[index / 10] + 0.1 * normal(&mut rng)).collect();
+            mean(&readings).unwrap()
+        })
+        .collect();
+    let stated = rms_of(&found.iter().map(|one| one.u.unwrap()).collect::<Vec<_>>());
+    let errors = rms_of(&found.iter().map(|one| one.value).collect::<Vec<_>>());
+    assert!(errors.is(0.1001f64.sqrt(), 0.0), "{errors}");
+    assert!(stated.over(errors).is_in(0.8..=1.2), "{stated} for {errors}");
 }

@@ -16,11 +16,11 @@
 //! sensor is `open` above a bound.
 
 use super::{Kind, Node, Rules, Switching, tcdic, tpcm};
-use crate::estimate::law::{D, R_O, Route, State};
+use crate::estimate::law::{D, D_B, R_O, Route, State, d_ns};
 use crate::estimate::limits::{BEYOND_NOISE, COVERAGE, DOUBT, RESOLVED};
 use crate::estimate::motion::Evidence;
 use crate::estimate::noise::Covariance;
-use crate::estimate::tracker::{Tracker, bilinear, quadratic};
+use crate::estimate::tracker::Tracker;
 use crate::reading::{Branch, Fault};
 use crate::record::Switch;
 
@@ -55,6 +55,8 @@ pub struct Solution {
     pub bound: f64,
     /// How R_x depends on the state: the variance that the calibration brings is v^T P v.
     pub by_state: State,
+    /// How it depends on the instant of the switch, ohm/ns.
+    pub by_switch: f64,
     /// Whether the switch came before the last crossing.
     pub branch: Branch,
     /// When it was so, and whether both crossings say so.
@@ -99,9 +101,9 @@ pub fn beyond(tracker: &Tracker, observed: &Observed) -> Option<f64> {
 
 impl Observed {
     fn branch(&self, state: &State) -> Branch {
-        let last = self.crossings[1].or(self.crossings[0]).unwrap_or(0.0) - state[D];
+        let last = [1, 0].into_iter().find_map(|node| Some(self.crossings[node]? - d_ns(state, node)));
         match self.switch {
-            Some((switch, _)) if last > switch.on_ns => Branch::Inferred,
+            Some((switch, _)) if last.is_some_and(|last| last > switch.on_ns) => Branch::Inferred,
             _ => Branch::Direct,
         }
     }
@@ -124,7 +126,7 @@ struct Equation {
 impl Equation {
     /// `switch`: the one that came before the crossing, if one did.
     fn new(state: &State, crossing_ns: f64, node: usize, switch: Option<(Switch, f64)>) -> Equation {
-        let (crossing_ns, g) = (crossing_ns - state[D], state[node]);
+        let (crossing_ns, g) = (crossing_ns - d_ns(state, node), state[node]);
         match switch {
             Some((switch, next_ohm)) => {
                 let next = 1.0 / (next_ohm + state[R_O]);
@@ -147,11 +149,12 @@ impl Equation {
 
     /// With the state, at a given R_x.
     fn by_state(&self, state: &State, y: f64) -> State {
-        let mut by = [0.0; 4];
+        let mut by = State::default();
         by[self.node] = 1.0;
         let rest = self.next.map_or(0.0, |next| (state[self.node] - self.missing) * next);
         by[R_O] = rest + self.through_ns * y * y;
         by[D] = -self.by_crossing(y);
+        by[D_B] = by[D] * self.node as f64;
         by
     }
 }
@@ -164,8 +167,9 @@ struct Fit {
     u_siemens: f64,
     /// The same with a calibration known exactly.
     bound_siemens: f64,
-    /// How y depends on the state at a given R_x.
+    /// How y depends on the state at a given R_x, and on the instant of the switch.
     by_state: State,
+    by_switch: f64,
     branch: Branch,
     evidence: Evidence,
 }
@@ -205,13 +209,13 @@ impl Fit {
         let [a, b] = of_nodes(&|one| one.by_crossing(near));
         // Covariance of the residuals by noise and switch, and with what is not known of the state.
         let mut own = Covariance { aa: a * a * noise.aa, bb: b * b * noise.bb, ab: a * b * noise.ab };
-        own.add_outer(of_nodes(&|one| one.by_switch(near) * u_switch_ns));
-        let rows = nodes.map(|node| node.map_or([0.0; 4], |one| one.by_state(state, near)));
-        let p = tracker.covariance();
+        let by_switch = of_nodes(&|one| one.by_switch(near));
+        own.add_outer(by_switch.map(|by| by * u_switch_ns));
+        let rows = nodes.map(|node| node.map_or(State::default(), |one| one.by_state(state, near)));
         let all = Covariance {
-            aa: own.aa + quadratic(p, &rows[0]),
-            bb: own.bb + quadratic(p, &rows[1]),
-            ab: own.ab + bilinear(p, &rows[0], &rows[1]),
+            aa: own.aa + tracker.variance(&rows[0]),
+            bb: own.bb + tracker.variance(&rows[1]),
+            ab: own.ab + tracker.covariance_of(&rows[0], &rows[1]),
         };
         let (inverse, own) = (all.inverse(seen)?, own.inverse(seen)?);
         let information = inverse.of(through[0], through[1]);
@@ -236,6 +240,7 @@ impl Fit {
             u_siemens: (doubt / information).sqrt(),
             bound_siemens: (1.0 / own.of(through[0], through[1])).sqrt(),
             by_state: std::array::from_fn(|i| weights[0] * rows[0][i] + weights[1] * rows[1][i]),
+            by_switch: weights[0] * by_switch[0] + weights[1] * by_switch[1],
             branch,
             evidence: evidence.contradicting(contradicts),
         };
@@ -244,12 +249,13 @@ impl Fit {
 
     /// R_x = 1/y - Ro, to the first order.
     fn solution(&self, r_o_ohm: f64) -> Option<Solution> {
-        let Fit { siemens: y, u_siemens: u, bound_siemens, by_state, branch, evidence } = *self;
+        let Fit { siemens: y, u_siemens: u, bound_siemens, by_state, by_switch, branch, evidence } = *self;
         let solution = Solution {
             r_ohm: 1.0 / y - r_o_ohm,
             variance: (u / (y * y)).powi(2),
             bound: (bound_siemens / (y * y)).powi(2),
             by_state: by_state.map(|by| -by / (y * y)),
+            by_switch: -by_switch / (y * y),
             branch,
             evidence,
         };

@@ -1,16 +1,17 @@
-//! The linear algebra of the filter: four unknowns, two observations.
+//! The linear algebra of the filter: five unknowns, two observations.
 
 use super::Matrix;
-use crate::estimate::law::State;
+use crate::estimate::law::{State, UNKNOWNS};
 use crate::estimate::noise::Covariance;
 
 /// Kalman's gain for two observations.
 pub struct Gain {
     /// By observation, for each part of the state.
-    pub of: [[f64; 2]; 4],
+    pub of: [[f64; 2]; UNKNOWNS],
     /// Rows of the observation times the covariance.
     hp: [State; 2],
-    /// Inverse of the innovation's covariance.
+    /// The innovation's variances, and the inverse of its covariance.
+    variances: [f64; 2],
     inverse: Covariance,
 }
 
@@ -19,23 +20,35 @@ impl Gain {
     /// inverse.
     pub fn new(p: &Matrix, rows: &[State; 2], noise: &Covariance, seen: [bool; 2]) -> Option<Gain> {
         let hp = [0, 1].map(|row: usize| {
-            let mut product = [0.0; 4];
+            let mut product = [0.0; UNKNOWNS];
             for (j, slot) in product.iter_mut().enumerate() {
-                *slot = (0..4).map(|i| rows[row][i] * p[i][j]).sum();
+                *slot = (0..UNKNOWNS).map(|i| rows[row][i] * p[i][j]).sum();
             }
             product
         });
-        let dot = |a: &State, b: &State| (0..4).map(|i| a[i] * b[i]).sum::<f64>();
+        let dot = |a: &State, b: &State| (0..UNKNOWNS).map(|i| a[i] * b[i]).sum::<f64>();
         let (aa, bb) = (dot(&hp[0], &rows[0]) + noise.aa, dot(&hp[1], &rows[1]) + noise.bb);
         let ab = dot(&hp[0], &rows[1]) + noise.ab;
         let inverse = Covariance { aa, bb, ab }.inverse(seen)?;
         let of = std::array::from_fn(|i| inverse.times([hp[0][i], hp[1][i]]));
-        Some(Gain { of, hp, inverse })
+        Some(Gain { of, hp, variances: [aa, bb], inverse })
     }
 
     /// The normalised square of an innovation.
     pub fn normalised(&self, v: [f64; 2]) -> f64 {
         self.inverse.of(v[0], v[1])
+    }
+
+    /// An innovation of one observation, in sigma.
+    pub fn sigmas(&self, which: usize, v: [f64; 2]) -> f64 {
+        v[which] / self.variances[which].sqrt()
+    }
+
+    /// An innovation in the direction that moves the observations by `by`, in sigma.
+    pub fn along(&self, by: [f64; 2], v: [f64; 2]) -> f64 {
+        let [a, b] = self.inverse.times(v);
+        let information = self.inverse.of(by[0], by[1]);
+        if information > 0.0 { (by[0] * a + by[1] * b) / information.sqrt() } else { 0.0 }
     }
 
     /// The state's covariance once the observations are taken in.

@@ -6,7 +6,7 @@ use crate::estimate::law::{R_O, State};
 use crate::estimate::limits::{LEAK_HOLD, SPLIT_FRACTION};
 use crate::estimate::method::Switching;
 use crate::estimate::motion::Motion;
-use crate::estimate::tracker::quadratic;
+use crate::estimate::scatter::expected_ns;
 use crate::instrument::limits::{
     CALIBRATION_SHARE, HYSTERESIS, LONGEST_IDLE, OFFSET_SHARE, OUTLIERS_OF_DOUBT, SWITCH_FRACTIONS,
 };
@@ -22,6 +22,8 @@ pub struct Memory {
     u_switch_ns: f64,
     /// Outliers in a row: the crossings contradict each other, or the calibration does them.
     outliers: u32,
+    /// The last two readings in a row that were switched alike, ohm.
+    switched_ohm: [Option<f64>; 2],
     /// How the sensor has changed lately.
     pub(super) motion: Motion,
     /// How the last estimate depends on the tracked state, and its variance but for that, ohm².
@@ -30,9 +32,18 @@ pub struct Memory {
 
 impl Memory {
     /// Learns from a reading.
-    pub fn take(&mut self, status: &Status, record: Option<Record>, zero_ohm: f64, estimator: &Estimator) {
+    pub fn take(
+        &mut self,
+        status: &Status,
+        record: Option<Record>,
+        zero_ohm: f64,
+        estimator: &mut Estimator,
+    ) {
         if let Some(record) = record {
-            self.u_switch_ns = record.u_switch_ns.unwrap_or(0.0);
+            self.u_switch_ns = expected_ns(&record);
+        }
+        if !matches!(status, Status::Ok { .. }) {
+            self.switched_ohm = [None; 2];
         }
         let is_outlier = matches!(status, Status::Fault(Fault::LatencyOutlier | Fault::Unsettled));
         self.outliers = if is_outlier { self.outliers.saturating_add(1) } else { 0 };
@@ -43,9 +54,15 @@ impl Memory {
                 let switch = record.and_then(|record| record.switch).filter(|_| self.inferred);
                 let predicted = estimator.predict_tracked(r_ohm.value + zero_ohm, switch, self.u_switch_ns);
                 self.dependence = predicted.zip(estimator.tracker()).map(|(predicted, tracker)| {
-                    let part = quadratic(tracker.covariance(), &predicted.by_state);
+                    let part = tracker.variance(&predicted.by_state);
                     (predicted.by_state, (predicted.variance - part).max(0.0))
                 });
+                let switched = predicted.filter(|_| switch.is_some()).map(|predicted| {
+                    let steady = predicted.bound / predicted.by_switch.powi(2);
+                    let u_ns = estimator.offset().scatter.u_ns(self.u_switch_ns);
+                    (predicted.by_switch, (steady - u_ns * u_ns).max(0.0))
+                });
+                self.steadiness(r_ohm.value, switched, estimator);
             }
             // Where it is by now is known well enough for a plan.
             Status::Fault(Fault::Unsettled) => {
@@ -57,6 +74,18 @@ impl Memory {
                 (self.r_ohm, self.dependence) = (None, None);
             }
         }
+    }
+}
+
+impl Memory {
+    /// Lets the estimator know by how much the reading before this one was beside its neighbours; `switched`: what the instant
+    /// of the switch does to it, ohm/ns, and its variance but for that, as a time, ns².
+    fn steadiness(&mut self, r_ohm: f64, switched: Option<(f64, f64)>, estimator: &mut Estimator) {
+        if let (Some((by_switch, steady)), [Some(first), Some(second)]) = (switched, self.switched_ohm) {
+            // Its variance is 6 times that of a reading; a steady change is not in it.
+            estimator.add_reading((first - 2.0 * second + r_ohm) / 6f64.sqrt() / by_switch, steady);
+        }
+        self.switched_ohm = [self.switched_ohm[1], switched.map(|_| r_ohm)];
     }
 }
 
@@ -195,7 +224,7 @@ impl Cycle {
     pub(super) fn wanted(&self) -> Option<CalibrationKind> {
         let tracker = self.estimator.tracker()?;
         let share = |(by_state, rest): &(State, f64)| {
-            let part = quadratic(tracker.covariance(), by_state);
+            let part = tracker.variance(by_state);
             part / (part + rest)
         };
         let worst = self

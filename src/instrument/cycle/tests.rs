@@ -1,26 +1,13 @@
 //! A cycle by itself: its discharges come out as a test says.
 
 use super::*;
-use crate::config::Config;
+use crate::config_file::config;
 
 const R_OHM: f64 = 1000.0;
-const CONFIG: &str = r#"
-[circuit]
-kind = "two-capacitor"
-c-a = "2.2 uF"
-c-b = "680 nF"
-r-c1 = "2.32 kohm"
-r-c2 = "12.7 kohm"
-[measure]
-method = "tcdic"
-[[channel]]
-id = "thumb"
-[[channel]]
-id = "finger"
-"#;
 
 fn cycle() -> Cycle {
-    Cycle::new(Config::parse(CONFIG, "test").unwrap().settings().unwrap())
+    let config = config(|c| c.set("measure.method", "tcdic").channel("thumb").channel("finger"));
+    Cycle::new(config.parse().settings().unwrap())
 }
 
 /// A discharge that takes 600 ns/ohm to node A and 700 to node B.

@@ -1,6 +1,6 @@
 //! Carries the actions of a discharge out on real or simulated pins; no line is left driving when anything goes wrong.
 
-use super::{Action, Discharge, Event, Plan};
+use super::{Action, Discharge, Event, Lead, Plan};
 use crate::pins::{Drives, Levels, Pins, PinsError};
 use crate::reading::Fault;
 use crate::record::Record;
@@ -32,18 +32,18 @@ pub struct Outcome {
 /// # Errors
 /// Only if the pins cannot be used; what the circuit did is in the [`Outcome`].
 pub fn run<P: Pins + ?Sized>(pins: &mut P, plan: Plan) -> Result<Outcome, PinsError> {
-    let outcome = run_on(pins, plan)?;
+    let outcome = run_on(pins, plan, &mut Lead::default())?;
     pins.drive(Drives::NONE)?;
     Ok(outcome)
 }
 
 /// The same for one of many: the resistor goes on sinking after a discharge that gave a record, as the next charge releases
-/// it in the same call. Who does not charge at once has to release it.
+/// it in the same call. Who does not charge at once has to release it. `lead` learns from it.
 ///
 /// # Errors
 /// As [`run`]; all lines are inputs then.
-pub fn run_on<P: Pins + ?Sized>(pins: &mut P, plan: Plan) -> Result<Outcome, PinsError> {
-    let (mut discharge, mut action) = Discharge::new(plan);
+pub fn run_on<P: Pins + ?Sized>(pins: &mut P, plan: Plan, lead: &mut Lead) -> Result<Outcome, PinsError> {
+    let (mut discharge, mut action) = Discharge::new(plan, lead.get());
     let pins = Release(pins);
     loop {
         let event = match action {
@@ -63,7 +63,12 @@ pub fn run_on<P: Pins + ?Sized>(pins: &mut P, plan: Plan) -> Result<Outcome, Pin
                 }
                 Event::Edge(pins.0.edge(until)?)
             }
-            Action::ReadLevels => Event::Levels(pins.0.levels()?),
+            Action::ReadLevels => {
+                let begin = pins.0.now();
+                let levels = pins.0.levels()?;
+                lead.learn(pins.0.now() - begin);
+                Event::Levels(levels)
+            }
             Action::Done => {
                 let result = discharge.result();
                 if result.is_err() {

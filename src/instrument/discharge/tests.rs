@@ -98,6 +98,8 @@ impl Pins for Script {
 
 /// Two chargers on (1.5 us), 1 ms of charge, two off, 100 us of settling.
 const START_BEFORE: i64 = 1500 + 1_000_000 + 1500 + 100_000;
+/// Levels are read so long before a timed call.
+const LEAD: i64 = 7000;
 const A: (Node, i64, u32, u32) = (Node::A, 50_000, 11, 5);
 const B: (Node, i64, u32, u32) = (Node::B, 60_000, 12, 0);
 
@@ -117,20 +119,19 @@ fn a_full_discharge_is_charged_armed_settled_started_and_stopped() {
     // The line moves in the middle of a call for one line, 500 ns after its entry.
     assert_eq!((record.a_ns, record.b_ns), (Some(50_000.0), Some(60_000.0)));
     assert_eq!((record.start, record.switch, record.waited_ns), (Nanos(START_BEFORE), None, None));
-    let expected =
-        "drive charge-a+charge-b|sleep 1001500|drive none|arm|sleep 1103000|drive x2|edge|edge|drive none";
+    let expected = "drive charge-a+charge-b|sleep 1001500|drive none|arm|sleep 1096000|levels|sleep 1103000|drive x2|edge|edge|drive none";
     assert_eq!(pins.log.join("|"), expected);
 }
 
 #[test]
 fn of_many_discharges_each_is_released_by_the_next_charge() {
     let mut pins = Script::new(&[A, B]);
-    assert!(run_on(&mut pins, plan(None)).unwrap().result.is_ok());
+    assert!(run_on(&mut pins, plan(None), &mut Lead::default()).unwrap().result.is_ok());
     assert_eq!(pins.on, Drives::x(2));
     // Three lines are switched at first, one more than from rest.
     pins.now = -500;
     pins.levels = Levels { a: true, b: false };
-    assert_eq!(run_on(&mut pins, plan(None)).unwrap().result, Err(Fault::NoCharge));
+    assert_eq!(run_on(&mut pins, plan(None), &mut Lead::default()).unwrap().result, Err(Fault::NoCharge));
     assert!(pins.log.join("|").contains("edge|edge|drive charge-a+charge-b"));
     assert_eq!(pins.on, Drives::NONE, "after a fault nothing sinks");
 }
@@ -141,12 +142,25 @@ fn a_planned_switch_is_timed_by_the_entries_of_the_calls() {
     let record = run(&mut pins, plan(Some((Nanos(40_000), Through::C2)))).unwrap().result.unwrap();
     // 1 us for a call that switches a line: the next resistor is sunk after the first has been released.
     assert_eq!(record.switch, Some(Switch { at_ns: 40_000.0, on_ns: 41_000.0, to: Through::C2 }));
-    let log = pins.log.join("|");
+    let (log, at) = (pins.log.join("|"), START_BEFORE + 40_000);
     assert!(
-        log.contains(&format!("drive x2|sleep {}|drive none|drive c2|edge", START_BEFORE + 40_000)),
+        log.contains(&format!("drive x2|sleep {}|levels|sleep {at}|drive none|drive c2|edge", at - LEAD)),
         "{log}"
     );
     assert_eq!(pins.on, Drives::NONE);
+}
+
+#[test]
+fn a_charge_that_is_gone_before_the_start_is_no_charge() {
+    let (mut discharge, _) = Discharge::new(plan(None), Nanos(LEAD));
+    let drove = |at: i64| Event::Drove(Bracket { before: Nanos(at), after: Nanos(at + 1000) });
+    let (high, low) = (Levels { a: true, b: true }, Levels { a: true, b: false });
+    let armed = Event::Armed(Armed { levels: high, seqno: 10, line_seqno: [4, u32::MAX] });
+    for event in [drove(0), Event::Slept, drove(1_000_000), armed, Event::Slept] {
+        discharge.handle(event);
+    }
+    assert_eq!(discharge.handle(Event::Levels(low)), Action::Done);
+    assert_eq!(discharge.result(), Err(Fault::NoCharge));
 }
 
 #[test]
@@ -154,7 +168,7 @@ fn what_is_lost_has_a_name() {
     let result = |edges: &[_], levels| {
         let mut pins = Script { levels, ..Script::new(edges) };
         // Armed with both nodes high, whatever is read after the time-out.
-        let (mut discharge, mut action) = Discharge::new(plan(None));
+        let (mut discharge, mut action) = Discharge::new(plan(None), Nanos(LEAD));
         while action != Action::Done {
             action = discharge.handle(match action {
                 Action::Arm => Event::Armed(Armed {
@@ -168,6 +182,7 @@ fn what_is_lost_has_a_name() {
                     Event::Slept
                 }
                 Action::WaitEdge { until, .. } => Event::Edge(pins.edge(until).unwrap()),
+                Action::ReadLevels if pins.on.is_none() => Event::Levels(Levels { a: true, b: true }),
                 Action::ReadLevels => Event::Levels(pins.levels().unwrap()),
                 Action::Done => unreachable!(),
             });
@@ -236,13 +251,15 @@ fn a_crossing_that_is_known_before_is_rested_for() {
 #[test]
 fn a_charge_that_was_left_alone_for_too_long_is_not_used() {
     let start = |late: i64| {
-        let (mut discharge, _) = Discharge::new(plan(None));
+        let (mut discharge, _) = Discharge::new(plan(None), Nanos(LEAD));
         let drove = |at: i64| Event::Drove(Bracket { before: Nanos(at), after: Nanos(at + 1000) });
         discharge.handle(drove(0));
         discharge.handle(Event::Slept);
         discharge.handle(drove(1_000_000));
         let levels = Levels { a: true, b: true };
         discharge.handle(Event::Armed(Armed { levels, seqno: 10, line_seqno: [4, u32::MAX] }));
+        discharge.handle(Event::Slept);
+        discharge.handle(Event::Levels(levels));
         discharge.handle(Event::Slept);
         discharge.handle(drove(1_000_000 + plan(None).settle.0 + late))
     };
@@ -256,8 +273,10 @@ fn every_line_is_released_after_an_error_or_a_panic_anywhere() {
         "drive charge",
         "sleep 1001500",
         "drive none",
-        "sleep 1103000",
         "arm",
+        "sleep 1096000",
+        "levels",
+        "sleep 1103000",
         "drive x2",
         "drive c2",
         "edge",
@@ -289,7 +308,7 @@ fn a_discharge_that_does_not_end_is_finished_through_another_resistor() {
     let mut pins = Script::new(&[]);
     pins.levels = Levels { a: true, b: true };
     let limited = Plan { limit: Some(Through::C1), ..plan(None) };
-    let (mut discharge, mut action) = Discharge::new(limited);
+    let (mut discharge, mut action) = Discharge::new(limited, Nanos(LEAD));
     let mut waits = 0;
     while action != Action::Done {
         action = discharge.handle(match action {
@@ -320,7 +339,7 @@ fn a_discharge_that_does_not_end_is_finished_through_another_resistor() {
 #[test]
 fn what_ended_early_is_drained_before_the_charge() {
     let mut pins = Script::new(&[A, B]);
-    let (mut discharge, action) = Discharge::new(Plan { drain: Nanos(700_000), ..plan(None) });
+    let (mut discharge, action) = Discharge::new(Plan { drain: Nanos(700_000), ..plan(None) }, Nanos(LEAD));
     assert_eq!(action, Action::Drive(Drives::C1));
     let drained = discharge.handle(Event::Drove(pins.drive(Drives::C1).unwrap()));
     assert_eq!(drained, Action::Rest(Nanos(1000 + 700_000)));

@@ -2,7 +2,7 @@
 //!
 //! Numbers of chips change between kernels (the Raspberry Pi 5 went from gpiochip4 to gpiochip0), labels do not.
 
-use super::error::{Cause, ChardevError, Holder, as_io};
+use super::error::{ChardevError, as_io};
 use gpiocdev_uapi::{v1, v2};
 use serde::Serialize;
 use std::fs::{File, OpenOptions};
@@ -11,15 +11,6 @@ use std::path::{Path, PathBuf};
 
 /// Where the kernel's device nodes are.
 const DEV: &str = "/dev";
-
-/// The chips of this machine.
-#[derive(Debug, Default)]
-pub struct Listing {
-    /// Those that could be opened, by path.
-    pub chips: Vec<ChipListing>,
-    /// Why the others could not.
-    pub refused: Vec<ChardevError>,
-}
 
 /// One chip and its lines.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
@@ -54,18 +45,9 @@ pub struct LineListing {
     pub consumer: Option<String>,
 }
 
-/// All chips and lines.
-pub fn list() -> Listing {
-    let mut listing = Listing::default();
-    for chip in all(Path::new(DEV)) {
-        match chip.and_then(|chip| Ok((chip.lines()?, chip))) {
-            Ok((lines, Chip { name, label, path, .. })) => {
-                listing.chips.push(ChipListing { name, label, path, lines });
-            }
-            Err(error) => listing.refused.push(error),
-        }
-    }
-    listing
+/// Every chip of this machine with its lines, or why it could not be opened.
+pub fn list() -> impl Iterator<Item = Result<ChipListing, ChardevError>> {
+    all(Path::new(DEV)).into_iter().map(|chip| chip.map(|chip| chip.listing))
 }
 
 /// An open chip.
@@ -73,31 +55,22 @@ pub fn list() -> Listing {
 pub(in crate::pins) struct Chip {
     /// Its device node.
     pub file: File,
-    /// Where that is.
-    pub path: PathBuf,
-    /// "gpiochip0".
-    pub name: String,
-    /// "pinctrl-rp1".
-    pub label: String,
-    count: u32,
+    /// What it told when it was opened.
+    pub listing: ChipListing,
 }
 
 impl Chip {
     /// Opens a device node.
-    pub fn open(path: &Path) -> Result<Chip, ChardevError> {
+    fn open(path: &Path) -> Result<Chip, ChardevError> {
         let refuse = |call: &'static str, source: io::Error| {
-            let cause = Cause::of(&source, path);
-            ChardevError::Call { call, line: path.display().to_string(), source, cause }
+            ChardevError::call(call, path.display().to_string(), source, path)
         };
         let file = OpenOptions::new().read(true).write(true).open(path).map_err(|e| refuse("open", e))?;
         let info = v2::get_chip_info(&file).map_err(|e| refuse("GET_CHIPINFO", as_io(e)))?;
-        Ok(Chip {
-            file,
-            path: path.to_path_buf(),
-            name: String::from(&info.name),
-            label: String::from(&info.label),
-            count: info.num_lines,
-        })
+        let lines: Result<_, _> = (0..info.num_lines).map(|offset| line(&file, offset)).collect();
+        let lines = lines.map_err(|e| refuse("GET_LINEINFO", as_io(e)))?;
+        let (name, label) = (String::from(&info.name), String::from(&info.label));
+        Ok(Chip { file, listing: ChipListing { name, label, path: path.to_path_buf(), lines } })
     }
 
     /// Finds the chip with this label, name or path.
@@ -107,44 +80,50 @@ impl Chip {
 
     /// "gpiochip0 [pinctrl-rp1]".
     pub fn title(&self) -> String {
-        format!("{} [{}]", self.name, self.label)
-    }
-
-    /// All lines, in the order of their offsets.
-    pub fn lines(&self) -> Result<Vec<LineListing>, ChardevError> {
-        (0..self.count).map(|offset| self.line(offset)).collect()
-    }
-
-    fn line(&self, offset: u32) -> Result<LineListing, ChardevError> {
-        match v2::get_line_info(&self.file, offset) {
-            // The kernel is older than 5.10 (or the line is not there, which v1 answers in the same way).
-            Err(v2::Error::Os(errno)) if errno.0 == libc::EINVAL => {
-                v1::get_line_info(&self.file, offset).map(as_v2)
-            }
-            other => other,
-        }
-        .map(LineListing::from)
-        .map_err(|error| self.refusal("GET_LINEINFO", format!("line {offset}"), &[], as_io(error)))
+        format!("{} [{}]", self.listing.name, self.listing.label)
     }
 
     /// A failed call on this chip, explained: who holds which of `offsets`, whose group the node is, which chips exist.
     pub fn refusal(
         &self,
         call: &'static str,
-        line: String,
+        lines: &str,
         offsets: &[u32],
         source: io::Error,
     ) -> ChardevError {
-        let cause = match Cause::of(&source, &self.path) {
-            Cause::Held(_) => {
-                let lines = offsets.iter().filter_map(|offset| self.line(*offset).ok());
-                Cause::Held(lines.filter_map(LineListing::holder).collect())
-            }
-            Cause::Gone { .. } => Cause::Gone { present: Some(titles(&all(Path::new(DEV)))) },
-            other => other,
-        };
-        ChardevError::Call { call, line: format!("{line} of {}", self.title()), source, cause }
+        let lines = format!("{lines} of {}", self.title());
+        let error = ChardevError::call(call, lines, source, &self.listing.path);
+        if error.is_gone() {
+            return error
+                .explained(format!("the chip is gone; {}", titles(&all(Path::new(DEV)))), Vec::new());
+        }
+        let held = offsets.iter().filter_map(|offset| line(&self.file, *offset).ok());
+        explain_busy(error, &held.filter(|line| line.used).collect::<Vec<_>>())
     }
+}
+
+/// With the holders of the lines, if it is they who are in the way.
+fn explain_busy(error: ChardevError, held: &[LineListing]) -> ChardevError {
+    if !error.is_busy() || held.is_empty() {
+        return error;
+    }
+    let holder = |line: &LineListing| {
+        let name = line.name.clone().unwrap_or_else(|| format!("line {}", line.offset));
+        format!("{name} (\"{}\")", line.consumer.as_deref().unwrap_or("unnamed"))
+    };
+    let holders: Vec<String> = held.iter().map(holder).collect();
+    let consumers = held.iter().filter_map(|line| line.consumer.clone()).collect();
+    error.explained(format!("held by another consumer: {}", holders.join(", ")), consumers)
+}
+
+/// What the kernel tells of one line.
+fn line(chip: &File, offset: u32) -> v2::Result<LineListing> {
+    match v2::get_line_info(chip, offset) {
+        // The kernel is older than 5.10 (or the line is not there, which v1 answers in the same way).
+        Err(v2::Error::Os(errno)) if errno.0 == libc::EINVAL => v1::get_line_info(chip, offset).map(as_v2),
+        other => other,
+    }
+    .map(LineListing::from)
 }
 
 fn find_in(dev: &Path, wanted: &str) -> Result<Chip, ChardevError> {
@@ -156,18 +135,15 @@ fn find_in(dev: &Path, wanted: &str) -> Result<Chip, ChardevError> {
     }
     let chips = all(dev);
     let present = missing(wanted, &chips);
-    let is_wanted = |chip: &Chip| chip.name == wanted || chip.label == wanted;
-    let (mut found, mut refused) = (Vec::new(), Vec::new());
-    for chip in chips {
-        match chip {
-            Ok(chip) if is_wanted(&chip) => found.push(chip),
-            Ok(_) => {}
-            Err(error) => refused.push(error),
-        }
-    }
+    let (opened, refused): (Vec<_>, Vec<_>) = chips.into_iter().partition(Result::is_ok);
+    let mut found: Vec<Chip> = opened.into_iter().flatten().collect();
+    found.retain(|chip| chip.listing.name == wanted || chip.listing.label == wanted);
     if found.len() > 1 {
-        let names = found.into_iter().map(|chip| chip.name).collect();
-        return Err(ChardevError::AmbiguousChip { label: wanted.to_owned(), names });
+        let names: Vec<String> = found.into_iter().map(|chip| chip.listing.name).collect();
+        let names = names.join(", ");
+        return Err(ChardevError::Wiring(format!(
+            "several GPIO chips have the label \"{wanted}\": {names}; give the name or path of one"
+        )));
     }
     if let Some(chip) = found.pop() {
         return Ok(chip);
@@ -178,10 +154,9 @@ fn find_in(dev: &Path, wanted: &str) -> Result<Chip, ChardevError> {
         return Chip::open(&link);
     }
     // The one that is wanted may be among those that are closed to us: best named by one that a group may open.
-    let asks_for_a_group =
-        |error: &ChardevError| matches!(error, ChardevError::Call { cause: Cause::Closed(Some(_)), .. });
-    refused.sort_by_key(|error| !asks_for_a_group(error));
-    refused.into_iter().next().map_or(present, Err)
+    let no_group_may =
+        |chip: &Result<Chip, ChardevError>| !chip.as_ref().is_err_and(ChardevError::asks_for_a_group);
+    refused.into_iter().min_by_key(no_group_may).unwrap_or(present)
 }
 
 fn missing(wanted: &str, present: &[Result<Chip, ChardevError>]) -> Result<Chip, ChardevError> {
@@ -219,14 +194,6 @@ fn as_v2(info: v1::LineInfo) -> v2::LineInfo {
     v2::LineInfo { offset, name, consumer, flags, ..Default::default() }
 }
 
-impl LineListing {
-    /// `None` for a line that is free.
-    fn holder(self) -> Option<Holder> {
-        let line = self.name.unwrap_or_else(|| format!("line {}", self.offset));
-        self.used.then_some(Holder { line, consumer: self.consumer })
-    }
-}
-
 impl From<v2::LineInfo> for LineListing {
     fn from(info: v2::LineInfo) -> LineListing {
         use v2::LineFlags as F;
@@ -255,6 +222,16 @@ impl From<v2::LineInfo> for LineListing {
 
 // One request holds all drive lines.
 const _: () = assert!(crate::pins::MAX_CHANNELS + 4 <= v2::NUM_LINES_MAX);
+
+#[cfg(test)]
+impl Chip {
+    /// One that no kernel has.
+    pub fn of_lines(lines: Vec<LineListing>) -> Chip {
+        let (name, label) = ("gpiochip0".to_owned(), "fake".to_owned());
+        let listing = ChipListing { name, label, path: "/dev/gpiochip0".into(), lines };
+        Chip { file: File::open("/dev/null").unwrap(), listing }
+    }
+}
 
 #[cfg(test)]
 mod tests {
@@ -296,8 +273,28 @@ mod tests {
         let line = LineListing::from(info);
         assert!(line.direction == "output" && line.used);
         assert_eq!(line.flags, ["open-drain"]);
-        assert_eq!(line.holder().unwrap().to_string(), "GPIO20 (\"cermd\")");
-        assert_eq!(LineListing::default().holder(), None);
+    }
+
+    #[test]
+    fn a_busy_line_names_its_holder() {
+        let held = |consumer: Option<&str>| LineListing {
+            offset: 4,
+            name: consumer.map(|_| "GPIO20".to_owned()),
+            consumer: consumer.map(str::to_owned),
+            ..LineListing::default()
+        };
+        let refused = |errno| {
+            let source = io::Error::from_raw_os_error(errno);
+            ChardevError::call("GET_LINE", "sink-c1".to_owned(), source, Path::new("/nonexistent"))
+        };
+        let error = explain_busy(refused(libc::EBUSY), &[]);
+        assert!(error.to_string().contains("cermctl lines"), "{error}");
+        let held = [held(Some("gpioset")), held(None)];
+        let error = explain_busy(refused(libc::EBUSY), &held);
+        let holders = "held by another consumer: GPIO20 (\"gpioset\"), line 4 (\"unnamed\")";
+        assert!(error.to_string().ends_with(holders), "{error}");
+        assert!(error.is_busy() && error.is_held_by("gpioset") && !error.is_held_by("cermd"));
+        assert!(!explain_busy(refused(libc::EIO), &held).is_held_by("gpioset"));
     }
 
     #[test]

@@ -3,7 +3,6 @@
 use gpiocdev_uapi::v2;
 use nix::errno::Errno;
 use nix::unistd::{Gid, Group};
-use std::fmt;
 use std::io;
 use std::os::unix::fs::MetadataExt;
 use std::path::Path;
@@ -12,7 +11,7 @@ use std::path::Path;
 #[derive(Debug, thiserror::Error)]
 pub enum ChardevError {
     /// A kernel call failed.
-    #[error("{call} on {line} failed: {source}; {cause}")]
+    #[error("{call} on {line} failed: {source}; {hint}")]
     Call {
         /// The system call or ioctl.
         call: &'static str,
@@ -20,8 +19,10 @@ pub enum ChardevError {
         line: String,
         /// What the kernel answered.
         source: io::Error,
-        /// The likely cause and what to do.
-        cause: Cause,
+        /// The likely cause, as far as it could be looked up, and the remedy.
+        hint: String,
+        /// Who holds lines that were asked for, if that could be found out.
+        consumers: Vec<String>,
     },
     /// No such chip now: it may come (back).
     #[error("there is no GPIO chip with label, name or path \"{wanted}\"; {present}")]
@@ -31,128 +32,72 @@ pub enum ChardevError {
         /// Which chips there are.
         present: String,
     },
-    /// Several chips carry the label.
-    #[error("several GPIO chips have the label \"{label}\": {}; give the name or path of one", names.join(", "))]
-    AmbiguousChip {
-        /// As configured.
-        label: String,
-        /// Their names.
-        names: Vec<String>,
-    },
-    /// The chip has no such line.
-    #[error("chip {chip} has no line \"{wanted}\"; {instead}")]
-    NoLine {
-        /// Name and label of the chip.
-        chip: String,
-        /// As configured.
-        wanted: String,
-        /// What could be asked for.
-        instead: String,
-    },
-    /// The wiring makes no sense, or not with this backend.
+    /// The wiring makes no sense, or not with this chip or backend.
     #[error("{0}")]
     Wiring(String),
 }
 
 impl ChardevError {
+    /// From a failed call on a device node; who holds a line and which other chips there are is not looked up.
+    pub(super) fn call(call: &'static str, line: String, source: io::Error, node: &Path) -> ChardevError {
+        let errno = source.raw_os_error().unwrap_or_default();
+        let hint = match Errno::from_raw(errno) {
+            Errno::EACCES | Errno::EPERM => closed(node),
+            _ if is_gone(errno) => "the chip is gone".to_owned(),
+            _ => hint(errno).to_owned(),
+        };
+        ChardevError::Call { call, line, source, hint, consumers: Vec::new() }
+    }
+
+    /// With what was looked up: another hint, and who holds lines that were asked for.
+    pub(super) fn explained(self, hint: String, consumers: Vec<String>) -> ChardevError {
+        match self {
+            ChardevError::Call { call, line, source, .. } => {
+                ChardevError::Call { call, line, source, hint, consumers }
+            }
+            other => other,
+        }
+    }
+
     /// Whether opening again later may help: the chip is not there (any more, or yet).
     pub fn is_gone(&self) -> bool {
-        match self {
-            ChardevError::NoChip { .. } => true,
-            ChardevError::Call { cause, .. } => matches!(cause, Cause::Gone { .. }),
-            _ => false,
-        }
+        matches!(self, ChardevError::NoChip { .. }) || self.errno().is_some_and(is_gone)
     }
 
     /// Whether another program holds a line that was asked for.
     pub fn is_busy(&self) -> bool {
-        matches!(self, ChardevError::Call { cause: Cause::Held(_), .. })
+        self.errno() == Some(libc::EBUSY)
     }
 
     /// Whether a consumer of this name holds a line that was asked for.
     pub fn is_held_by(&self, consumer: &str) -> bool {
-        let ChardevError::Call { cause: Cause::Held(holders), .. } = self else { return false };
-        holders.iter().any(|holder| holder.consumer.as_deref() == Some(consumer))
+        matches!(self, ChardevError::Call { consumers, .. } if consumers.iter().any(|held| held == consumer))
+    }
+
+    /// Whether a group may do what this user may not.
+    pub(super) fn asks_for_a_group(&self) -> bool {
+        matches!(self, ChardevError::Call { hint, .. } if hint.contains(JOIN))
+    }
+
+    fn errno(&self) -> Option<i32> {
+        let ChardevError::Call { source, .. } = self else { return None };
+        source.raw_os_error()
     }
 }
 
-/// The likely cause of a failed call, as far as it could be looked up; its text has the remedy.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub enum Cause {
-    /// The device node belongs to this group; `None`: to root alone.
-    Closed(Option<String>),
-    /// Lines of the request are taken, by these holders if they could be found out.
-    Held(Vec<Holder>),
-    /// The chip has disappeared.
-    Gone {
-        /// Which chips there are, if that was looked up.
-        present: Option<String>,
-    },
-    /// All that is known from the error number alone.
-    Hint(&'static str),
-}
-
-impl Cause {
-    /// From the error number of a call on a device node; holders and other chips are not looked up.
-    pub(in crate::pins) fn of(error: &io::Error, node: &Path) -> Cause {
-        let errno = error.raw_os_error().unwrap_or_default();
-        match Errno::from_raw(errno) {
-            Errno::EACCES | Errno::EPERM => Cause::Closed(owning_group(node)),
-            Errno::EBUSY => Cause::Held(Vec::new()),
-            _ if is_gone(errno) => Cause::Gone { present: None },
-            _ => Cause::Hint(hint(errno)),
-        }
-    }
-}
-
-impl fmt::Display for Cause {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Cause::Closed(None) => f.write_str(
-                "the device node belongs to root alone: install the udev rule that gives it to a group",
-            ),
-            Cause::Closed(Some(group)) => write!(
-                f,
-                "the device node belongs to group {group}: add yourself to group {group} \
-                 (sudo usermod -aG {group} USER, then log in again)"
-            ),
-            Cause::Held(holders) if holders.is_empty() => {
-                f.write_str("another process or driver holds a line; cermctl lines shows which")
-            }
-            Cause::Held(holders) => {
-                let holders: Vec<String> = holders.iter().map(Holder::to_string).collect();
-                write!(f, "held by another consumer: {}", holders.join(", "))
-            }
-            Cause::Gone { present: None } => f.write_str("the chip is gone"),
-            Cause::Gone { present: Some(present) } => write!(f, "the chip is gone; {present}"),
-            Cause::Hint(hint) => f.write_str(hint),
-        }
-    }
-}
-
-/// Who holds a line.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Holder {
-    /// Name of the line, or "line 4".
-    pub line: String,
-    /// As which consumer; `None`: it gave no name.
-    pub consumer: Option<String>,
-}
-
-impl fmt::Display for Holder {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "{} (\"{}\")", self.line, self.consumer.as_deref().unwrap_or("unnamed"))
-    }
-}
+/// How to join a group.
+const JOIN: &str = "sudo usermod -aG ";
 
 /// The likely cause and the remedy by the error number alone.
 pub(super) fn hint(errno: i32) -> &'static str {
     match Errno::from_raw(errno) {
         Errno::EINVAL => {
-            "the kernel refuses a flag: older than 5.10 (use backend \"chardev-v1\"), or the controller lacks it"
+            "the kernel refuses a flag: older than 5.10 (use backend \"chardev-v1\"), without uAPI v1 (use backend \
+             \"chardev\"), or the controller lacks it"
         }
         Errno::ENOTTY => "this is not a GPIO chip",
         Errno::EPERM => "another program has turned the line into an input",
+        Errno::EBUSY => "another process or driver holds a line; cermctl lines shows which",
         Errno::EOPNOTSUPP => "the controller does not support this",
         Errno::EMFILE | Errno::ENFILE => "too many open files",
         _ => "unexpected: see the kernel log (dmesg)",
@@ -164,14 +109,18 @@ pub(super) fn is_gone(errno: i32) -> bool {
     matches!(Errno::from_raw(errno), Errno::ENODEV | Errno::ENXIO | Errno::ENOENT)
 }
 
-/// The name of the group that owns a device node, its number if it has no name; `None` for root's.
-fn owning_group(node: &Path) -> Option<String> {
-    let gid = std::fs::metadata(node).ok()?.gid();
+/// How to be let in by a device node: by way of the group that owns it (its number, if it has no name), unless that is root's.
+fn closed(node: &Path) -> String {
+    let gid = std::fs::metadata(node).map_or(0, |node| node.gid());
     if gid == 0 {
-        return None;
+        return "the device node belongs to root alone: install the udev rule that gives it to a group"
+            .to_owned();
     }
-    let group = Group::from_gid(Gid::from_raw(gid)).ok().flatten();
-    Some(group.map_or_else(|| gid.to_string(), |group| group.name))
+    let named = Group::from_gid(Gid::from_raw(gid)).ok().flatten();
+    let group = named.map_or_else(|| gid.to_string(), |group| group.name);
+    format!(
+        "the device node belongs to group {group}: add yourself to group {group} ({JOIN}{group} USER, then log in again)"
+    )
 }
 
 /// As an `io::Error`, which keeps the error number.
@@ -186,55 +135,44 @@ pub(in crate::pins) fn as_io(error: v2::Error) -> io::Error {
 mod tests {
     use super::*;
 
-    fn cause(errno: i32) -> Cause {
-        Cause::of(&io::Error::from_raw_os_error(errno), Path::new("/nonexistent"))
+    fn refused(errno: i32, node: &Path) -> ChardevError {
+        ChardevError::call("GET_LINE", "sink-c1".to_owned(), io::Error::from_raw_os_error(errno), node)
+    }
+
+    fn text(errno: i32) -> String {
+        refused(errno, Path::new("/nonexistent")).to_string()
     }
 
     #[test]
     fn a_refusal_names_the_group_to_join() {
-        let text = Cause::Closed(Some("gpio".to_owned())).to_string();
-        assert!(text.contains("add yourself to group gpio") && text.contains("usermod -aG gpio"), "{text}");
         for errno in [libc::EACCES, libc::EPERM] {
-            assert!(cause(errno).to_string().contains("udev rule"));
+            assert!(text(errno).contains("udev rule"));
+        }
+        let node = tempfile::NamedTempFile::new().unwrap();
+        let (own, other) = (node.path().metadata().unwrap().gid(), 4321);
+        let joins = |text: &str| text.contains("usermod -aG ");
+        if std::os::unix::fs::chown(node.path(), None, Some(other)).is_ok() {
+            assert!(joins(&refused(libc::EACCES, node.path()).to_string()));
+        } else {
+            assert_eq!(joins(&refused(libc::EACCES, node.path()).to_string()), own != 0);
         }
     }
 
     #[test]
-    fn a_busy_line_names_its_holder() {
-        let holder = |consumer: Option<&str>| Holder {
-            line: "GPIO20".to_owned(),
-            consumer: consumer.map(str::to_owned),
-        };
-        let held = Cause::Held(vec![holder(Some("gpioset")), holder(None)]);
-        assert_eq!(held.to_string(), "held by another consumer: GPIO20 (\"gpioset\"), GPIO20 (\"unnamed\")");
-        let line = "sink-c1 (GPIO20)".to_owned();
-        let source = io::Error::from_raw_os_error(libc::EBUSY);
-        let error = ChardevError::Call { call: "GET_LINE", line, source, cause: held };
-        assert!(error.is_busy() && error.is_held_by("gpioset") && !error.is_held_by("cermd"));
-        assert!(cause(libc::EBUSY).to_string().contains("cermctl lines"));
-    }
-
-    #[test]
-    fn a_lost_chip_names_the_others() {
+    fn a_lost_chip_may_come_back() {
         for errno in [libc::ENODEV, libc::ENOENT, libc::ENXIO] {
-            assert_eq!(cause(errno), Cause::Gone { present: None });
+            let error = refused(errno, Path::new("/nonexistent"));
+            assert!(error.is_gone() && error.to_string().ends_with("the chip is gone"), "{error}");
         }
-        let present = Some("chips present: gpiochip0 [pinctrl-rp1]".to_owned());
-        let text = Cause::Gone { present }.to_string();
-        assert_eq!(text, "the chip is gone; chips present: gpiochip0 [pinctrl-rp1]");
+        let missing = ChardevError::NoChip { wanted: "x".into(), present: String::new() };
+        assert!(missing.is_gone());
+        assert!(!ChardevError::Wiring("x".into()).is_gone());
     }
 
     #[test]
     fn an_old_kernel_is_pointed_to_the_other_backend() {
-        assert!(cause(libc::EINVAL).to_string().contains("chardev-v1"));
-        assert!(cause(libc::EIO).to_string().contains("dmesg"));
-    }
-
-    #[test]
-    fn a_chip_that_is_not_there_may_come_back() {
-        let missing = ChardevError::NoChip { wanted: "x".into(), present: String::new() };
-        assert!(missing.is_gone());
-        assert!(!ChardevError::Wiring("x".into()).is_gone());
+        assert!(text(libc::EINVAL).contains("chardev-v1"));
+        assert!(text(libc::EIO).contains("dmesg"));
     }
 
     #[test]

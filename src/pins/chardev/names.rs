@@ -7,7 +7,7 @@ use crate::pins::limits::SUGGESTIONS;
 /// The offset of a line given by name or number on the chip called `chip`.
 ///
 /// # Errors
-/// [`ChardevError::NoLine`] with what could be asked for instead.
+/// [`ChardevError::Wiring`] with what could be asked for instead.
 pub(super) fn line_offset(lines: &[LineListing], wanted: &str, chip: &str) -> Result<u32, ChardevError> {
     let named: Vec<u32> =
         lines.iter().filter(|line| line.name.as_deref() == Some(wanted)).map(|line| line.offset).collect();
@@ -18,7 +18,7 @@ pub(super) fn line_offset(lines: &[LineListing], wanted: &str, chip: &str) -> Re
         ([], Err(_)) => similar_names(lines, wanted),
         (_, _) => format!("several lines have this name: give the offset, one of {named:?}"),
     };
-    Err(ChardevError::NoLine { chip: chip.to_owned(), wanted: wanted.to_owned(), instead })
+    Err(ChardevError::Wiring(format!("chip {chip} has no line \"{wanted}\"; {instead}")))
 }
 
 /// The nearest by edit distance, letters of either case alike.

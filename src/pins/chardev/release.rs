@@ -19,7 +19,7 @@ pub fn release_lines(wiring: &Wiring) -> Result<(), ChardevError> {
     each_line(&wiring.resolve(&chip)?, |line| {
         v2::get_line(&chip.file, release_request(line, &wiring.consumer))
             .map(drop)
-            .map_err(|error| chip.refusal("GET_LINE", line.title.clone(), &[line.offset], as_io(error)))
+            .map_err(|error| chip.refusal("GET_LINE", &line.title, &[line.offset], as_io(error)))
     })
 }
 
@@ -31,7 +31,7 @@ pub(in crate::pins) fn each_line(
 ) -> Result<(), ChardevError> {
     let mut attempts_left = RELEASE_ATTEMPTS;
     let mut first_failure = Ok(());
-    for line in lines.drives.iter().map(|drive| &drive.line).chain(&lines.sense) {
+    for line in lines.drives.iter().chain(&lines.sense) {
         let mut outcome = release(line);
         while attempts_left > 0 && outcome.as_ref().is_err_and(ChardevError::is_busy) {
             attempts_left -= 1;
@@ -45,14 +45,12 @@ pub(in crate::pins) fn each_line(
 
 #[cfg(test)]
 mod tests {
-    use super::super::error::Cause;
     use super::super::wiring::tests::{lines, wiring};
     use super::*;
 
     fn failure(errno: i32, line: &WiredLine) -> ChardevError {
         let source = std::io::Error::from_raw_os_error(errno);
-        let cause = Cause::of(&source, std::path::Path::new("/nonexistent"));
-        ChardevError::Call { call: "GET_LINE", line: line.title.clone(), source, cause }
+        ChardevError::call("GET_LINE", line.title.clone(), source, std::path::Path::new("/nonexistent"))
     }
 
     #[test]

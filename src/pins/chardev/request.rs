@@ -32,7 +32,7 @@ const _: () = assert!(size_of::<LineEdgeEvent>() == 48);
 
 /// All drive lines in one request, every one released: the request itself drives nothing.
 pub(super) fn drive_request(lines: &Lines, consumer: &str) -> LineRequest {
-    let offsets: Vec<u32> = lines.drives.iter().map(|drive| drive.line.offset).collect();
+    let offsets: Vec<u32> = lines.drives.iter().map(|drive| drive.offset).collect();
     let mut config = LineConfig { flags: SINK, ..Default::default() };
     let chargers = mask(lines, Drives::CHARGE);
     if chargers != 0 {

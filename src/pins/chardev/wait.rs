@@ -6,19 +6,14 @@ use crate::units::Nanos;
 use nix::errno::Errno;
 use nix::poll::{PollFd, PollFlags, ppoll};
 use nix::sys::time::{TimeSpec, TimeValLike};
-use nix::time::{ClockId, clock_getres};
-
-/// From now until an instant, not negative.
-pub(super) fn time_left(until: Nanos) -> Nanos {
-    (until - monotonic()).max(Nanos::ZERO)
-}
+use nix::time::{ClockId, ClockNanosleepFlags, clock_getres, clock_nanosleep};
 
 /// The longest wait in one go: three quarters of the kernel's tick, which is the resolution of its coarse clocks.
 ///
 /// A processor that has nothing to do until after the next tick stops the tick, and catches up on it before the interrupt
 /// that ends the wait is handled and stamped (`tick_nohz_irq_enter`, kernel/time/tick-sched.c): stamps would be late by
 /// some microseconds after long waits and not after short ones.
-pub(super) fn longest_wait() -> Nanos {
+fn longest_wait() -> Nanos {
     let tick = clock_getres(ClockId::CLOCK_MONOTONIC_COARSE);
     Nanos(tick.map_or(SHORTEST_TICK.0, |tick| tick.num_nanoseconds()) / 4 * 3)
 }
@@ -29,7 +24,7 @@ pub(super) fn longest_wait() -> Nanos {
 /// # Errors
 /// `ENODEV` when the chip behind a descriptor has disappeared, else what `ppoll` answers.
 pub(super) fn readable(watched: &mut [PollFd], until: Nanos) -> Result<bool, Errno> {
-    let time = time_left(until).min(longest_wait());
+    let time = (until - monotonic()).clamp(Nanos::ZERO, longest_wait());
     let ready = match ppoll(watched, Some(TimeSpec::nanoseconds(time.0)), None) {
         Ok(ready) => ready > 0,
         Err(Errno::EINTR) => false,
@@ -58,6 +53,36 @@ impl SpinMargin {
         let margin = self.0.0;
         let next = if lateness > self.0 { margin + margin / 2 } else { margin - margin / 256 };
         self.0 = Nanos(next.clamp(LEAST_SPIN_MARGIN.0, MOST_SPIN_MARGIN.0));
+    }
+
+    /// [`Pins::sleep_until`](crate::pins::Pins::sleep_until): sleeps until shortly before `at`, then spins.
+    pub fn sleep_until(&mut self, at: Nanos) {
+        if monotonic() < at - self.0 {
+            self.rest_until(at - self.0);
+        }
+        while monotonic() < at {
+            std::hint::spin_loop();
+        }
+    }
+
+    /// [`Pins::rest_until`](crate::pins::Pins::rest_until).
+    pub fn rest_until(&mut self, at: Nanos) {
+        let until = TimeSpec::nanoseconds(at.0);
+        while monotonic() < at {
+            // Interrupted, or ended: the clock tells.
+            let _ = clock_nanosleep(ClockId::CLOCK_MONOTONIC, ClockNanosleepFlags::TIMER_ABSTIME, &until);
+        }
+        self.learn(monotonic() - at);
+    }
+
+    /// [`Pins::rest_before_edge`](crate::pins::Pins::rest_before_edge), where that spares a wake-up of [`readable`]: two thirds
+    /// of its longest wait are left, in which the tick goes on.
+    pub fn rest_before_edge(&mut self, at: Nanos) {
+        let longest = longest_wait();
+        let wake = at - Nanos(longest.0 / 3 * 2);
+        if wake - monotonic() > longest {
+            self.rest_until(wake);
+        }
     }
 }
 
@@ -125,8 +150,25 @@ mod tests {
     }
 
     #[test]
-    fn no_time_is_left_after_the_instant() {
-        assert_eq!(time_left(Nanos::ZERO), Nanos::ZERO);
-        assert!(time_left(Nanos::MAX) > Nanos::ZERO);
+    fn a_sleep_never_ends_early() {
+        let mut margin = SpinMargin::default();
+        for ahead in [-1_000, 0, 10_000, 300_000] {
+            let at = monotonic() + Nanos(ahead);
+            margin.sleep_until(at);
+            assert!(monotonic() >= at);
+        }
+        assert!(margin.get() >= LEAST_SPIN_MARGIN);
+    }
+
+    #[test]
+    fn a_rest_spares_a_wake_up_and_ends_before_the_edge() {
+        let (longest, mut margin) = (longest_wait(), SpinMargin::default());
+        let before = monotonic();
+        // Two waits are as good as a rest and a wait.
+        margin.rest_before_edge(before + Nanos(longest.0 / 3 * 5));
+        assert_eq!(margin, SpinMargin::default(), "it has not slept");
+        margin.rest_before_edge(before + Nanos(longest.0 * 3));
+        let rested = monotonic() - before;
+        assert!(rested > Nanos(longest.0 / 3 * 7), "woke after {rested}");
     }
 }

@@ -32,31 +32,24 @@ pub struct Wiring {
 /// A line found on its chip.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(in crate::pins) struct WiredLine {
+    /// The part it plays when it drives; none: it senses.
+    pub part: Drives,
     /// Its number on the chip.
     pub offset: u32,
     /// What errors call it: `sink-c1 (GPIO20)`.
     pub title: String,
 }
 
-/// The titles of some lines, for errors of a call that was made for all of them.
-pub(super) fn titles<'a>(lines: impl IntoIterator<Item = &'a WiredLine>) -> String {
-    lines.into_iter().map(|line| line.title.as_str()).collect::<Vec<_>>().join(", ")
-}
-
-/// A line that drives, and the part it plays.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub(in crate::pins) struct DriveLine {
-    /// One line of a set.
-    pub part: Drives,
-    /// Where it is.
-    pub line: WiredLine,
-}
-
-impl DriveLine {
+impl WiredLine {
     /// Whether it pulls up (open source); otherwise it sinks (open drain).
     pub fn charges(&self) -> bool {
         Drives::CHARGE.contains(self.part)
     }
+}
+
+/// The titles of some lines, for errors of a call that was made for all of them.
+pub(super) fn titles<'a>(lines: impl IntoIterator<Item = &'a WiredLine>) -> String {
+    lines.into_iter().map(|line| line.title.as_str()).collect::<Vec<_>>().join(", ")
 }
 
 /// The lines of a circuit, found on their chip.
@@ -65,7 +58,7 @@ pub(in crate::pins) struct Lines {
     /// Node A, then node B if the circuit has it.
     pub sense: Vec<WiredLine>,
     /// In the order in which they switch: that of [`Drives::lines`].
-    pub drives: Vec<DriveLine>,
+    pub drives: Vec<WiredLine>,
     /// Whether the sense lines charge: there are no chargers among `drives`.
     pub sense_charges: bool,
 }
@@ -89,27 +82,6 @@ impl Lines {
 }
 
 impl Wiring {
-    /// The key of each sense line in a configuration, and its name or offset.
-    fn sense_parts(&self) -> impl Iterator<Item = (&'static str, &str)> {
-        let b = self.sense_b.as_deref().map(|name| ("sense-b", name));
-        std::iter::once(("sense-a", self.sense_a.as_str())).chain(b)
-    }
-
-    /// The same for the drive lines, in switching order.
-    fn drive_parts(&self) -> impl Iterator<Item = (Drives, String, &str)> {
-        let sensors = self.sinks_x.iter().enumerate();
-        let sensors =
-            sensors.map(|(channel, name)| (Drives::x(channel), format!("sink-x{channel}"), Some(name)));
-        let others = [
-            (Drives::C1, "sink-c1", Some(&self.sink_c1)),
-            (Drives::C2, "sink-c2", Some(&self.sink_c2)),
-            (Drives::CHARGE_A, "charge-a", self.charge_a.as_ref()),
-            (Drives::CHARGE_B, "charge-b", self.charge_b.as_ref()),
-        ];
-        let others = others.into_iter().map(|(part, key, name)| (part, key.to_string(), name));
-        sensors.chain(others).filter_map(|(part, key, name)| Some((part, key, name?.as_str())))
-    }
-
     /// Whether the sense lines have to charge as well, as in the published circuit.
     pub fn sense_charges(&self) -> bool {
         self.charge_a.is_none() && self.charge_b.is_none()
@@ -118,52 +90,55 @@ impl Wiring {
     /// Finds every line on the chip.
     ///
     /// # Errors
-    /// [`ChardevError::Wiring`] for what cannot be, [`ChardevError::NoLine`] for names the chip does not have.
+    /// [`ChardevError::Wiring`] for what cannot be, and for names the chip does not have.
     pub(in crate::pins) fn resolve(&self, chip: &Chip) -> Result<Lines, ChardevError> {
-        self.check()?;
-        let known = chip.lines()?;
-        let find = |key: &str, wanted: &str| {
-            let offset = line_offset(&known, wanted, &chip.title())?;
-            Ok::<_, ChardevError>(WiredLine { offset, title: format!("{key} ({wanted})") })
-        };
-        let sense = self.sense_parts().map(|(key, name)| find(key, name)).collect::<Result<Vec<_>, _>>()?;
-        let drives = self
-            .drive_parts()
-            .map(|(part, key, name)| Ok(DriveLine { part, line: find(&key, name)? }))
-            .collect::<Result<Vec<_>, ChardevError>>()?;
-        let lines = Lines { sense, drives, sense_charges: self.sense_charges() };
+        if self.sinks_x.len() > MAX_CHANNELS {
+            let count = self.sinks_x.len();
+            return Err(ChardevError::Wiring(format!(
+                "{count} channels: at most {MAX_CHANNELS} share a circuit"
+            )));
+        }
+        let lines = self.lines(|wanted| line_offset(&chip.listing.lines, wanted, &chip.title()))?;
         distinct(&lines)?;
         Ok(lines)
     }
 
-    fn check(&self) -> Result<(), ChardevError> {
-        let refuse = |why: String| Err(ChardevError::Wiring(why));
-        if self.sinks_x.len() > MAX_CHANNELS {
-            return refuse(format!(
-                "{} channels: at most {MAX_CHANNELS} share a circuit",
-                self.sinks_x.len()
-            ));
-        }
-        if self.charge_a.is_none() && self.charge_b.is_some() {
-            return refuse("charge-b without charge-a: node A would never be charged".to_string());
-        }
-        if self.charge_b.is_some() && self.sense_b.is_none() {
-            return refuse("charge-b without sense-b: the circuit has no node B".to_string());
-        }
-        Ok(())
+    /// The lines by their keys in a configuration, their offsets as `find` tells by names or offsets.
+    fn lines<E>(&self, find: impl Fn(&str) -> Result<u32, E>) -> Result<Lines, E> {
+        let line = |part, key: &str, wanted: &String| {
+            Ok(WiredLine { part, offset: find(wanted)?, title: format!("{key} ({wanted})") })
+        };
+        let lines = |parts: &[(Drives, &str, Option<&String>)]| {
+            let wired = parts.iter().filter_map(|(part, key, name)| Some(line(*part, key, (*name)?)));
+            wired.collect::<Result<Vec<_>, _>>()
+        };
+        let sense = [
+            (Drives::NONE, "sense-a", Some(&self.sense_a)),
+            (Drives::NONE, "sense-b", self.sense_b.as_ref()),
+        ];
+        let sensors = self.sinks_x.iter().enumerate();
+        let sensors = sensors.map(|(i, name)| line(Drives::x(i), &format!("sink-x{i}"), name));
+        let mut drives = sensors.collect::<Result<Vec<_>, _>>()?;
+        drives.extend(lines(&[
+            (Drives::C1, "sink-c1", Some(&self.sink_c1)),
+            (Drives::C2, "sink-c2", Some(&self.sink_c2)),
+            (Drives::CHARGE_A, "charge-a", self.charge_a.as_ref()),
+            (Drives::CHARGE_B, "charge-b", self.charge_b.as_ref()),
+        ])?);
+        Ok(Lines { sense: lines(&sense)?, drives, sense_charges: self.sense_charges() })
     }
 }
 
 fn distinct(lines: &Lines) -> Result<(), ChardevError> {
-    let all: Vec<&WiredLine> =
-        lines.sense.iter().chain(lines.drives.iter().map(|drive| &drive.line)).collect();
-    for (position, line) in all.iter().enumerate() {
-        if let Some(other) = all[..position].iter().find(|other| other.offset == line.offset) {
+    let mut seen: Vec<&WiredLine> = Vec::new();
+    for line in lines.sense.iter().chain(&lines.drives) {
+        if let Some(other) = seen.iter().find(|other| other.offset == line.offset) {
             return Err(ChardevError::Wiring(format!(
                 "{} and {} are the same line, offset {}",
                 other.title, line.title, line.offset
             )));
         }
+        seen.push(line);
     }
     Ok(())
 }

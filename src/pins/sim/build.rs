@@ -103,6 +103,7 @@ impl SimPins {
             analog: Analog::new(scene, circuit, sources.collect(), stream(seed, NOISE), stream(seed, WALK)),
             posted: VecDeque::with_capacity(4 * LINES),
             scene: Scene { seed, ..scene.clone() },
+            touched_ns: 0,
             armed: false,
             conflicts: 0,
             truth: Truth::default(),

@@ -48,11 +48,12 @@ pub(super) struct Call {
     /// The pause comes before the line of this position.
     pause_before: usize,
     lines: usize,
+    wakes_ns: f64,
 }
 
 impl CallsScene {
-    /// Draws what is common to one call that switches so many lines.
-    pub(super) fn begin(&self, lines: usize, rng: &mut impl Rng) -> Call {
+    /// Draws what is common to one call that switches so many lines of a chip that was left alone for `idle_ns`.
+    pub(super) fn begin(&self, lines: usize, idle_ns: i64, rng: &mut impl Rng) -> Call {
         let scale = match self.jitter {
             None | Some(0.0) => 1.0,
             Some(jitter) => (1.0 + jitter * rng.sample::<f64, _>(StandardNormal)).max(SHORTEST_CALL),
@@ -61,7 +62,9 @@ impl CallsScene {
         let pause_before = if pause_ns > 0.0 { rng.random_range(0..=lines as u32) as usize } else { 0 };
         let (fixed_ns, slot_ns) = (ns(self.fixed), ns(self.per_line));
         let moves_at = self.moves_at.unwrap_or(MIDDLE_OF_SLOT);
-        Call { fixed_ns, slot_ns, moves_at, scale, pause_ns, pause_before, lines }
+        let is_asleep = self.asleep_after.is_some_and(|after| idle_ns > whole_ns(after));
+        let wakes_ns = if is_asleep { ns(self.wakes_in) } else { 0.0 };
+        Call { fixed_ns, slot_ns, moves_at, scale, pause_ns, pause_before, lines, wakes_ns }
     }
 }
 
@@ -71,7 +74,7 @@ impl Call {
         let [low, high] = self.moves_at;
         let within = if low == high { low } else { low + (high - low) * rng.random::<f64>() };
         let pause = if position >= self.pause_before { self.pause_ns } else { 0.0 };
-        (self.fixed_ns / 2.0 + (position as f64 + within) * self.slot_ns) * self.scale + pause
+        (self.fixed_ns / 2.0 + (position as f64 + within) * self.slot_ns) * self.scale + pause + self.wakes_ns
     }
 
     /// How long the call takes, ns.

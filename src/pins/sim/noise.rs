@@ -75,8 +75,8 @@ fn erfc(x: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::chance::{mean_of, sd_of};
     use crate::units::{Hertz, Volt};
-    use rand::SeedableRng;
     use rand_chacha::ChaCha8Rng;
 
     /// Against the process itself: a falling line sampled with independent noise until a sample is below.
@@ -84,17 +84,15 @@ mod tests {
     fn the_first_crossing_is_that_of_a_sampled_process() {
         for spacing in [0.1, 0.02, 0.005] {
             let noise = NoiseScene { voltage: Volt(1.0), bandwidth: Some(Hertz(0.5 / spacing)) };
-            let mut rng = ChaCha8Rng::seed_from_u64(3);
+            let mut rng = crate::seed::rng(3);
             let sampled: Vec<f64> = (0..2000).map(|_| sampled(spacing, &mut rng)).collect();
             let drawn: Vec<f64> = (0..2000).map(|_| noise.shift(1.0, &mut rng)).collect();
-            let (sampled_mean, sampled_sigma) = moments(&sampled);
-            let (drawn_mean, drawn_sigma) = moments(&drawn);
+            let apart = mean_of(&sampled).less(mean_of(&drawn));
+            let wider = sd_of(&sampled).over(sd_of(&drawn));
             // The continuous hazard is a sum over samples: they differ by less than half a sample.
-            let tolerance = 5.0 * sampled_sigma * (2.0 / 2000.0f64).sqrt() + 0.5 * spacing;
-            assert!((sampled_mean - drawn_mean).abs() < tolerance, "{spacing}: {sampled_mean} {drawn_mean}");
             assert!(
-                (sampled_sigma / drawn_sigma - 1.0).abs() < 0.15,
-                "{spacing}: {sampled_sigma} {drawn_sigma}"
+                apart.is(0.0, 0.5 * spacing) && wider.is(1.0, 0.5 * spacing),
+                "{spacing}: {apart}, {wider}"
             );
         }
     }
@@ -105,12 +103,6 @@ mod tests {
             t += spacing;
         }
         t
-    }
-
-    fn moments(values: &[f64]) -> (f64, f64) {
-        let count = values.len() as f64;
-        let mean = values.iter().sum::<f64>() / count;
-        (mean, (values.iter().map(|v| (v - mean).powi(2)).sum::<f64>() / count).sqrt())
     }
 
     #[test]

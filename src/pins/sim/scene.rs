@@ -214,6 +214,10 @@ pub struct CallsScene {
     pub tail_probability: Option<f64>,
     /// For how long on average.
     pub tail_mean: Option<Seconds>,
+    /// A chip that nobody has touched for longer than this sleeps, or the way to it does: reading levels wakes it.
+    pub asleep_after: Option<Seconds>,
+    /// How much later the lines of a call move that has to wake it.
+    pub wakes_in: Option<Seconds>,
 }
 
 /// Cost of calls that do not switch.

@@ -1,8 +1,8 @@
 //! What all clients share: the channels with their last readings, the header of a tape, the counts.
 
-use super::published::Published;
+use super::published::{Content, Published};
 use crate::reading::Reading;
-use crate::stream::wire::{ChannelInfo, ErrorCode, ErrorLine, ReadingLine, excerpt, to_line};
+use crate::stream::wire::{ChannelInfo, ErrorCode, ErrorLine, ReadingLine, VersionLine, excerpt, to_line};
 use jiff::Timestamp;
 use std::sync::Arc;
 
@@ -35,17 +35,15 @@ impl Channel {
 
 impl Hub {
     pub fn new(channels: &[ChannelInfo]) -> Hub {
-        let version = Published::version(channels);
-        let mut hub =
-            Hub { version, tape_header: None, clients: 0, published: 0, lost: 0, channels: Vec::new() };
-        hub.set_channels(channels);
-        hub
+        let version = Published::new(Content::Version, &VersionLine::new(channels));
+        let new = |channel: &ChannelInfo| Channel { id: channel.id.clone(), last: None };
+        let channels = channels.iter().map(new).collect();
+        Hub { version, tape_header: None, clients: 0, published: 0, lost: 0, channels }
     }
 
     pub fn set_channels(&mut self, channels: &[ChannelInfo]) {
-        self.version = Published::version(channels);
-        self.channels =
-            channels.iter().map(|channel| Channel { id: channel.id.clone(), last: None }).collect();
+        let Hub { version, channels, .. } = Hub::new(channels);
+        (self.version, self.channels) = (version, channels);
     }
 
     /// Whether there is a channel of each of these ids.

@@ -31,7 +31,7 @@ use nix::errno::Errno;
 use nix::sys::epoll::{Epoll, EpollCreateFlags, EpollEvent, EpollFlags, EpollTimeout};
 use nix::sys::socket::{self, sockopt};
 use peer::{Peer, SEND};
-use published::Published;
+use published::{Content, Published};
 use std::collections::BTreeMap;
 use std::io;
 use std::os::fd::{AsFd, AsRawFd, BorrowedFd};
@@ -121,7 +121,7 @@ impl Server {
 
     /// What begins a tape: whoever watches raw gets it first, and when it changes.
     pub fn set_tape_header(&mut self, header: &Header) {
-        let header = Published::tape(header);
+        let header = Published::new(Content::Tape, header);
         self.hub.tape_header = Some(Arc::clone(&header));
         self.publish(&header);
     }
@@ -139,7 +139,8 @@ impl Server {
 
     /// Publishes a discharge to those that watch raw.
     pub fn publish_discharge(&mut self, discharge: DischargeLine) {
-        self.publish(&Published::discharge(discharge));
+        let content = Content::Discharge(discharge.channel.clone());
+        self.publish(&Published::new(content, &discharge));
     }
 
     /// Each client takes it into its queue; the next turn sends it.
@@ -182,18 +183,13 @@ impl Server {
             self.accept_some(now, stats)?;
         }
         if std::mem::take(&mut self.has_news) {
-            self.spread_news(stats);
+            // To every client that is not busy with something older.
+            let waiting = self.clients.iter().filter(|(_, client)| !client.is_behind());
+            for token in waiting.map(|(&token, _)| token).collect::<Vec<_>>() {
+                self.attend(token, EpollFlags::empty(), stats);
+            }
         }
         Ok(())
-    }
-
-    /// Offers what is new to every client that is not busy with something older.
-    fn spread_news(&mut self, stats: &StatsSource<'_>) {
-        let waiting = self.clients.iter().filter(|(_, client)| !client.is_behind());
-        let tokens: Vec<u64> = waiting.map(|(&token, _)| token).collect();
-        for token in tokens {
-            self.attend(token, EpollFlags::empty(), stats);
-        }
     }
 
     fn attend(&mut self, token: u64, events: EpollFlags, stats: &StatsSource<'_>) {

@@ -1,7 +1,7 @@
 //! A line as it is published: made once, shared by every client that waits for it.
 
-use crate::stream::tape::{DischargeLine, Header};
-use crate::stream::wire::{ChannelInfo, ReadingLine, VersionLine, to_line};
+use crate::stream::wire::{ReadingLine, to_line};
+use serde::Serialize;
 use std::sync::Arc;
 
 /// A whole line, and what it is.
@@ -25,21 +25,12 @@ pub(super) enum Content {
 }
 
 impl Published {
-    pub fn version(channels: &[ChannelInfo]) -> Arc<Published> {
-        Arc::new(Published { content: Content::Version, line: to_line(&VersionLine::new(channels)) })
-    }
-
-    pub fn tape(header: &Header) -> Arc<Published> {
-        Arc::new(Published { content: Content::Tape, line: to_line(header) })
+    pub fn new(content: Content, message: &impl Serialize) -> Arc<Published> {
+        Arc::new(Published { content, line: to_line(message) })
     }
 
     pub fn reading(reading: ReadingLine) -> Arc<Published> {
         let line = to_line(&reading);
         Arc::new(Published { content: Content::Reading(Box::new(reading)), line })
-    }
-
-    pub fn discharge(discharge: DischargeLine) -> Arc<Published> {
-        let line = to_line(&discharge);
-        Arc::new(Published { content: Content::Discharge(discharge.channel), line })
     }
 }

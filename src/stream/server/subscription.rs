@@ -33,18 +33,17 @@ impl Subscription {
     /// Whether this line is wanted. To be asked once for each line, in their order: a wanted one counts
     /// against the rate.
     pub fn wants(&mut self, content: &Content) -> bool {
-        self.is_of(content)
-            && match content {
-                Content::Version | Content::Tape => true,
-                Content::Reading(reading) => {
-                    let (channel, at) = (&reading.channel, Nanos(reading.t_mono_ns));
-                    self.wants_channel(channel)
-                        && self.limit.as_mut().is_none_or(|limit| limit.passes(channel, at))
-                }
-                Content::Discharge(channel) => {
-                    channel.as_ref().is_none_or(|channel| self.wants_channel(channel))
-                }
+        match content {
+            _ if !self.is_of(content) => false,
+            Content::Version | Content::Tape => true,
+            Content::Discharge(None) => true,
+            Content::Discharge(Some(channel)) => self.wants_channel(channel),
+            Content::Reading(reading) => {
+                let (channel, at) = (&reading.channel, Nanos(reading.t_mono_ns));
+                self.wants_channel(channel)
+                    && self.limit.as_mut().is_none_or(|limit| limit.passes(channel, at))
             }
+        }
     }
 
     fn wants_channel(&self, channel: &str) -> bool {

@@ -1,7 +1,8 @@
 //! Whether a tape can be: resistors, channels and times that a circuit may have.
 
-use super::{Header, PROTO_MAJOR, TapeChannel, TapeCircuit, TapeForce};
+use super::{Header, PROTO_MAJOR, TapeCircuit};
 use crate::record::{LONGEST_LATENCY, MAX_CHANNELS, Record};
+use crate::sensor::{Channel, Force};
 use crate::stream::limits::{LARGEST, LONGEST_NS};
 
 impl Header {
@@ -33,30 +34,38 @@ impl Header {
             if self.channels[..index].iter().any(|other| other.id == channel.id) {
                 return Err(format!("two channels have the id {:?}", channel.id));
             }
-            channel.check().map_err(|reason| format!("channel {:?}: {reason}", channel.id))?;
+            check_channel(channel).map_err(|reason| format!("channel {:?}: {reason}", channel.id))?;
         }
         Ok(())
     }
 }
 
-impl TapeChannel {
-    fn check(&self) -> Result<(), String> {
-        if self.zero_ohm.abs() > LARGEST {
-            return Err(format!("zero_ohm = {:e} is no resistance of wires and pins", self.zero_ohm));
+fn check_channel(channel: &Channel) -> Result<(), String> {
+    if channel.zero_ohm.abs() > LARGEST {
+        return Err(format!("zero_ohm = {:e} is no resistance of wires and pins", channel.zero_ohm));
+    }
+    match &channel.force {
+        &Some(Force::Calibrated { fc1_n, fc2_n })
+            if !(is_of_a_part(fc1_n) && is_of_a_part(fc2_n) && fc1_n > fc2_n) =>
+        {
+            Err(format!(
+                "fc1_n = {fc1_n:e} must exceed fc2_n = {fc2_n:e}, and both be above 0: more force, less resistance"
+            ))
         }
-        match self.force {
-            Some(TapeForce::Pair { fc1_n, fc2_n })
-                if !(is_of_a_part(fc1_n) && is_of_a_part(fc2_n) && fc1_n > fc2_n) =>
-            {
-                Err(format!(
-                    "fc1_n = {fc1_n:e} must exceed fc2_n = {fc2_n:e}, and both be above 0: more force, less resistance"
-                ))
-            }
-            Some(TapeForce::Alpha { alpha_n_ohm }) if !is_of_a_part(alpha_n_ohm) => {
-                Err(format!("alpha_n_ohm = {alpha_n_ohm:e} must be above 0, such as 13346"))
-            }
-            _ => Ok(()),
+        Some(Force::Alpha { alpha_n_ohm }) if !is_of_a_part(*alpha_n_ohm) => {
+            Err(format!("alpha_n_ohm = {alpha_n_ohm:e} must be above 0, such as 13346"))
         }
+        &Some(Force::Power { at_1_kohm_n, exponent })
+            if !(is_of_a_part(at_1_kohm_n) && is_of_a_part(exponent)) =>
+        {
+            Err(format!("at_1_kohm_n = {at_1_kohm_n:e} and exponent = {exponent:e} must be above 0"))
+        }
+        Some(Force::Table { table })
+            if !table.pairs().iter().all(|(r_ohm, f_n)| is_of_a_part(*r_ohm) && is_of_a_part(*f_n)) =>
+        {
+            Err("the pairs of the table, ohm and newton, must be above 0".to_owned())
+        }
+        _ => Ok(()),
     }
 }
 

@@ -16,8 +16,10 @@
 mod check;
 
 use super::limits::{MAX_LINE_BYTES, PROTO_MAJOR};
+use super::line::{Class, is_unknown};
 use crate::circuit::Kind;
 use crate::record::{Record, Switch, Through};
+use crate::sensor::Channel;
 use crate::units::Nanos;
 use serde::de::{DeserializeOwned, Error as _};
 use serde::{Deserialize, Serialize};
@@ -34,7 +36,7 @@ pub struct Header {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub offset_ns: Option<f64>,
     /// The sensors.
-    pub channels: Vec<TapeChannel>,
+    pub channels: Vec<Channel>,
 }
 
 /// The circuit of a tape.
@@ -46,45 +48,6 @@ pub struct TapeCircuit {
     pub r_c1_ohm: f64,
     /// Rc2, ohm.
     pub r_c2_ohm: f64,
-}
-
-/// A sensor of a tape.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct TapeChannel {
-    /// Its name.
-    pub id: String,
-    /// What a short circuit in its place reads, ohm.
-    #[serde(default, skip_serializing_if = "is_zero")]
-    pub zero_ohm: f64,
-    /// Its characteristic.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub force: Option<TapeForce>,
-}
-
-fn is_zero(value: &f64) -> bool {
-    *value == 0.0
-}
-
-/// The characteristic of a sensor on a tape.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(
-    untagged,
-    deny_unknown_fields,
-    expecting = "force is one of {\"fc1_n\", \"fc2_n\"}, {\"alpha_n_ohm\"}"
-)]
-pub enum TapeForce {
-    /// The forces that belong to Rc1 and Rc2, newton.
-    Pair {
-        /// F_c1.
-        fc1_n: f64,
-        /// F_c2.
-        fc2_n: f64,
-    },
-    /// Eq. (1).
-    Alpha {
-        /// N ohm.
-        alpha_n_ohm: f64,
-    },
 }
 
 /// The timings of one discharge as a line of a tape, ns since its start.
@@ -143,11 +106,6 @@ pub enum Resistor {
     XWithC12,
 }
 
-/// Neither seen nor, as NaN and infinity, a time.
-fn is_unknown(time: &Option<f64>) -> bool {
-    time.is_none_or(|time| !time.is_finite())
-}
-
 /// What is wrong with a tape.
 #[derive(Debug, thiserror::Error)]
 #[error("line {line}: {reason}")]
@@ -169,7 +127,7 @@ pub struct Entry {
 
 impl Header {
     /// A header of this release's protocol. `offset_ns`: `None` while it is not known.
-    pub fn new(circuit: TapeCircuit, offset_ns: Option<f64>, channels: Vec<TapeChannel>) -> Header {
+    pub fn new(circuit: TapeCircuit, offset_ns: Option<f64>, channels: Vec<Channel>) -> Header {
         Header { proto_major: PROTO_MAJOR, circuit, offset_ns, channels }
     }
 
@@ -275,12 +233,8 @@ impl From<Through> for Resistor {
     }
 }
 
-/// Reads a line of this class; serde writes the tag of a struct and does not look at it when it reads.
+/// Reads a line of this class.
 fn read<T: DeserializeOwned>(text: &str, class: &str) -> serde_json::Result<T> {
-    #[derive(Deserialize)]
-    struct Class {
-        class: String,
-    }
     let found: Class = serde_json::from_str(text)?;
     if found.class != class {
         return Err(serde_json::Error::custom(format!("the class is {:?}, not {class:?}", found.class)));

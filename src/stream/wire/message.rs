@@ -1,8 +1,8 @@
 //! What the server says: VERSION, READING, STATS, ERROR and the lines of a tape.
 
-use super::number::{is_unknown, uncertainty, value};
 use super::{PROTO_MAJOR, PROTO_MINOR, StatsLine};
-use crate::reading::{Measured, Reading, Status};
+use crate::reading::{Measured, Method, Reading, Status};
+use crate::stream::line::{Class, is_unknown, uncertainty, value};
 use crate::stream::tape::{DischargeLine, Header};
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
@@ -46,10 +46,6 @@ impl ServerMessage {
     /// # Errors
     /// It is not a JSON object with a class, or a field has another type than this protocol says.
     pub fn parse(line: &[u8]) -> Result<ServerMessage, UnreadableLine> {
-        #[derive(Deserialize)]
-        struct Class {
-            class: String,
-        }
         fn read<T: DeserializeOwned>(line: &[u8]) -> Result<T, UnreadableLine> {
             serde_json::from_slice(line).map_err(|error| UnreadableLine::new(error.to_string()))
         }
@@ -139,6 +135,22 @@ pub struct ReadingLine {
     pub time: String,
     /// The same on `CLOCK_MONOTONIC`, ns.
     pub t_mono_ns: i64,
+    /// What it says.
+    #[serde(flatten)]
+    pub state: StateLine,
+    /// What on the board a fault looks like, and what to look at, for people.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub hint: Option<String>,
+    /// How long the cycle took, us.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub duration_us: Option<u64>,
+    /// Readings that this client has missed since the last one it got.
+    pub lost: u64,
+}
+
+/// What is known of a sensor, in READING and ESTIMATE. Absent means unknown.
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+pub struct StateLine {
     /// Which of the numbers are there.
     pub status: StatusName,
     /// Ohm.
@@ -168,41 +180,43 @@ pub struct ReadingLine {
     /// Why there is no number; a text, because later releases know more faults.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub fault: Option<String>,
-    /// What on the board a fault looks like, and what to look at, for people.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub hint: Option<String>,
     /// How it was estimated.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub method: Option<String>,
     /// "direct" or "inferred", eq. (19).
     #[serde(skip_serializing_if = "Option::is_none")]
     pub branch: Option<String>,
-    /// How long the cycle took, us.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub duration_us: Option<u64>,
-    /// Readings that this client has missed since the last one it got.
-    pub lost: u64,
 }
 
 impl ReadingLine {
     /// With nothing lost. `channel`: its id; `time`: `reading.at` on the wall clock, RFC 3339.
     pub fn new(reading: &Reading, channel: &str, time: String) -> ReadingLine {
-        let mut line = ReadingLine {
+        let is_fault = matches!(reading.status, Status::Fault(_));
+        ReadingLine {
             channel: channel.to_owned(),
             seq: reading.seq,
             time,
             t_mono_ns: reading.at.0,
-            duration_us: Some((reading.duration.0.max(0).unsigned_abs() + 500) / 1000),
-            ..ReadingLine::default()
-        };
+            state: StateLine::new(&reading.status, reading.method),
+            hint: reading.suspect.filter(|_| is_fault).map(|suspect| suspect.to_string()),
+            duration_us: (!is_fault).then(|| (reading.duration.0.max(0).unsigned_abs() + 500) / 1000),
+            lost: 0,
+        }
+    }
+}
+
+impl StateLine {
+    /// By this method.
+    pub fn new(status: &Status, method: Method) -> StateLine {
         let parts = |measured: Option<Measured>| (measured.map(|m| m.value), measured.and_then(|m| m.u));
-        match reading.status {
+        let mut line = StateLine::default();
+        match *status {
             Status::Ok { branch, r_ohm, f_n } => {
                 line.status = StatusName::Ok;
                 (line.r_ohm, line.r_u_ohm) = parts(Some(r_ohm));
                 (line.f_n, line.f_u_n) = parts(f_n);
-                line.method = Some(reading.method.as_str().to_owned());
-                line.branch = Some(branch.as_str().to_owned());
+                line.method = Some(method.to_string());
+                line.branch = Some(branch.to_string());
             }
             Status::Open { r_min_ohm, f_max_n } => {
                 line.status = StatusName::Open;
@@ -212,12 +226,7 @@ impl ReadingLine {
                 line.status = StatusName::Short;
                 (line.r_max_ohm, line.f_min_n) = (Some(r_max_ohm), f_min_n);
             }
-            Status::Fault(fault) => {
-                line.status = StatusName::Fault;
-                line.fault = Some(fault.as_str().to_owned());
-                line.hint = reading.suspect.map(|suspect| suspect.to_string());
-                line.duration_us = None;
-            }
+            Status::Fault(fault) => line.fault = Some(fault.to_string()),
         }
         line
     }

@@ -11,7 +11,7 @@
 //!
 //! let line = br#"{"class":"READING","channel":"thumb","seq":7,"time":"2026-11-21T03:40:00.123456789Z","t_mono_ns":81,"status":"ok","r_ohm":2841.3,"r_u_ohm":1.2,"f_n":4.697,"lost":0}"#;
 //! let ServerMessage::Reading(reading) = ServerMessage::parse(line)? else { panic!() };
-//! assert_eq!((reading.r_ohm, reading.f_n, reading.f_u_n), (Some(2841.3), Some(4.697), None));
+//! assert_eq!((reading.state.r_ohm, reading.state.f_n, reading.state.f_u_n), (Some(2841.3), Some(4.697), None));
 //!
 //! let slowly = Request::Watch(Watch { max_hz: Some(10.0), ..Watch::default() });
 //! assert_eq!(slowly.to_line(), b"{\"class\":\"WATCH\",\"enable\":true,\"max_hz\":10}\n");
@@ -19,28 +19,18 @@
 //! ```
 
 mod message;
-mod number;
 mod request;
 mod split;
 mod stats;
 
 pub use super::limits::{MAX_LINE_BYTES, PROTO_MAJOR, PROTO_MINOR};
+pub(crate) use super::line::to_line;
 pub use message::{
-    ChannelInfo, ErrorCode, ErrorLine, ReadingLine, ServerMessage, StatusName, Unit, UnreadableLine,
-    VersionLine,
+    ChannelInfo, ErrorCode, ErrorLine, ReadingLine, ServerMessage, StateLine, StatusName, Unit,
+    UnreadableLine, VersionLine,
 };
 #[cfg(feature = "programs")]
 pub(crate) use request::excerpt;
 pub use request::{Request, Watch};
 pub use split::{LineSplitter, LineTooLong};
 pub use stats::{InstrumentStats, StatsLine};
-
-use serde::Serialize;
-
-/// A message as a line, with its newline.
-pub(crate) fn to_line(message: &impl Serialize) -> Vec<u8> {
-    // Texts and finite numbers always serialise.
-    let mut line = serde_json::to_vec(message).unwrap_or_default();
-    line.push(b'\n');
-    line
-}

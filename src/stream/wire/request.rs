@@ -1,8 +1,8 @@
 //! What a client may ask.
 
-use super::number::{is_unknown, rate};
 use super::{ErrorCode, ErrorLine, LineTooLong, MAX_LINE_BYTES, to_line};
 use crate::stream::limits::{COMPLAINT, EXCERPT};
+use crate::stream::line::{is_unknown, rate};
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value};
 

@@ -1,6 +1,6 @@
 //! STATS: what the server and the instrument behind it have counted and learned.
 
-use super::number::{is_unknown, seconds, uncertainty, value};
+use crate::stream::line::{is_unknown, seconds, uncertainty, value};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 

@@ -1,6 +1,6 @@
 //! `docs/accuracy-paper.md`: the paper's numbers beside the simulated ones.
 
-use super::{BOARDS, CERM, CERM_WITHOUT_OFFSET, TCDIC, TPCM, Way, errors, of_boards};
+use super::{BOARDS, CERM, CERM_WITHOUT_OFFSET, TCDIC, TPCM, Way, errors, over_boards};
 use std::fmt::Write;
 
 /// Section IV and V name 100, 681, 15010 and 16200 ohm; the others are values of the E96 series between them.
@@ -60,7 +60,7 @@ fn beside_the_paper(text: &mut String, rows: &[Row]) {
         ("MAE at 16.2 kohm, TPCM, ohm", "13.1", TPCM, 16_200.0),
         ("MAE at 15.01 kohm, CERM, ohm", "6.2", CERM, 15_010.0),
     ] {
-        let (rms, mae) = of_boards(way, r_ohm, READINGS);
+        let [rms, mae] = over_boards(way, r_ohm, READINGS).map(|figure| figure.value);
         row(what, paper, format!("{mae:.2} (1 sigma {rms:.2})"));
     }
     let lowest =

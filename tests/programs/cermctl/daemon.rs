@@ -1,5 +1,7 @@
 //! A real cermd on a simulated circuit, for a test.
 
+use crate::common::config::{self, ConfigFile};
+use crate::waiting::{PATIENCE, until_so};
 use assert_cmd::Command;
 use nix::sys::signal::{Signal, kill};
 use nix::unistd::Pid;
@@ -8,60 +10,32 @@ use std::fs;
 use std::os::unix::net::UnixStream;
 use std::path::{Path, PathBuf};
 use std::process::{Child, Stdio};
-use std::time::{Duration, Instant};
 use tempfile::TempDir;
 
 /// Small capacitors, for hundreds of readings a second; `thumb` at 100 ohm is read by switched discharges, `index` at
 /// 2 kohm by full ones.
-pub const CONFIG: &str = r#"
-[circuit]
-kind = "two-capacitor"
-c-a = "330 nF"
-c-b = "22 nF"
-r-c1 = "2.32 kohm"
-r-c2 = "12.7 kohm"
-r-charge = "40 ohm"
-[measure]
-method = "cerm"
-rate-hz = 100
-charge-time = "500 us"
-t-l = "10 us"
-[[channel]]
-id = "thumb"
-force = { alpha = "13346 N ohm" }
-[[channel]]
-id = "index"
-[server]
-socket = "SOCKET"
-[mock]
-scene = "scene.toml"
-"#;
+pub fn config() -> ConfigFile {
+    config::config(|c| {
+        c.set("circuit.c-a", "330 nF").set("circuit.c-b", "22 nF").set("circuit.r-charge", "40 ohm");
+        c.set("measure.method", "cerm").set("measure.rate-hz", 100);
+        c.set("measure.charge-time", "500 us").set("measure.t-l", "10 us");
+        c.channel("thumb").lines("channel.thumb", "force = { alpha = \"13346 N ohm\" }").channel("index");
+        // Both in the directory that it runs in.
+        c.set("server.socket", "socket").set("mock.scene", "scene.toml")
+    })
+}
 
 /// A line moves at any instant of its slot, so that readings differ; there is no noise that could ever be an outlier.
-const SCENE: &str = r#"
-[circuit]
-kind = "two-capacitor"
-c-a = "330 nF"
-c-b = "22 nF"
-r-c1 = "2.32 kohm"
-r-c2 = "12.7 kohm"
-r-o = "40 ohm"
-v-dd = "3.3 V"
-threshold = { falling = "1.3 V" }
-[stamps]
-mean = "1 us"
-[calls]
-fixed = "100 ns"
-per-line = "10 ns"
-moves-at = [0.0, 1.0]
-[[sensor]]
-constant = "100 ohm"
-[[sensor]]
-constant = "2 kohm"
-"#;
-
-/// Nothing in these tests takes longer unless it hangs.
-pub const LONGEST: Duration = Duration::from_secs(60);
+pub fn scene() -> ConfigFile {
+    let mut scene = config::config(|c| {
+        c.set("circuit.c-a", "330 nF").set("circuit.c-b", "22 nF").set("circuit.r-o", "40 ohm");
+        c.set("circuit.v-dd", "3.3 V").lines("circuit", "threshold = { falling = \"1.3 V\" }")
+    });
+    scene.set("stamps.mean", "1 us");
+    scene.lines("calls", "fixed = \"100 ns\"\nper-line = \"10 ns\"\nmoves-at = [0.0, 1.0]");
+    scene.sensor("100 ohm").sensor("2 kohm");
+    scene
+}
 
 /// A directory with a configuration, a scene and, while it runs, a daemon.
 pub struct Daemon {
@@ -71,26 +45,14 @@ pub struct Daemon {
 
 impl Daemon {
     pub fn start() -> Daemon {
-        Daemon::start_with("", "")
+        Daemon::start_as(&config(), &scene())
     }
 
-    /// With a change to the configuration.
-    pub fn start_with(from: &str, to: &str) -> Daemon {
-        Daemon::start_as((from, to), &[])
-    }
-
-    /// With changes to the scene.
-    pub fn start_in_scene(changes: &[(&str, &str)]) -> Daemon {
-        Daemon::start_as(("", ""), changes)
-    }
-
-    /// With a change to the configuration and changes to the scene.
-    pub fn start_as((from, to): (&str, &str), changes: &[(&str, &str)]) -> Daemon {
+    /// With a configuration and a scene.
+    pub fn start_as(config: &ConfigFile, scene: &ConfigFile) -> Daemon {
         let mut daemon = Daemon { folder: tempfile::tempdir().unwrap(), child: None };
-        let scene = changes.iter().fold(SCENE.to_owned(), |scene, (from, to)| scene.replacen(from, to, 1));
-        fs::write(daemon.path("scene.toml"), scene).unwrap();
-        let config = CONFIG.replace("SOCKET", daemon.socket().to_str().unwrap()).replacen(from, to, 1);
-        fs::write(daemon.path("cermd.toml"), config).unwrap();
+        fs::write(daemon.path("scene.toml"), scene.to_string()).unwrap();
+        fs::write(daemon.path("cermd.toml"), config.to_string()).unwrap();
         daemon.run();
         daemon
     }
@@ -100,11 +62,12 @@ impl Daemon {
         let child = std::process::Command::new(env!("CARGO_BIN_EXE_cermd"))
             .arg("--config")
             .arg(self.path("cermd.toml"))
+            .current_dir(self.folder.path())
             .stderr(Stdio::null())
             .spawn()
             .unwrap();
         self.child = Some(child);
-        wait_until("cermd serves", || UnixStream::connect(self.socket()).is_ok());
+        until_so("a cermd that serves", || UnixStream::connect(self.socket()).is_ok());
     }
 
     /// As the out-of-memory killer would.
@@ -156,7 +119,7 @@ impl Drop for Daemon {
 /// `cermctl` without a daemon, in an environment that is always the same.
 pub fn ctl(arguments: &[&str]) -> Command {
     let mut command = Command::new(env!("CARGO_BIN_EXE_cermctl"));
-    command.args(arguments).env_remove("CERMD_SOCKET").env("LC_ALL", "C").timeout(LONGEST);
+    command.args(arguments).env_remove("CERMD_SOCKET").env("LC_ALL", "C").timeout(PATIENCE);
     command
 }
 
@@ -175,7 +138,7 @@ impl Running {
 
     /// Exit status and standard error, when it has ended.
     pub fn end(mut self) -> (Option<i32>, String) {
-        wait_until("cermctl ends", || self.child().try_wait().unwrap().is_some());
+        until_so("the end of cermctl", || self.child().try_wait().unwrap().is_some());
         let output = self.0.take().unwrap().wait_with_output().unwrap();
         (output.status.code(), String::from_utf8(output.stderr).unwrap())
     }
@@ -187,14 +150,6 @@ impl Drop for Running {
             let _ = child.kill();
             let _ = child.wait();
         }
-    }
-}
-
-pub fn wait_until(what: &str, mut is_so: impl FnMut() -> bool) {
-    let since = Instant::now();
-    while !is_so() {
-        assert!(since.elapsed() < LONGEST, "waited in vain: {what}");
-        std::thread::sleep(Duration::from_millis(10));
     }
 }
 

@@ -1,6 +1,7 @@
 //! What is said when something is wrong: one sentence with a hint, and the exit status.
 
-use super::daemon::{CONFIG, Daemon, ctl};
+use super::daemon::{Daemon, config, ctl};
+use crate::waiting::until_so;
 use std::fs;
 use std::os::unix::fs::PermissionsExt;
 use std::os::unix::net::{UnixListener, UnixStream};
@@ -69,24 +70,21 @@ fn no_such_file() {
 
 #[test]
 fn an_instrument_that_has_not_measured_yet() {
-    let daemon = Daemon::start();
-    // Another daemon, whose first cycle takes longer than anybody waits.
+    // A daemon whose first cycle takes longer than anybody waits.
     let folder = tempfile::tempdir().unwrap();
     let socket = folder.path().join("socket");
-    let config = CONFIG
-        .replace("SOCKET", socket.to_str().unwrap())
-        .replace("scene.toml", daemon.path("scene.toml").to_str().unwrap())
-        .replace("rate-hz = 100", "")
-        .replace("\"500 us\"", "\"50 s\"");
-    fs::write(folder.path().join("cermd.toml"), config).unwrap();
+    let mut config = config();
+    config.set("measure.charge-time", "50 s").unset(&["measure.rate-hz"]).set("mock.scene", "ideal");
+    fs::write(folder.path().join("cermd.toml"), config.to_string()).unwrap();
     let mut slow = std::process::Command::new(env!("CARGO_BIN_EXE_cermd"))
         .arg("--config")
-        .arg(folder.path().join("cermd.toml"))
+        .arg("cermd.toml")
+        .current_dir(folder.path())
         .stderr(std::process::Stdio::null())
         .spawn()
         .unwrap();
     // The socket is there before anybody listens.
-    super::daemon::wait_until("cermd serves", || UnixStream::connect(&socket).is_ok());
+    until_so("a cermd that serves", || UnixStream::connect(&socket).is_ok());
     let mut get = ctl(&["get", "--socket", socket.to_str().unwrap()]);
     let complaint = failure(&mut get, "-");
     slow.kill().unwrap();

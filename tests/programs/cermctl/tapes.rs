@@ -1,6 +1,7 @@
 //! `record --raw`, and `estimate` on good and bad tapes.
 
-use super::daemon::{Daemon, ctl, json_lines, lines_of, wait_until};
+use super::daemon::{Daemon, config, ctl, json_lines, lines_of, scene};
+use crate::waiting::until_so;
 use serde_json::Value;
 
 const TAPE: &str = r#"{"class":"TAPE","proto_major":1,"circuit":{"kind":"two-capacitor","r_c1_ohm":2320,"r_c2_ohm":12700},"offset_ns":8000,"channels":[{"id":"thumb","force":{"fc1_n":5.75,"fc2_n":1.05}}]}
@@ -23,15 +24,15 @@ fn estimates(method: &str, more: &[&str], tape: &str) -> Vec<Value> {
 #[test]
 fn a_tape_gives_the_readings_that_were_made_of_it() {
     // Given, because one that is found is also followed, and a tape has only one.
-    let daemon = Daemon::start_with("t-l =", "offset = \"1 us\"\nt-l =");
+    let daemon = Daemon::start_as(config().set("measure.offset", "1 us"), &scene());
     let tape = daemon.path("tape");
     let readings = daemon.path("readings");
     // The readings begin before the tape and end after it.
     let mut watch = daemon.spawn(&["record", "-o", readings.to_str().unwrap()]);
-    wait_until("readings are recorded", || std::fs::metadata(&readings).is_ok_and(|file| file.len() > 0));
+    until_so("readings", || std::fs::metadata(&readings).is_ok_and(|file| file.len() > 0));
     daemon.ctl(&["record", "--raw", "--count", "400", "-o", tape.to_str().unwrap()]).assert().success();
     let last = daemon.stats()["published"].as_u64().unwrap();
-    wait_until("the readings of the tape are recorded", || {
+    until_so("the readings of the tape", || {
         let text = std::fs::read_to_string(&readings).unwrap();
         text.lines()
             .filter_map(|line| serde_json::from_str::<Value>(line).ok())
@@ -67,10 +68,10 @@ fn a_tape_has_one_header_also_when_the_offset_is_found_meanwhile() {
     let daemon = Daemon::start();
     let tape = daemon.path("tape");
     let mut record = daemon.spawn(&["record", "--raw", "-o", tape.to_str().unwrap()]);
-    wait_until("the offset is found", || daemon.stats()["offset_known"] == true);
+    until_so("an offset", || daemon.stats()["offset_known"] == true);
     let size = || std::fs::metadata(&tape).map_or(0, |file| file.len());
     let before = size();
-    wait_until("the tape goes on", || size() > before + 10_000);
+    until_so("more tape", || size() > before + 10_000);
     record.interrupt();
     assert_eq!(record.end(), (Some(0), String::new()));
     let lines = lines_of(&tape);
@@ -82,7 +83,7 @@ fn a_tape_has_one_header_also_when_the_offset_is_found_meanwhile() {
 #[test]
 fn a_tape_that_begins_later_knows_the_offset_that_was_found() {
     let daemon = Daemon::start();
-    wait_until("the offset is found", || daemon.stats()["offset_known"] == true);
+    until_so("an offset", || daemon.stats()["offset_known"] == true);
     let tape = daemon.path("tape");
     daemon.ctl(&["record", "--raw", "--count", "50", "-o", tape.to_str().unwrap()]).assert().success();
     let offset_ns = lines_of(&tape)[0]["offset_ns"].as_f64().unwrap();

@@ -3,10 +3,10 @@
 //! How many clients a machine serves before one of them falls behind is a figure of that machine (`cargo bench --bench
 //! fanout`). What holds on any machine, however busy: each client can account for every reading.
 
-use super::process::{Home, PATIENCE, config, until};
+use super::process::{Home, config};
+use crate::waiting::{PATIENCE, until};
 use nix::errno::Errno;
 use nix::poll::{PollFd, PollFlags, PollTimeout, poll};
-use nix::sys::resource::{Resource, getrlimit, setrlimit};
 use serde_json::Value;
 use std::io::{ErrorKind, Read};
 use std::os::fd::AsFd;
@@ -75,8 +75,7 @@ impl Reader {
 
 #[test]
 fn every_client_accounts_for_every_reading() {
-    let (soft, hard) = getrlimit(Resource::RLIMIT_NOFILE).unwrap();
-    setrlimit(Resource::RLIMIT_NOFILE, soft.max(2048.min(hard)), hard).unwrap();
+    crate::protocol::bench::allow_descriptors(2048);
     let home = Home::new(&config(&["thumb"], "offset = \"8 us\"\nrate-hz = 100"));
     let daemon = home.start();
     let mut stalled = home.connect();

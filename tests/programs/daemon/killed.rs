@@ -3,7 +3,7 @@
 //! How soon it serves is printed, for docs/performance.md; a machine that does other things takes its time.
 
 use super::process::{Home, config};
-use crate::seed::rng;
+use crate::common::seed::rng;
 use nix::sys::signal::Signal;
 use rand::RngExt;
 use std::time::{Duration, Instant};
@@ -25,9 +25,11 @@ fn whole_lines_before_the_kill_and_readings_after_the_next_start() {
         let clients: Vec<_> = (0..CLIENTS)
             .map(|_| {
                 let mut stream = home.connect();
-                std::thread::spawn(move || stream.drain())
+                stream.next_of("READING");
+                std::thread::spawn(move || 1 + stream.drain())
             })
             .collect();
+        // Anywhere in a line, and in the time between two.
         std::thread::sleep(Duration::from_micros(rng.random_range(0..100_000)));
         daemon.signal(Signal::SIGKILL);
         daemon.end();
@@ -37,5 +39,4 @@ fn whole_lines_before_the_kill_and_readings_after_the_next_start() {
     times.sort();
     let (median, most) = (times[KILLS / 2], times[KILLS - 1]);
     println!("{KILLS} kills: {lines} whole lines; serves after {median:.1?}, at most {most:.1?}");
-    assert!(lines > KILLS, "the clients have hardly read anything");
 }

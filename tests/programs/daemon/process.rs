@@ -1,5 +1,7 @@
 //! The real daemon as a child process, on a simulated circuit, in a directory of its own.
 
+use crate::common::config::{self, ConfigFile};
+use crate::waiting::{PATIENCE, until, until_so};
 use nix::sys::signal::{Signal, kill};
 use nix::unistd::Pid;
 use serde_json::Value;
@@ -8,11 +10,6 @@ use std::io::{BufRead, BufReader};
 use std::os::unix::net::UnixStream;
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, ExitStatus, Stdio};
-use std::time::Duration;
-
-/// A wait that takes longer than this has failed.
-pub const PATIENCE: Duration = Duration::from_secs(60);
-const LOOK_EVERY: Duration = Duration::from_millis(5);
 
 /// Where a daemon lives: its configuration, its socket and its log.
 pub struct Home {
@@ -21,29 +18,29 @@ pub struct Home {
 
 /// A configuration of the simulated Pi 4, with small capacitors for fast readings and channels of these names, which
 /// listens in the same directory.
-pub fn config(channels: &[&str], measure: &str) -> String {
-    let channel = |id: &&str| format!("[[channel]]\nid = \"{id}\"\n");
-    format!(
-        "[circuit]\nkind = \"two-capacitor\"\nc-a = \"100 nF\"\nc-b = \"33 nF\"\nv-th = \"1.1 V\"\n\
-         r-c1 = \"2.32 kohm\"\nr-c2 = \"12.7 kohm\"\n[gpio]\nbackend = \"mock\"\n[measure]\n{measure}\n\
-         [server]\nsocket = \"SOCKET\"\nmode = \"0600\"\n{}[mock]\nscene = \"fast.toml\"\n",
-        channels.iter().map(channel).collect::<String>()
-    )
+pub fn config(channels: &[&str], measure: &str) -> ConfigFile {
+    config::config(|c| {
+        c.set("circuit.c-a", "100 nF").set("circuit.c-b", "33 nF").set("circuit.v-th", "1.1 V");
+        c.set("gpio.backend", "mock").lines("measure", measure);
+        // Both in the directory that it runs in.
+        c.set("server.socket", "s").set("server.mode", "0600").set("mock.scene", "fast.toml");
+        channels.iter().fold(c, |c, id| c.channel(id))
+    })
 }
 
 impl Home {
-    pub fn new(config: &str) -> Home {
+    pub fn new(config: &ConfigFile) -> Home {
         let home = Home { directory: tempfile::tempdir().unwrap() };
-        let pi4 = include_str!("../../../hw/scenes/pi4.toml");
-        let fast = pi4.replace("\"2.2 uF\"", "\"100 nF\"").replace("\"680 nF\"", "\"33 nF\"");
-        fs::write(home.path().join("fast.toml"), fast).unwrap();
+        let mut fast = ConfigFile::of(include_str!("../../../hw/scenes/pi4.toml"));
+        fast.set("circuit.c-a", "100 nF").set("circuit.c-b", "33 nF");
+        fs::write(home.path().join("fast.toml"), fast.to_string()).unwrap();
         home.configure(config);
         home
     }
 
-    /// Writes the configuration file; SOCKET in it stands for the path of the socket.
-    pub fn configure(&self, config: &str) {
-        fs::write(self.config(), config.replace("SOCKET", self.socket().to_str().unwrap())).unwrap();
+    /// Writes the configuration file, whatever that is.
+    pub fn configure(&self, config: impl ToString) {
+        fs::write(self.config(), config.to_string()).unwrap();
     }
 
     pub fn path(&self) -> &Path {
@@ -70,7 +67,7 @@ impl Home {
     /// The program with its configuration, its log in the file, and nothing of a service manager.
     pub fn command(&self) -> Command {
         let mut command = program();
-        command.arg("--config").arg(self.config());
+        command.arg("--config").arg(self.config()).current_dir(self.path());
         command.stderr(File::options().create(true).append(true).open(self.log_file()).unwrap());
         command
     }
@@ -86,7 +83,7 @@ impl Home {
     }
 
     pub fn wait_for_log(&self, text: &str) {
-        until(text, || self.log().contains(text).then_some(()));
+        until_so(text, || self.log().contains(text));
     }
 }
 
@@ -100,17 +97,6 @@ pub fn program() -> Command {
     }
     command.env_remove("RUST_LOG").stdout(Stdio::null());
     command
-}
-
-/// Looks until there is an answer.
-pub fn until<T>(what: &str, mut look: impl FnMut() -> Option<T>) -> T {
-    for _ in 0..PATIENCE.as_millis() / LOOK_EVERY.as_millis() {
-        if let Some(answer) = look() {
-            return answer;
-        }
-        std::thread::sleep(LOOK_EVERY);
-    }
-    panic!("waited in vain for {what}");
 }
 
 /// A running daemon; killed when it goes out of scope.
@@ -197,7 +183,8 @@ impl Stream {
 pub mod notify {
     //! A service manager's end of sd_notify(3).
 
-    use super::{Home, PATIENCE};
+    use super::Home;
+    use crate::waiting::PATIENCE;
     use std::cell::RefCell;
     use std::os::unix::net::UnixDatagram;
     use std::path::PathBuf;

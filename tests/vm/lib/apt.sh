@@ -31,9 +31,11 @@ apt_new() {
     APT_CONFIG=$dir/conf apt-get -qq -o APT::Update::Error-Mode=any update
 }
 
-# apt_kernel NAME SUITE: the version that the suite's kernel for virtual machines has now.
+# apt_kernel NAME SUITE[-rt]: the version that the suite's kernel for virtual machines, or its PREEMPT_RT one, has now.
 apt_kernel() {
-    APT_CONFIG=$cache/apt/$1/conf apt-cache depends "linux-image-cloud-arm64/$2" |
+    local suite=${2%-rt} flavour=cloud
+    [ "$suite" = "$2" ] || flavour=rt
+    APT_CONFIG=$cache/apt/$1/conf apt-cache depends "linux-image-$flavour-arm64/$suite" |
         sed -n 's/.*Depends: linux-image-\([0-9][^ :]*\).*/\1/p' | head -1
 }
 

@@ -29,9 +29,10 @@ build_module() {
 # The makefiles of Debian's headers name absolute paths and their own compiler; their modpost wants a newer libc than
 # this host may have.
 headers_relocate() {
-    local tree=$1 v=$2 base=${2%-cloud-arm64} lib=$1/usr/lib/x86_64-linux-gnu
-    local src=$tree/usr/src/linux-headers-$v mod=$tree/usr/lib/linux-kbuild-$base/scripts/mod
-    printf 'KBUILD_OUTPUT=%s\ninclude %s/Makefile\n' "$src" "$tree/usr/src/linux-headers-$base-common" >"$src/Makefile"
+    local tree=$1 v=$2 lib=$1/usr/lib/x86_64-linux-gnu src mod
+    src=$tree/usr/src/linux-headers-$v
+    mod=$tree/usr/lib/linux-kbuild-$(kernel_base "$v")/scripts/mod
+    printf 'KBUILD_OUTPUT=%s\ninclude %s/Makefile\n' "$src" "$tree/usr/src/linux-headers-$(kernel_common "$v")" >"$src/Makefile"
     printf 'override ARCH = arm64\noverride KERNELRELEASE = %s\noverride CROSS_COMPILE = %s-\n' "$v" $cross \
         >"$src/.kernelvariables"
     printf '#!/bin/sh\nexec %s/ld-linux-x86-64.so.2 --library-path %s %s/modpost.real-lsb-64 "$@"\n' \

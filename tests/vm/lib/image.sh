@@ -29,9 +29,11 @@ image_tests() {
         "$cache"/build/{probe,raw,tpcm} "$1/usr/bin"
 }
 
-# pack_initramfs ROOT NAME: all files belong to root and are of one date.
+# pack_initramfs ROOT NAME: the same files give the same bytes in each run: sorted, of one owner and date, with numbers of
+# their own in the place of inodes and devices. How long the kernel unpacks them sets its clock, and with it every instant.
 pack_initramfs() {
     find "$1" -exec touch -h -d @1767225600 {} +
-    (cd "$1" && find . | LC_ALL=C sort | "$cache/tree/busybox-host/usr/bin/busybox" cpio -o -H newc -R 0:0 2>/dev/null) |
+    (cd "$1" && find . | LC_ALL=C sort | "$cache/tree/cpio/bin/cpio" -o -H newc -R 0:0 --reproducible --quiet) |
         gzip -1n >"$cache/build/$2.initrd"
+    echo "$2: image $(sha256sum "$cache/build/$2.initrd" | cut -c 1-16)"
 }

@@ -1,13 +1,15 @@
 //! Broken boards on the simulated circuit, and what is said of each.
 
 use super::*;
-use crate::config::{Finding, Severity};
+use crate::config::{Config, Finding, Severity};
+use crate::config_file;
 use crate::pins::sim::{Scene, Sensor, SimPins};
 use crate::pins::{Armed, Bracket, Edge, Levels, Particulars};
 use crate::units::Farad;
 
-const CONFIG: &str = "[circuit]\nkind = \"two-capacitor\"\nc-a = \"2.2 uF\"\nc-b = \"680 nF\"\nr-c1 = \"2.32 kohm\"\n\
-                      r-c2 = \"12.7 kohm\"\n[[channel]]\nid = \"thumb\"\n[mock]\nscene = \"ideal\"\n";
+fn config() -> Config {
+    config_file::config(|c| c.channel("thumb").set("mock.scene", "ideal")).parse()
+}
 
 /// Wires that are cut: those lines drive nothing.
 struct Cut(SimPins, Drives);
@@ -45,7 +47,7 @@ impl Pins for Cut {
 fn found(board: impl FnOnce(&mut Scene), cut: Drives) -> Vec<Finding> {
     let mut scene = Scene::builtin("ideal").unwrap();
     board(&mut scene);
-    let config = Config::parse(CONFIG, "test").unwrap();
+    let config = config();
     let mut pins = Cut(SimPins::new(&scene, None), cut);
     let mut findings = Findings::default();
     test(&mut pins, &config, &mut findings).unwrap();
@@ -80,7 +82,7 @@ fn a_sound_board_is_described() {
 
 #[test]
 fn what_an_earlier_charge_has_left_does_not_pass_for_chargers() {
-    let config = Config::parse(CONFIG, "test").unwrap();
+    let config = config();
     let mut pins = SimPins::new(&Scene::builtin("ideal").unwrap(), None);
     let charging = pins.drive(Drives::CHARGE).unwrap();
     pins.sleep_until(charging.after + config.charge_time()).unwrap();

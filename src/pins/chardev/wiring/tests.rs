@@ -1,3 +1,4 @@
+use super::super::chips::LineListing;
 use super::*;
 
 /// Two nodes, two channels, dedicated chargers.
@@ -17,18 +18,7 @@ pub fn wiring() -> Wiring {
 
 /// What [`Wiring::resolve`] makes of a wiring whose lines are all called "GPIO<offset>".
 pub fn lines(wiring: &Wiring) -> Lines {
-    let at = |key: &str, name: &str| WiredLine {
-        offset: name.trim_start_matches("GPIO").parse().unwrap(),
-        title: format!("{key} ({name})"),
-    };
-    Lines {
-        sense: wiring.sense_parts().map(|(key, name)| at(key, name)).collect(),
-        drives: wiring
-            .drive_parts()
-            .map(|(part, key, name)| DriveLine { part, line: at(&key, name) })
-            .collect(),
-        sense_charges: wiring.sense_charges(),
-    }
+    wiring.lines(|name| name.trim_start_matches("GPIO").parse::<u32>()).unwrap()
 }
 
 #[test]
@@ -37,7 +27,7 @@ fn lines_stand_in_switching_order() {
     let parts: Vec<Drives> = lines.drives.iter().map(|drive| drive.part).collect();
     let order: Vec<Drives> = lines.wired().lines().collect();
     assert_eq!(parts, order);
-    assert_eq!(lines.drives[2].line.title, "sink-c1 (GPIO20)");
+    assert_eq!(lines.drives[2].title, "sink-c1 (GPIO20)");
 }
 
 #[test]
@@ -59,14 +49,12 @@ fn a_line_may_play_one_part_only() {
 }
 
 #[test]
-fn impossible_wirings_are_refused_with_the_reason() {
-    let mut one = wiring();
-    one.charge_a = None;
-    assert!(one.check().unwrap_err().to_string().contains("node A would never be charged"));
-    let mut two = wiring();
-    two.sense_b = None;
-    assert!(two.check().unwrap_err().to_string().contains("no node B"));
-    let mut three = wiring();
-    three.sinks_x = vec!["GPIO1".into(); MAX_CHANNELS + 1];
-    assert!(three.check().unwrap_err().to_string().contains("at most 16"));
+fn a_wiring_is_resolved_on_a_chip_or_refused_with_the_reason() {
+    let listing = |offset| LineListing { offset, name: Some(format!("GPIO{offset}")), ..Default::default() };
+    let chip = Chip::of_lines((0..28).map(listing).collect());
+    assert_eq!(wiring().resolve(&chip).unwrap(), lines(&wiring()));
+    let missing = Wiring { sink_c1: "GPIO40".into(), ..wiring() };
+    assert!(missing.resolve(&chip).unwrap_err().to_string().contains("no line \"GPIO40\""));
+    let many = Wiring { sinks_x: vec!["GPIO1".into(); MAX_CHANNELS + 1], ..wiring() };
+    assert!(many.resolve(&chip).unwrap_err().to_string().contains("at most 16"));
 }

@@ -197,6 +197,10 @@ impl Scene {
                 &[("fixed", &calls.fixed), ("per-line", &calls.per_line), ("jitter", &calls.jitter)];
             all(NOT_NEGATIVE, "calls", values)?;
             tail("calls", calls.tail_probability, calls.tail_mean)?;
+            let is_whole = calls.asleep_after.is_some() == calls.wakes_in.is_some();
+            demand(is_whole, "calls.asleep-after", "and wakes-in belong together: name both or neither")?;
+            let values: &[Row] = &[("asleep-after", &calls.asleep_after), ("wakes-in", &calls.wakes_in)];
+            all(POSITIVE, "calls", values)?;
             let is_ordered =
                 calls.moves_at.is_none_or(|[from, to]| 0.0 <= from && from <= to && to <= LATEST_MOVE);
             let otherwise = format!("is [from, to] in slots, with 0 <= from <= to <= {LATEST_MOVE}");

@@ -64,6 +64,10 @@ fn errors_name_the_key_and_the_remedy() {
         ("[events]\ncoalesced = 0.5", "events.bounce: and coalesced belong together"),
         ("[events]\nbuffer = 0", "events.buffer"),
         ("[stamps]\nmean = \"1 us\"\ntail-mean = \"1 us\"", "stamps: tail-probability and tail-mean"),
+        (
+            "[calls]\nfixed = \"1 us\"\nper-line = \"1 us\"\nwakes-in = \"2 us\"",
+            "calls.asleep-after: and wakes-in",
+        ),
         ("[stamps]\nmean = \"-1 us\"", "stamps.mean: must not be negative"),
         ("[calls]\nfixed = \"1 us\"\nper-line = \"1 us\"\nmoves-at = [0.7, 0.2]", "calls.moves-at"),
         (

@@ -73,11 +73,12 @@ fn the_instrument_is_for_the_privileged() {
 fn a_tape_begins_with_its_header_and_has_no_past() {
     let header = r#"{"class":"TAPE","proto_major":1,"circuit":{"kind":"one-capacitor","r_c1_ohm":1.0,"r_c2_ohm":2.0},"channels":[]}"#;
     let mut hub = hub();
-    hub.tape_header = Some(Published::tape(&serde_json::from_str::<Header>(header).unwrap()));
+    hub.tape_header = Some(Published::new(Content::Tape, &serde_json::from_str::<Header>(header).unwrap()));
     let mut session = session(&hub);
     let discharge = |seq: u64| {
         let line = format!(r#"{{"class":"DISCHARGE","seq":{seq},"through":"c1"}}"#);
-        (Published::discharge(serde_json::from_str::<DischargeLine>(&line).unwrap()), line + "\n")
+        let discharge: DischargeLine = serde_json::from_str(&line).unwrap();
+        (Published::new(Content::Discharge(discharge.channel.clone()), &discharge), line + "\n")
     };
     session.queue(&discharge(1).0);
     let watch = answers(&mut session, &hub, "{\"class\":\"WATCH\",\"raw\":true}\n");

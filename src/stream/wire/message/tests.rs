@@ -115,12 +115,12 @@ fn readings_are_read_back() {
     let ServerMessage::Reading(line) = ServerMessage::parse(written(ok()).as_bytes()).unwrap() else {
         panic!("not a reading");
     };
-    assert_eq!((line.status, line.seq, line.lost), (StatusName::Ok, 1041, 0));
+    assert_eq!((line.state.status, line.seq, line.lost), (StatusName::Ok, 1041, 0));
     assert_eq!(
-        (line.r_ohm, line.r_u_ohm, line.f_n, line.f_u_n),
+        (line.state.r_ohm, line.state.r_u_ohm, line.state.f_n, line.state.f_u_n),
         (Some(2841.3), Some(1.2), Some(4.697), Some(0.002))
     );
-    assert_eq!((line.duration_us, line.r_min_ohm, line.fault), (Some(18230), None, None));
+    assert_eq!((line.duration_us, line.state.r_min_ohm, line.state.fault), (Some(18230), None, None));
 }
 
 #[test]

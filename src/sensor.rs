@@ -1,45 +1,61 @@
-//! Resistance to force, for piezoresistive sensors.
+//! What is known of a sensor before it is measured.
+//!
+//! For: its zero, and how its resistance becomes a force, as a configuration gives them and a tape carries them. Must not know:
+//! how the resistance is measured.
 
 use crate::reading::Measured;
-use crate::units::{Newton, NewtonOhm};
+use serde::{Deserialize, Serialize};
 
-/// The characteristic of a sensor; `T` is its table, or in a configuration the file that the table is in.
-#[derive(Debug, Clone, PartialEq)]
-pub enum Force<T = Table> {
+/// A sensor.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Channel {
+    /// Its name.
+    pub id: String,
+    /// What a short circuit in its place reads, ohm.
+    #[serde(default, skip_serializing_if = "is_zero")]
+    pub zero_ohm: f64,
+    /// Its characteristic, if it is to give forces.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub force: Option<Force>,
+}
+
+fn is_zero(value: &f64) -> bool {
+    *value == 0.0
+}
+
+/// The characteristic of a sensor.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(
+    untagged,
+    deny_unknown_fields,
+    expecting = "force is one of {\"fc1_n\", \"fc2_n\"}, {\"alpha_n_ohm\"}, {\"at_1_kohm_n\", \"exponent\"}, {\"table\"}"
+)]
+pub enum Force {
     /// The forces at which the sensor has R_1 and R_2, the greater one first: the reciprocal force is affine in the resistance
     /// (eq. (26), (27)).
     Calibrated {
-        /// F_c1.
-        fc1: Newton,
-        /// F_c2.
-        fc2: Newton,
+        /// F_c1, newton.
+        fc1_n: f64,
+        /// F_c2, newton.
+        fc2_n: f64,
     },
     /// F = alpha / R, eq. (1).
-    Alpha(NewtonOhm),
+    Alpha {
+        /// N ohm.
+        alpha_n_ohm: f64,
+    },
     /// F = F_1k (R / 1 kohm)^-exponent.
-    PowerLaw {
-        /// F_1k, the force at which the sensor has 1 kohm.
-        at_1_kohm: Newton,
+    Power {
+        /// F_1k, the force at which the sensor has 1 kohm, newton.
+        at_1_kohm_n: f64,
         /// Above 0; 1 for a sensor that follows eq. (1).
         exponent: f64,
     },
     /// Measured pairs, interpolated in log-log; nothing is known outside them.
-    Table(T),
-}
-
-impl<T> Force<T> {
-    /// The same with its table made of what stands for it.
-    ///
-    /// # Errors
-    /// Those of `make`.
-    pub fn try_map<U, E>(self, make: impl FnOnce(T) -> Result<U, E>) -> Result<Force<U>, E> {
-        Ok(match self {
-            Force::Calibrated { fc1, fc2 } => Force::Calibrated { fc1, fc2 },
-            Force::Alpha(alpha) => Force::Alpha(alpha),
-            Force::PowerLaw { at_1_kohm, exponent } => Force::PowerLaw { at_1_kohm, exponent },
-            Force::Table(table) => Force::Table(make(table)?),
-        })
-    }
+    Table {
+        /// The pairs.
+        table: Table,
+    },
 }
 
 impl Force {
@@ -48,17 +64,17 @@ impl Force {
     pub fn at(&self, r_ohm: Measured, known: [f64; 2]) -> Option<Measured> {
         let r = r_ohm.value;
         let (f_n, slope) = match self {
-            Force::Calibrated { fc1, fc2 } => {
-                let slope = (1.0 / fc2.0 - 1.0 / fc1.0) / (known[1] - known[0]);
-                let f = 1.0 / (1.0 / fc1.0 + slope * (r - known[0]));
+            Force::Calibrated { fc1_n, fc2_n } => {
+                let slope = (1.0 / fc2_n - 1.0 / fc1_n) / (known[1] - known[0]);
+                let f = 1.0 / (1.0 / fc1_n + slope * (r - known[0]));
                 (f, -slope * f * f)
             }
-            Force::Alpha(alpha) => (alpha.0 / r, -alpha.0 / (r * r)),
-            Force::PowerLaw { at_1_kohm, exponent } => {
-                let f = at_1_kohm.0 * (r / 1000.0).powf(-exponent);
+            Force::Alpha { alpha_n_ohm } => (alpha_n_ohm / r, -alpha_n_ohm / (r * r)),
+            Force::Power { at_1_kohm_n, exponent } => {
+                let f = at_1_kohm_n * (r / 1000.0).powf(-exponent);
                 (f, -exponent * f / r)
             }
-            Force::Table(table) => table.at(r)?,
+            Force::Table { table } => table.at(r)?,
         };
         let measured = Measured { value: f_n, u: r_ohm.u.map(|u| u * slope.abs()) };
         let sound = f_n > 0.0 && f_n.is_finite() && measured.u.is_none_or(f64::is_finite);
@@ -72,10 +88,11 @@ impl Force {
 }
 
 /// Measured pairs of force and resistance: more force, less resistance.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(try_from = "Vec<(f64, f64)>", into = "Vec<(f64, f64)>")]
 pub struct Table {
-    /// (ln ohm, ln newton), resistance rising.
-    points: Vec<(f64, f64)>,
+    /// (ohm, newton), resistance rising.
+    pairs: Vec<(f64, f64)>,
 }
 
 /// What is wrong with a force table.
@@ -94,12 +111,10 @@ pub enum TableError {
     },
 }
 
-impl Table {
+impl TryFrom<Vec<(f64, f64)>> for Table {
+    type Error = TableError;
     /// From pairs (ohm, newton) of positive finite numbers, in any order.
-    ///
-    /// # Errors
-    /// [`TableError::Few`], [`TableError::NotMonotone`].
-    pub fn from_pairs(mut pairs: Vec<(f64, f64)>) -> Result<Table, TableError> {
+    fn try_from(mut pairs: Vec<(f64, f64)>) -> Result<Table, TableError> {
         if pairs.len() < 2 {
             return Err(TableError::Few(pairs.len()));
         }
@@ -107,20 +122,32 @@ impl Table {
         if let Some(pair) = pairs.windows(2).find(|pair| pair[1].0 <= pair[0].0 || pair[1].1 >= pair[0].1) {
             return Err(TableError::NotMonotone { r_ohm: pair[1].0 });
         }
-        Ok(Table { points: pairs.into_iter().map(|(r, f)| (r.ln(), f.ln())).collect() })
+        Ok(Table { pairs })
+    }
+}
+
+impl Table {
+    /// The pairs (ohm, newton), resistance rising.
+    pub fn pairs(&self) -> &[(f64, f64)] {
+        &self.pairs
     }
 
     /// Force and its slope by resistance; `None` outside the table.
     fn at(&self, r_ohm: f64) -> Option<(f64, f64)> {
-        let x = r_ohm.ln();
-        let upper = self.points.partition_point(|point| point.0 < x).max(1);
-        let (left, right) = (self.points[upper - 1], *self.points.get(upper)?);
-        if !(left.0..=right.0).contains(&x) {
+        let upper = self.pairs.partition_point(|pair| pair.0 < r_ohm).max(1);
+        let (left, right) = (self.pairs[upper - 1], *self.pairs.get(upper)?);
+        if !(left.0..=right.0).contains(&r_ohm) {
             return None;
         }
-        let exponent = (right.1 - left.1) / (right.0 - left.0);
-        let f = (left.1 + exponent * (x - left.0)).exp();
+        let exponent = (right.1 / left.1).ln() / (right.0 / left.0).ln();
+        let f = left.1 * (r_ohm / left.0).powf(exponent);
         Some((f, exponent * f / r_ohm))
+    }
+}
+
+impl From<Table> for Vec<(f64, f64)> {
+    fn from(table: Table) -> Vec<(f64, f64)> {
+        table.pairs
     }
 }
 
@@ -135,7 +162,7 @@ mod tests {
 
     #[test]
     fn the_calibration_forces_of_the_paper_belong_to_its_alpha() {
-        let alpha = Force::Alpha(NewtonOhm(ALPHA));
+        let alpha = Force::Alpha { alpha_n_ohm: ALPHA };
         assert_eq!(format!("{:.2}", alpha.at_bound(2320.0, KNOWN).unwrap()), "5.75");
         assert_eq!(format!("{:.2}", alpha.at_bound(12700.0, KNOWN).unwrap()), "1.05");
     }
@@ -147,10 +174,10 @@ mod tests {
         fn every_form_says_the_same_of_a_sensor_that_follows_alpha(r in 60.0..18_000.0f64, u in 0.01..1.0f64) {
             let table = [50.0, 200.0, 3000.0, 20_000.0].map(|r| (r, ALPHA / r)).to_vec();
             let forms = [
-                Force::Alpha(NewtonOhm(ALPHA)),
-                Force::Calibrated { fc1: Newton(ALPHA / 2320.0), fc2: Newton(ALPHA / 12700.0) },
-                Force::PowerLaw { at_1_kohm: Newton(ALPHA / 1000.0), exponent: 1.0 },
-                Force::Table(Table::from_pairs(table).unwrap()),
+                Force::Alpha { alpha_n_ohm: ALPHA },
+                Force::Calibrated { fc1_n: ALPHA / 2320.0, fc2_n: ALPHA / 12700.0 },
+                Force::Power { at_1_kohm_n: ALPHA / 1000.0, exponent: 1.0 },
+                Force::Table { table: Table::try_from(table).unwrap() },
             ];
             for form in forms {
                 let force = form.at(Measured { value: r, u: Some(u) }, KNOWN).unwrap();
@@ -163,20 +190,20 @@ mod tests {
 
     #[test]
     fn no_force_is_made_up() {
-        let pair = Force::Calibrated { fc1: Newton(5.75), fc2: Newton(1.05) };
+        let pair = Force::Calibrated { fc1_n: 5.75, fc2_n: 1.05 };
         assert_eq!(pair.at_bound(-100.0, KNOWN), None);
-        assert_eq!(Force::Alpha(NewtonOhm(ALPHA)).at_bound(0.0, KNOWN), None);
+        assert_eq!(Force::Alpha { alpha_n_ohm: ALPHA }.at_bound(0.0, KNOWN), None);
         // 1/F of this pair is negative below some ohms: beyond what the pair can tell.
-        let steep = Force::Calibrated { fc1: Newton(20.0), fc2: Newton(1.05) };
+        let steep = Force::Calibrated { fc1_n: 20.0, fc2_n: 1.05 };
         assert_eq!(steep.at_bound(10.0, KNOWN), None);
-        let table = Force::Table(Table::from_pairs(vec![(100.0, 10.0), (1000.0, 1.0)]).unwrap());
+        let table = Force::Table { table: Table::try_from(vec![(100.0, 10.0), (1000.0, 1.0)]).unwrap() };
         assert_eq!((table.at_bound(99.0, KNOWN), table.at_bound(1001.0, KNOWN)), (None, None));
         assert!(table.at_bound(100.0, KNOWN).is_some() && table.at_bound(1000.0, KNOWN).is_some());
     }
 
     #[test]
     fn bad_tables_say_where() {
-        let message = |pairs: &[(f64, f64)]| Table::from_pairs(pairs.to_vec()).unwrap_err().to_string();
+        let message = |pairs: &[(f64, f64)]| Table::try_from(pairs.to_vec()).unwrap_err().to_string();
         assert!(message(&[(100.0, 1.0)]).contains("1 pair(s)"));
         assert!(message(&[(100.0, 1.0), (200.0, 2.0)]).contains("200 ohm"));
     }

@@ -1,27 +1,41 @@
-//! Numbers as they stand in a line: rounded to what they are worth, and absent when unknown.
+//! Lines of JSON: their class, and their numbers, which are rounded to what they are worth and absent when unknown.
 
 use crate::stream::limits::{TIME_DIGITS, UNCERTAINTY_DIGITS, VALUE_DIGITS};
 use crate::units::rounded;
-use serde::Serializer;
+use serde::{Deserialize, Serialize, Serializer};
+
+/// What a line is. Serde writes the tag of a struct and does not look at it when it reads.
+#[derive(Deserialize)]
+pub struct Class {
+    pub class: String,
+}
+
+/// A message as a line, with its newline.
+pub fn to_line(message: &impl Serialize) -> Vec<u8> {
+    // Texts and finite numbers always serialise.
+    let mut line = serde_json::to_vec(message).unwrap_or_default();
+    line.push(b'\n');
+    line
+}
 
 /// Whether a field is left out. NaN and infinity, which JSON cannot say, count as unknown.
-pub(super) fn is_unknown(number: &Option<f64>) -> bool {
+pub fn is_unknown(number: &Option<f64>) -> bool {
     number.is_none_or(|number| !number.is_finite())
 }
 
-pub(super) fn value<S: Serializer>(number: &Option<f64>, serializer: S) -> Result<S::Ok, S::Error> {
+pub fn value<S: Serializer>(number: &Option<f64>, serializer: S) -> Result<S::Ok, S::Error> {
     write(*number, VALUE_DIGITS, serializer)
 }
 
-pub(super) fn uncertainty<S: Serializer>(number: &Option<f64>, serializer: S) -> Result<S::Ok, S::Error> {
+pub fn uncertainty<S: Serializer>(number: &Option<f64>, serializer: S) -> Result<S::Ok, S::Error> {
     write(*number, UNCERTAINTY_DIGITS, serializer)
 }
 
-pub(super) fn rate<S: Serializer>(number: &Option<f64>, serializer: S) -> Result<S::Ok, S::Error> {
+pub fn rate<S: Serializer>(number: &Option<f64>, serializer: S) -> Result<S::Ok, S::Error> {
     write(*number, TIME_DIGITS, serializer)
 }
 
-pub(super) fn seconds<S: Serializer>(number: &f64, serializer: S) -> Result<S::Ok, S::Error> {
+pub fn seconds<S: Serializer>(number: &f64, serializer: S) -> Result<S::Ok, S::Error> {
     write(Some(*number), TIME_DIGITS, serializer)
 }
 
