@@ -44,8 +44,8 @@ pub(super) const MOST_EVENTS: u32 = 1024;
 pub(super) const MOST_DOUBLINGS: u32 = 200;
 /// Steps of a root search: bisection alone takes about 60 halvings for each decade of uncertainty that it starts with.
 pub(super) const MOST_ROOT_STEPS: u32 = 400;
-/// How often an interval that holds a turn is halved: to the last place of the interval's length.
-pub(super) const TURN_HALVINGS: u32 = 53;
+/// Steps of Ridders' method to a turn; each halves the interval at least, and some ten are the rule.
+pub(super) const MOST_TURN_STEPS: u32 = 53;
 /// Sweeps of Jacobi's method over a matrix of 14: it converges quadratically, and 5 to 8 sweeps are the rule.
 pub(super) const MOST_SWEEPS: u32 = 30;
 /// Steps of Newton's method for the first crossing of noise: only bounds it, for it converges from every start.

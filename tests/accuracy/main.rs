@@ -8,6 +8,7 @@ mod coverage;
 mod dynamic;
 mod equations;
 mod exact;
+mod hostile;
 mod methods;
 mod offset;
 mod paper;

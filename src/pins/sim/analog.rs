@@ -219,7 +219,8 @@ impl Analog {
         // Only what has risen can fall: over a maximum.
         let from = match stretch.high[node.index()] {
             true => 0.0,
-            false => waveform.turns().iter().find(|turn| waveform.at(*turn) >= sense.rising)?,
+            false if waveform.highest(0.0, until) < sense.rising => return None,
+            false => waveform.turns().find(|turn| waveform.at(*turn) >= sense.rising)?,
         };
         let crossed = waveform.falls_after(from, sense.falling, until)?;
         let shift = match &self.noise {
@@ -260,17 +261,24 @@ impl Stretch {
         let t = seconds(at_ns - self.since_ns);
         Node::BOTH.map(|node| {
             let i = node.index();
+            if self.high[i] && !self.told[i] {
+                return true;
+            }
             let waveform = self.flow.waveform(node);
             let fall = self.falls.filter(|_| self.told[i]).and_then(|falls| falls[i]);
             let from = fall.map_or(0.0, |fall| fall.crossed);
-            let turns = waveform.turns();
-            let mut since = turns.iter().filter(|turn| (from..t).contains(turn)).peekable();
-            // What has fallen rises only after it has turned.
-            if self.told[i] && since.peek().is_none() {
+            if waveform.highest(from, t.max(from)) < circuit.sense[i].rising {
                 return false;
             }
-            let top = since.map(|turn| waveform.at(turn)).fold(waveform.at(t), f64::max);
-            (self.high[i] && !self.told[i]) || top >= circuit.sense[i].rising
+            if fall.is_none() && waveform.at(t) >= circuit.sense[i].rising {
+                return true;
+            }
+            let mut since = waveform.turns().filter(|turn| (from..t).contains(turn)).peekable();
+            // What has fallen rises only after it has turned.
+            if fall.is_some() && since.peek().is_none() {
+                return false;
+            }
+            since.map(|turn| waveform.at(turn)).fold(waveform.at(t), f64::max) >= circuit.sense[i].rising
         })
     }
 }

@@ -16,7 +16,7 @@
 //!
 //! Capacitors whose dielectric absorbs charge have a mode more for each branch: `absorption`.
 
-use super::waveform::{MODES, Waveform};
+use super::waveform::Waveform;
 use crate::circuit::Node;
 use crate::pins::{Drives, MAX_CHANNELS};
 
@@ -142,11 +142,8 @@ impl SimCircuit {
 
     /// How they go on from what has become of `before` after so many seconds.
     pub fn flow_after(&self, before: &Flow, seconds: f64, on: Drives) -> Flow {
-        let mut branches = [0.0; MODES];
-        for (place, branch) in branches.iter_mut().zip(&before.branches) {
-            *place = branch.at(seconds);
-        }
-        self.flow_from(before.after(seconds), &branches[..before.branches.len()], on)
+        let branches: Vec<f64> = before.branches.iter().map(|branch| branch.at(seconds)).collect();
+        self.flow_from(before.after(seconds), &branches, on)
     }
 
     fn flow_from(&self, start: [f64; 2], branches: &[f64], on: Drives) -> Flow {
@@ -250,18 +247,21 @@ pub struct Flow {
 
 impl Flow {
     fn of_modes(start: [f64; 2], rates: [f64; 2], slopes: [[f64; 2]; 2]) -> Flow {
-        let nodes = [0, 1].map(|node| Waveform::new(start[node], rates.into_iter().zip(slopes[node])));
+        let nodes = [0, 1].map(|node| {
+            let [first, second] = slopes[node];
+            Waveform::of_two(start[node], [(rates[0], first), (rates[1], second)])
+        });
         Flow { nodes, branches: Vec::new() }
     }
 
     /// The voltages of A and B after `seconds`; B of a circuit without it keeps its start.
     pub fn after(&self, seconds: f64) -> [f64; 2] {
-        self.nodes.map(|node| node.at(seconds))
+        [self.nodes[0].at(seconds), self.nodes[1].at(seconds)]
     }
 
     /// One node's voltage.
     pub fn waveform(&self, node: Node) -> Waveform {
-        self.nodes[node.index()]
+        self.nodes[node.index()].clone()
     }
 }
 

@@ -1,38 +1,24 @@
 //! The voltage of one node between two changes, V(t) = V(0) + k1 phi(r1, t) + k2 phi(r2, t) + ..., and when it passes a
 //! threshold.
 
-use crate::pins::limits::{MOST_BRANCHES, MOST_DOUBLINGS, MOST_ROOT_STEPS, TURN_HALVINGS};
+use crate::pins::limits::{MOST_DOUBLINGS, MOST_ROOT_STEPS, MOST_TURN_STEPS};
 
-/// The most modes that a node can have: one for each capacitor and each of its absorbing branches.
-pub const MODES: usize = 2 + 2 * MOST_BRANCHES;
+/// A mode: how it decays (1/s, not negative), and its slope at time 0 (V/s).
+pub type Mode = (f64, f64);
 
 /// A voltage as a function of time.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct Waveform {
     /// Volt at time 0.
     pub start: f64,
-    modes: usize,
-    rates: [f64; MODES],
-    slopes: [f64; MODES],
+    modes: Modes,
 }
 
-/// Instants in ascending order, at most one fewer than there are modes.
-#[derive(Debug, Clone, Copy, Default)]
-pub struct Instants {
-    at: [f64; MODES],
-    count: usize,
-}
-
-impl Instants {
-    fn push(&mut self, t: f64) {
-        self.at[self.count] = t;
-        self.count += 1;
-    }
-
-    /// From the first to the last.
-    pub fn iter(&self) -> impl Iterator<Item = f64> {
-        self.at[..self.count].iter().copied()
-    }
+/// The fastest first.
+#[derive(Debug, Clone, PartialEq)]
+enum Modes {
+    Two([Mode; 2]),
+    Many(Vec<Mode>),
 }
 
 /// (1 - exp(-rate t)) / rate, continuous down to rate 0.
@@ -41,21 +27,23 @@ fn progress(rate: f64, t: f64) -> f64 {
 }
 
 impl Waveform {
-    /// From its value at time 0 (volt) and its modes, the fastest first: how each decays (1/s, not negative), and its slope
-    /// at time 0 (V/s).
-    pub fn new(start: f64, modes: impl IntoIterator<Item = (f64, f64)>) -> Waveform {
-        let mut waveform = Waveform { start, modes: 0, rates: [0.0; MODES], slopes: [0.0; MODES] };
-        for (rate, slope) in modes.into_iter().take(MODES) {
-            (waveform.rates[waveform.modes], waveform.slopes[waveform.modes]) = (rate, slope);
-            waveform.modes += 1;
-        }
-        waveform
+    /// Of two modes, the faster first.
+    pub fn of_two(start: f64, modes: [Mode; 2]) -> Waveform {
+        Waveform { start, modes: Modes::Two(modes) }
     }
 
-    /// Rate and slope of each mode, the fastest first; one without a slope contributes nothing, at whatever rate.
-    pub fn modes(&self) -> impl DoubleEndedIterator<Item = (f64, f64)> {
-        let modes = self.rates[..self.modes].iter().copied().zip(self.slopes[..self.modes].iter().copied());
-        modes.filter(|(_, slope)| *slope != 0.0)
+    /// Of any number of modes, the fastest first.
+    pub fn of_many(start: f64, modes: Vec<Mode>) -> Waveform {
+        Waveform { start, modes: Modes::Many(modes) }
+    }
+
+    /// The modes; one without a slope contributes nothing, at whatever rate.
+    pub fn modes(&self) -> impl Iterator<Item = Mode> {
+        let modes = match &self.modes {
+            Modes::Two(modes) => &modes[..],
+            Modes::Many(modes) => modes,
+        };
+        modes.iter().copied().filter(|(_, slope)| *slope != 0.0)
     }
 
     /// Volt at time `t` (seconds).
@@ -73,20 +61,33 @@ impl Waveform {
         self.modes().fold(self.start, |sum, (rate, slope)| sum + slope / rate)
     }
 
-    /// The times after 0 at which the voltage turns.
-    pub fn turns(&self) -> Instants {
-        let mut terms = [(0.0, 0.0); MODES];
-        let mut count = 0;
-        for (place, term) in terms.iter_mut().zip(self.modes()) {
-            (*place, count) = (term, count + 1);
-        }
-        roots(&terms[..count])
+    /// The times after 0 at which the voltage turns, in ascending order.
+    pub fn turns(&self) -> impl Iterator<Item = f64> + use<> {
+        let (one, many) = match &self.modes {
+            Modes::Two([first, second]) => (root_of_two(*first, *second), Vec::new()),
+            Modes::Many(_) => (None, roots(&self.modes().collect::<Vec<_>>())),
+        };
+        one.into_iter().chain(many)
+    }
+
+    /// A voltage that it does not exceed between two times, and usually comes near to: what rises reaches its end, what
+    /// falls has not begun.
+    pub fn highest(&self, from: f64, to: f64) -> f64 {
+        let rises = self.modes().filter(|(_, slope)| *slope > 0.0);
+        rises.fold(self.at(from), |sum, (rate, slope)| {
+            sum + slope * (-rate * from).exp() * progress(rate, to - from)
+        })
     }
 
     /// The first time in `from`..=`until` at which the voltage is at or below `threshold`.
     ///
     /// The search is relative: its error is a few units in the last place of the time itself.
     pub fn falls_after(&self, from: f64, threshold: f64, until: f64) -> Option<f64> {
+        if let Modes::Many(_) = self.modes {
+            if let Some(found) = self.falls_step_by_step(from, threshold, until) {
+                return found;
+            }
+        }
         let mut modes = self.modes();
         let first = modes.next().unwrap_or_default();
         if modes.next().is_none() && from == 0.0 {
@@ -97,7 +98,7 @@ impl Waveform {
         }
         // The voltage is monotone between two turns; only a falling stretch can cross.
         let mut above = from;
-        for turn in self.turns().iter().filter(|turn| *turn > from && *turn < until) {
+        for turn in self.turns().filter(|turn| *turn > from && *turn < until) {
             if self.at(turn) <= threshold {
                 return Some(self.root(threshold, above, turn));
             }
@@ -106,7 +107,33 @@ impl Waveform {
         self.falls_on_last_stretch(threshold, above, until)
     }
 
-    fn single_mode(&self, (rate, slope): (f64, f64), threshold: f64) -> Option<f64> {
+    /// By steps that never go past the first crossing, for what falls only slows down and what rises is left out of the
+    /// slope; `None` where what rises is so much that they do not get there.
+    fn falls_step_by_step(&self, from: f64, threshold: f64, until: f64) -> Option<Option<f64>> {
+        let mut t = from;
+        for _ in 0..MOST_ROOT_STEPS {
+            let excess = self.at(t) - threshold;
+            if excess <= 0.0 {
+                return Some(Some(t));
+            }
+            let falls = self.modes().filter(|(_, slope)| *slope < 0.0);
+            let (slope, rest) = falls.fold((0.0, 0.0), |(all, rest), (rate, slope)| {
+                let now = -slope * (-rate * t).exp();
+                (all + now, rest + now / rate)
+            });
+            let step = excess / slope;
+            if rest < excess || t + step > until {
+                return Some(None);
+            }
+            if step <= 2.0 * f64::EPSILON * t {
+                return Some(Some(t));
+            }
+            t += step;
+        }
+        None
+    }
+
+    fn single_mode(&self, (rate, slope): Mode, threshold: f64) -> Option<f64> {
         let drop = threshold - self.start;
         if drop >= 0.0 {
             return Some(0.0);
@@ -125,7 +152,8 @@ impl Waveform {
         if self.end() >= threshold {
             return None;
         }
-        let mut step = if self.rates[0] > 0.0 { 1.0 / self.rates[0] } else { 1e-6 };
+        let fastest = self.modes().map(|(rate, _)| rate).next().filter(|rate| *rate > 0.0);
+        let mut step = fastest.map_or(1e-6, |rate| 1.0 / rate);
         for _ in 0..MOST_DOUBLINGS {
             if self.at(from + step) <= threshold {
                 return Some(self.root(threshold, from, from + step));
@@ -162,34 +190,36 @@ impl Waveform {
     }
 }
 
+/// Where the sum of two slope exp(-rate t) is zero after time 0.
+fn root_of_two((rate, slope): Mode, (slower, other): Mode) -> Option<f64> {
+    if slope * other >= 0.0 || rate == slower {
+        return None;
+    }
+    let t = (-slope / other).ln() / (rate - slower);
+    (t > 0.0 && t.is_finite()).then_some(t)
+}
+
 /// Where a sum of slope exp(-rate t), the fastest first, is zero after time 0.
 ///
 /// Divided by its slowest term the sum is a constant and what decays; that has a derivative of one term fewer, and is
-/// monotone between the roots of this. A sum has at most as many roots as its slopes change their sign.
-fn roots(terms: &[(f64, f64)]) -> Instants {
-    let mut found = Instants::default();
-    let Some((&(slowest, constant), others)) = terms.split_last() else { return found };
-    if !terms.windows(2).any(|pair| pair[0].1 * pair[1].1 < 0.0) {
-        return found;
+/// monotone between the roots of this.
+fn roots(terms: &[Mode]) -> Vec<f64> {
+    let Some((&(slowest, constant), others)) = terms.split_last() else { return Vec::new() };
+    if let &[first] = others {
+        return root_of_two(first, (slowest, constant)).into_iter().collect();
     }
-    if let &[(rate, slope)] = others {
-        let t = (-slope / constant).ln() / (rate - slowest);
-        if t > 0.0 && t.is_finite() {
-            found.push(t);
-        }
-        return found;
+    if is_of_one_sign(terms) {
+        return Vec::new();
     }
     let value = |t: f64| {
         others.iter().fold(constant, |sum, (rate, slope)| sum + slope * (-(rate - slowest) * t).exp())
     };
-    let mut derivative = [(0.0, 0.0); MODES];
-    for (place, (rate, slope)) in derivative.iter_mut().zip(others) {
-        *place = (*rate, slope * (slowest - rate));
-    }
-    let mut from = 0.0;
-    for turn in roots(&derivative[..others.len()]).iter() {
+    let derivative: Vec<Mode> =
+        others.iter().map(|(rate, slope)| (*rate, slope * (slowest - rate))).collect();
+    let (mut found, mut from) = (Vec::new(), 0.0);
+    for turn in roots(&derivative) {
         if value(from) * value(turn) < 0.0 {
-            found.push(halve(value, from, turn));
+            found.push(change_of_sign(value, from, turn));
         }
         from = turn;
     }
@@ -199,17 +229,45 @@ fn roots(terms: &[(f64, f64)]) -> Instants {
         while value(from) * value(from + step) > 0.0 && doublings.next().is_some() {
             step *= 2.0;
         }
-        found.push(halve(value, from, from + step));
+        found.push(change_of_sign(value, from, from + step));
     }
     found
 }
 
-/// Where a function changes its sign between two instants.
-fn halve(value: impl Fn(f64) -> f64, mut low: f64, mut high: f64) -> f64 {
-    let at_low = value(low);
-    for _ in 0..TURN_HALVINGS {
+/// Whether a sum of slope exp(-rate t), the fastest first, is so for certain: as summed from the slowest term on it is made of
+/// differences of exponentials, none of them negative, with the sums of slopes as factors.
+fn is_of_one_sign(terms: &[Mode]) -> bool {
+    let sums = terms.iter().rev().scan(0.0, |sum, (_, slope)| {
+        *sum += slope;
+        Some(*sum)
+    });
+    let (least, most) = sums.fold((0.0f64, 0.0f64), |(least, most), sum| (least.min(sum), most.max(sum)));
+    least == 0.0 || most == 0.0
+}
+
+/// Where a function changes its sign between two instants: Ridders' method.
+fn change_of_sign(value: impl Fn(f64) -> f64, mut low: f64, mut high: f64) -> f64 {
+    let (mut at_low, mut at_high) = (value(low), value(high));
+    let mut last = f64::INFINITY;
+    for _ in 0..MOST_TURN_STEPS {
         let middle = 0.5 * (low + high);
-        if value(middle) * at_low > 0.0 { low = middle } else { high = middle }
+        let at_middle = value(middle);
+        let root = (at_middle * at_middle - at_low * at_high).sqrt();
+        let t = middle + (middle - low) * at_low.signum() * at_middle / root;
+        if !(t > low && t < high) || (t - last).abs() <= f64::EPSILON * t {
+            break;
+        }
+        last = t;
+        let at_t = value(t);
+        for (instant, value) in [(middle, at_middle), (t, at_t)] {
+            if instant > low && instant < high {
+                if value * at_low > 0.0 {
+                    (low, at_low) = (instant, value)
+                } else {
+                    (high, at_high) = (instant, value)
+                }
+            }
+        }
     }
-    0.5 * (low + high)
+    if last.is_finite() { last } else { 0.5 * (low + high) }
 }

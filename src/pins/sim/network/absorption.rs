@@ -5,8 +5,11 @@
 //! those of the plain circuit, and there is one for each capacitor.
 
 use super::{Capacitors, Flow, Load, SimCircuit};
-use crate::pins::limits::MOST_SWEEPS;
-use crate::pins::sim::waveform::{MODES, Waveform};
+use crate::pins::limits::{MOST_BRANCHES, MOST_SWEEPS};
+use crate::pins::sim::waveform::Waveform;
+
+/// One for each capacitor and each branch.
+const MODES: usize = 2 + 2 * MOST_BRANCHES;
 
 type Matrix = [[f64; MODES]; MODES];
 
@@ -26,11 +29,11 @@ impl SimCircuit {
         let (dense, mains) = self.dense(start, branches, a, b);
         let (rates, shapes) = dense.modes();
         let waveform = |start, slope_of: &dyn Fn(usize) -> f64| {
-            Waveform::new(start, (0..dense.count).map(|mode| (rates[mode], slope_of(mode))))
+            Waveform::of_many(start, (0..dense.count).map(|mode| (rates[mode], slope_of(mode))).collect())
         };
         let of_capacitor = |i: usize| waveform(dense.voltage[i], &|mode: usize| shapes[mode][i]);
         let nodes = match mains {
-            1 => [of_capacitor(0), Waveform::new(start[1], [])],
+            1 => [of_capacitor(0), Waveform::of_many(start[1], Vec::new())],
             _ => [waveform(start[0], &|mode: usize| shapes[mode][0] + shapes[mode][1]), of_capacitor(1)],
         };
         Flow { nodes, branches: (mains..dense.count).map(of_capacitor).collect() }
@@ -120,8 +123,8 @@ fn diagonalise(matrix: &mut Matrix, n: usize) -> Matrix {
                 }
                 is_diagonal = false;
                 let theta = (matrix[q][q] - matrix[p][p]) / (2.0 * coupling);
-                let tan = theta.signum() / (theta.abs() + theta.hypot(1.0));
-                let cos = 1.0 / tan.hypot(1.0);
+                let tan = theta.signum() / (theta.abs() + (theta * theta + 1.0).sqrt());
+                let cos = 1.0 / (tan * tan + 1.0).sqrt();
                 turn(matrix, &mut vectors, n, (p, q), (cos, tan * cos));
             }
         }

@@ -88,11 +88,11 @@ proptest! {
         for node in Node::BOTH {
             let waveform = flow.waveform(node);
             let most = waveform.modes().map(|(_, slope)| slope.abs()).fold(0.0, f64::max);
-            for turn in waveform.turns().iter() {
+            for turn in waveform.turns() {
                 prop_assert!(waveform.slope(turn).abs() <= 1e-9 * most, "{} at {}", waveform.slope(turn), turn);
             }
             let mut sign = waveform.slope(0.0).signum();
-            let mut turns = waveform.turns().iter().count();
+            let mut turns = waveform.turns().count();
             for step in 1..400 {
                 let slope = waveform.slope(scale * 1e-3 * 1.05f64.powi(step));
                 if slope * sign < -1e-9 * most {

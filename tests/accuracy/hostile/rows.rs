@@ -1,0 +1,373 @@
+//! The hostile boards.
+
+use super::Row;
+use cermd::pins::sim::Kind;
+use cermd::reading::Method;
+use cermd::reading::Method::{Cerm, Qerm, Tcdic, Tpcm, Tracked};
+
+/// The board `pi4`, unchanged, for what it is to be changed to.
+const ROW: Row = Row {
+    name: "",
+    base: "pi4",
+    scene: "",
+    circuit: "",
+    measure: "",
+    kind: None,
+    beside_a_hand: false,
+    seconds: [2.0, f64::INFINITY],
+    readings: 20,
+    boards: 100,
+    least_numbers: 0.5,
+    cases: BOTH,
+    fails: &[],
+};
+
+/// What switches while a sensor is read.
+const BOTH: &[(Method, &[f64])] = &[(Tracked, &[100.0, 1000.0]), (Cerm, &[100.0, 1000.0])];
+const ALL: &[(Method, &[f64])] = &[
+    (Tracked, &[100.0, 1000.0, 5000.0]),
+    (Cerm, &[100.0, 1000.0, 5000.0]),
+    (Tcdic, &[100.0, 1000.0, 5000.0]),
+];
+const SWITCHED: &[(Method, &[f64])] =
+    &[(Tracked, &[100.0, 1000.0]), (Cerm, &[100.0, 1000.0]), (Qerm, &[100.0, 1000.0])];
+
+pub static LINES: [Row; 8] = [
+    Row { name: "none: the board pi4 as it is", cases: ALL, ..ROW },
+    Row {
+        name: "lines move anywhere in calls of 1.15 us",
+        scene: "[calls]\nfixed = '0 s'\nper-line = '1.15 us'\nmoves-at = [0.0, 1.0]",
+        cases: SWITCHED,
+        fails: &[(Tracked, 100.0), (Tracked, 1000.0)],
+        ..ROW
+    },
+    Row {
+        name: "lines move anywhere in calls of 2.3 us",
+        scene: "[calls]\nfixed = '0 s'\nper-line = '2.3 us'\nmoves-at = [0.0, 1.0]",
+        cases: SWITCHED,
+        fails: &[(Tracked, 100.0), (Tracked, 1000.0)],
+        ..ROW
+    },
+    // A sigma of 0.3 us is 1.04 us wide.
+    Row {
+        name: "lines move within 1.04 us after calls of 1.15 us",
+        scene: "[calls]\nfixed = '0 s'\nper-line = '1.15 us'\nmoves-at = [1.0, 1.9]",
+        cases: SWITCHED,
+        fails: &[(Tracked, 100.0), (Tracked, 1000.0)],
+        ..ROW
+    },
+    Row {
+        name: "writes are posted for 1 to 3 calls of 0.5 us",
+        scene: "[calls]\nfixed = '0 s'\nper-line = '0.5 us'\nmoves-at = [1.0, 3.0]",
+        cases: SWITCHED,
+        fails: &[(Tracked, 100.0), (Tracked, 1000.0)],
+        ..ROW
+    },
+    Row {
+        name: "writes are posted for 1 to 3 calls of 1.15 us",
+        scene: "[calls]\nfixed = '0 s'\nper-line = '1.15 us'\nmoves-at = [1.0, 3.0]",
+        cases: SWITCHED,
+        fails: &[(Tracked, 100.0), (Tracked, 1000.0)],
+        ..ROW
+    },
+    Row {
+        name: "writes are posted for 3 calls exactly",
+        scene: "[calls]\nfixed = '0 s'\nper-line = '1.15 us'\nmoves-at = [3.0, 3.0]",
+        cases: SWITCHED,
+        ..ROW
+    },
+    // Uniform over 6.9 us.
+    Row {
+        name: "starts and switches scatter by 2 us",
+        scene: "[calls]\nfixed = '0 s'\nper-line = '1.15 us'\nmoves-at = [0.0, 6.0]",
+        fails: &[(Tracked, 100.0), (Tracked, 1000.0)],
+        ..ROW
+    },
+];
+
+pub static STAMPS: [Row; 6] = [
+    Row { name: "B is stamped 3 us later than A", scene: "[events]\nb-later = '3 us'", cases: ALL, ..ROW },
+    Row {
+        name: "2 us later after waits of 4 ms",
+        scene: "[events]\ndeep-sleep-after = '4 ms'\ndeep-sleep-late = '2 us'",
+        cases: &[
+            (Tracked, &[100.0, 1000.0, 5000.0]),
+            (Cerm, &[100.0, 1000.0, 5000.0]),
+            (Tcdic, &[100.0, 1000.0, 5000.0]),
+            (Tpcm, &[1000.0]),
+            (Qerm, &[1000.0]),
+        ],
+        fails: &[(Tracked, 100.0)],
+        ..ROW
+    },
+    Row {
+        name: "30 % of stamps 1 ms late",
+        scene: "[stamps]\ntail-probability = 0.3\ntail-mean = '1 ms'",
+        cases: &[(Tracked, &[300.0]), (Cerm, &[300.0]), (Tcdic, &[300.0])],
+        least_numbers: 0.2,
+        fails: &[(Tracked, 300.0), (Cerm, 300.0), (Tcdic, 300.0)],
+        ..ROW
+    },
+    Row {
+        name: "wide-band noise: 0.5 mV of 10 MHz",
+        scene: "[noise]\nbandwidth = '10 MHz'",
+        cases: &[
+            (Tracked, &[100.0, 1000.0, 5000.0, 16_200.0]),
+            (Cerm, &[100.0, 1000.0, 5000.0]),
+            (Tcdic, &[100.0, 16_200.0]),
+        ],
+        ..ROW
+    },
+    Row {
+        name: "wide-band noise: 2 mV of 1 MHz",
+        scene: "[noise]\nvoltage = '2 mV'\nbandwidth = '1 MHz'",
+        cases: &[
+            (Tracked, &[100.0, 1000.0, 5000.0, 16_200.0]),
+            (Cerm, &[100.0, 1000.0, 5000.0]),
+            (Tcdic, &[100.0, 16_200.0]),
+        ],
+        fails: &[(Tracked, 100.0), (Cerm, 100.0), (Tcdic, 100.0)],
+        ..ROW
+    },
+    Row { name: "stamps jitter by 5 us", scene: "[stamps]\njitter = '5 us'\nmean = '20 us'", ..ROW },
+];
+
+const AT_B: &[(Method, &[f64])] =
+    &[(Tracked, &[100.0, 5000.0]), (Cerm, &[100.0, 5000.0]), (Tcdic, &[5000.0])];
+const AT_A: &[(Method, &[f64])] = &[
+    (Tracked, &[100.0, 5000.0]),
+    (Cerm, &[100.0, 5000.0]),
+    (Tcdic, &[5000.0]),
+    (Tpcm, &[5000.0]),
+    (Qerm, &[1000.0]),
+];
+/// Ten readings a second, as most are configured: the first ten seconds, and what comes later.
+/// A fault is an answer.
+const FIRST: Row = Row {
+    measure: "rate-hz = 10",
+    seconds: [0.0, 10.0],
+    readings: 50,
+    least_numbers: 0.0,
+    cases: AT_A,
+    ..ROW
+};
+const LATER: Row = Row { seconds: [15.0, f64::INFINITY], readings: 20, ..FIRST };
+
+const A_100_KOHM: &str = "[circuit.node-a]\nleakage-resistance = '100 kohm'";
+const A_1_MOHM: &str = "[circuit.node-a]\nleakage-resistance = '1 Mohm'";
+const A_CURRENT: &str = "[circuit.node-a]\nleakage = '-5 uA'";
+const A_PULL_UP: &str = "[circuit.node-a]\npull-up = '1 Mohm'";
+const B_50_KOHM: &str = "[circuit.node-b]\nleakage-resistance = '50 kohm'";
+const B_3_MOHM: &str = "[circuit.node-b]\nleakage-resistance = '3 Mohm'";
+
+pub static LEAKS: [Row; 12] = [
+    Row {
+        name: "100 kohm at A, the first 10 s",
+        scene: A_100_KOHM,
+        fails: &[(Tracked, 5000.0), (Cerm, 5000.0), (Tcdic, 5000.0), (Tpcm, 5000.0), (Qerm, 1000.0)],
+        ..FIRST
+    },
+    Row { name: "100 kohm at A, later", scene: A_100_KOHM, ..LATER },
+    Row {
+        name: "1 Mohm at A, the first 10 s",
+        scene: A_1_MOHM,
+        fails: &[
+            (Tracked, 100.0),
+            (Tracked, 5000.0),
+            (Cerm, 100.0),
+            (Cerm, 5000.0),
+            (Tcdic, 5000.0),
+            (Tpcm, 5000.0),
+            (Qerm, 1000.0),
+        ],
+        ..FIRST
+    },
+    Row { name: "1 Mohm at A, later", scene: A_1_MOHM, ..LATER },
+    Row {
+        name: "5 uA into A, the first 10 s",
+        scene: A_CURRENT,
+        fails: &[(Tpcm, 5000.0), (Qerm, 1000.0)],
+        ..FIRST
+    },
+    Row {
+        name: "5 uA into A, later",
+        scene: A_CURRENT,
+        fails: &[(Cerm, 100.0), (Tpcm, 5000.0), (Qerm, 1000.0)],
+        ..LATER
+    },
+    Row {
+        name: "pull-up of 1 Mohm at A, the first 10 s",
+        scene: A_PULL_UP,
+        fails: &[(Tracked, 5000.0), (Cerm, 5000.0), (Tcdic, 5000.0), (Tpcm, 5000.0), (Qerm, 1000.0)],
+        ..FIRST
+    },
+    Row {
+        name: "pull-up of 1 Mohm at A, later",
+        scene: A_PULL_UP,
+        fails: &[
+            (Tracked, 5000.0),
+            (Cerm, 100.0),
+            (Cerm, 5000.0),
+            (Tcdic, 5000.0),
+            (Tpcm, 5000.0),
+            (Qerm, 1000.0),
+        ],
+        ..LATER
+    },
+    Row { name: "50 kohm at B, the first 10 s", scene: B_50_KOHM, cases: AT_B, ..FIRST },
+    Row { name: "50 kohm at B, later", scene: B_50_KOHM, cases: AT_B, ..LATER },
+    Row {
+        name: "3 Mohm at B, the first 10 s",
+        scene: B_3_MOHM,
+        cases: AT_B,
+        fails: &[(Tracked, 100.0), (Tracked, 5000.0), (Cerm, 100.0), (Cerm, 5000.0), (Tcdic, 5000.0)],
+        ..FIRST
+    },
+    Row { name: "3 Mohm at B, later", scene: B_3_MOHM, cases: AT_B, ..LATER },
+];
+
+pub static PINS: [Row; 4] = [
+    Row {
+        name: "Ro walks by 1 ohm in a second",
+        scene: "[walk]\nr-o = '1 ohm'",
+        cases: ALL,
+        fails: &[(Tracked, 100.0), (Tracked, 1000.0)],
+        ..ROW
+    },
+    Row { name: "Ro walks by 0.1 ohm in a second", scene: "[walk]\nr-o = '0.1 ohm'", cases: ALL, ..ROW },
+    Row {
+        name: "Ro is 47 ohm at Rc1, 38 at Rc2, 41 at x",
+        scene: "[circuit.r-o-of]\nc1 = '47 ohm'\nc2 = '38 ohm'\nx0 = '41 ohm'",
+        cases: ALL,
+        fails: &[
+            (Tracked, 100.0),
+            (Tracked, 1000.0),
+            (Tracked, 5000.0),
+            (Cerm, 100.0),
+            (Cerm, 1000.0),
+            (Cerm, 5000.0),
+            (Tcdic, 100.0),
+            (Tcdic, 1000.0),
+            (Tcdic, 5000.0),
+        ],
+        ..ROW
+    },
+    Row {
+        name: "Ro is 55 ohm at Rc1 and 33 at Rc2",
+        scene: "[circuit.r-o-of]\nc1 = '55 ohm'\nc2 = '33 ohm'",
+        cases: ALL,
+        fails: &[
+            (Tracked, 100.0),
+            (Tracked, 1000.0),
+            (Tracked, 5000.0),
+            (Cerm, 100.0),
+            (Cerm, 1000.0),
+            (Cerm, 5000.0),
+            (Tcdic, 100.0),
+            (Tcdic, 1000.0),
+            (Tcdic, 5000.0),
+        ],
+        ..ROW
+    },
+];
+
+/// A dielectric whose branches take up the same share in each of five decades, or at one time constant alone.
+macro_rules! dielectric {
+    (spread $share:literal) => {
+        dielectric!(@ concat!(
+            "[{ share = ", $share, ", tau = '100 us' }, { share = ", $share, ", tau = '1 ms' }, { share = ", $share,
+            ", tau = '10 ms' }, { share = ", $share, ", tau = '100 ms' }, { share = ", $share, ", tau = '1 s' }]"
+        ))
+    };
+    (at $share:literal, $tau:literal) => {
+        dielectric!(@ concat!("[{ share = ", $share, ", tau = '", $tau, "' }]"))
+    };
+    (@ concat!($($part:expr),*)) => {
+        concat!(
+            "[circuit.absorption]\nc-a = ", $($part,)* "\nc-b = ", $($part,)* "\nc = ", $($part),*
+        )
+    };
+}
+
+const DIELECTRIC: Row = Row {
+    boards: 30,
+    cases: &[(Tracked, &[100.0, 1000.0, 5000.0]), (Cerm, &[100.0]), (Tcdic, &[100.0, 5000.0])],
+    ..ROW
+};
+
+pub static DIELECTRICS: [Row; 7] = [
+    Row { name: "PP: 0.05 % over five decades", scene: dielectric!(spread "0.0001"), ..DIELECTRIC },
+    Row { name: "PP: 0.05 % at 10 ms", scene: dielectric!(at "0.0005", "10 ms"), ..DIELECTRIC },
+    Row { name: "PET: 0.25 % over five decades", scene: dielectric!(spread "0.0005"), ..DIELECTRIC },
+    Row {
+        name: "PET: 0.25 % at 10 ms",
+        scene: dielectric!(at "0.0025", "10 ms"),
+        fails: &[(Tracked, 100.0), (Tracked, 1000.0), (Cerm, 100.0), (Tcdic, 100.0)],
+        ..DIELECTRIC
+    },
+    Row {
+        name: "X7R: 2.5 % over five decades",
+        scene: dielectric!(spread "0.005"),
+        fails: &[(Tracked, 100.0), (Tracked, 5000.0), (Cerm, 100.0), (Tcdic, 100.0), (Tcdic, 5000.0)],
+        ..DIELECTRIC
+    },
+    Row {
+        name: "X7R: 2.5 % at 10 ms",
+        scene: dielectric!(at "0.025", "10 ms"),
+        fails: &[
+            (Tracked, 100.0),
+            (Tracked, 1000.0),
+            (Tracked, 5000.0),
+            (Cerm, 100.0),
+            (Tcdic, 100.0),
+            (Tcdic, 5000.0),
+        ],
+        ..DIELECTRIC
+    },
+    Row { name: "C0G: 0.01 % at 10 ms", scene: dielectric!(at "0.0001", "10 ms"), ..DIELECTRIC },
+];
+
+pub static PARTS: [Row; 7] = [
+    Row {
+        name: "1 uF and 220 nF",
+        scene: "[circuit]\nc-a = '1 uF'\nc-b = '220 nF'",
+        circuit: "c-a = '1 uF'\nc-b = '220 nF'",
+        cases: ALL,
+        ..ROW
+    },
+    Row {
+        name: "330 nF and 100 nF",
+        scene: "[circuit]\nc-a = '330 nF'\nc-b = '100 nF'",
+        circuit: "c-a = '330 nF'\nc-b = '100 nF'",
+        cases: ALL,
+        ..ROW
+    },
+    Row {
+        name: "calibrated by 4.7 kohm and 47 kohm",
+        scene: "[circuit]\nr-c1 = '4.7 kohm'\nr-c2 = '47 kohm'",
+        circuit: "r-c1 = '4.7 kohm'\nr-c2 = '47 kohm'",
+        cases: &[(Tracked, &[100.0]), (Cerm, &[100.0]), (Tcdic, &[100.0])],
+        ..ROW
+    },
+    Row {
+        name: "one node",
+        kind: Some(Kind::OneCapacitor),
+        cases: &[(Tracked, &[30.0, 100.0, 1000.0]), (Tpcm, &[30.0, 1000.0])],
+        ..ROW
+    },
+    Row {
+        name: "pi-zero",
+        base: "pi-zero",
+        cases: &[(Tracked, &[150.0, 500.0, 15_000.0, 50_000.0]), (Cerm, &[150.0, 500.0, 15_000.0])],
+        measure: "deadline = '400 ms'",
+        ..ROW
+    },
+    Row { name: "beside a hand", beside_a_hand: true, cases: SWITCHED, ..ROW },
+    Row {
+        name: "beside a hand, one node",
+        kind: Some(Kind::OneCapacitor),
+        beside_a_hand: true,
+        cases: &[(Tracked, &[1000.0]), (Tpcm, &[1000.0])],
+        ..ROW
+    },
+];
