@@ -139,7 +139,7 @@ const HEAD: &str = "
 ## Leakage at node A
 
 Discharges through two known resistors cannot tell a leak from other capacitors, unless it is so large that a discharge through 0 \
-ohm would take longer than a pin explains. So every 5 s one discharge through Rc1 is held back for 20 ms, in which charge \
+ohm would take longer than a pin explains. So one discharge through Rc2 in 5 s, and eight in the first second, is held half-way for 40 ms, in which charge \
 leaks away; it is shorter by what is lost. (A dielectric that goes on taking charge in looks the same.) A leak below 200 kohm makes \
 each reading a `leakage` fault. A weaker one is told by the log and by `leak_ohm` in STATS once it shows, and whether it shows or \
 not, readings have what it likely does to them in their uncertainty. Mean error and stated 1 sigma, ohm, of 300 readings of each \

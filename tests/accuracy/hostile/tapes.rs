@@ -6,8 +6,9 @@
 
 use super::{Seen, Trial, judge};
 use crate::common::seed;
-use cermd::ctl::replay;
+use cermd::ctl::replay::Replay;
 use cermd::reading::Method;
+use cermd::tape::Reader;
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::StandardNormal;
@@ -219,7 +220,9 @@ fn run(variant: &Variant, method: Method, r_x: f64) -> Seen {
     let mut seen = Seen::default();
     for number in 0..BOARDS {
         let tape = Board::new(number).tape(variant, method, r_x);
-        let estimates = replay::estimate(&tape, method, None).unwrap();
+        let reader = Reader::open(tape.as_bytes()).unwrap();
+        let mut replay = Replay::new(reader.header(), method, None).unwrap();
+        let estimates: Vec<_> = reader.filter_map(|entry| replay.take(&entry.unwrap()).unwrap()).collect();
         assert_eq!(estimates.len(), CYCLES);
         seen.errors.next_board();
         for estimate in &estimates[CYCLES - COUNTED..] {
