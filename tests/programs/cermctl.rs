@@ -109,7 +109,7 @@ fn watch_survives_a_restart_of_the_daemon() {
     let mut daemon = Daemon::start();
     let mut watch = daemon.spawn(&["watch"]);
     let mut lines = BufReader::new(watch.child().stdout.take().unwrap()).lines();
-    assert!(lines.next().unwrap().unwrap().contains("ok"));
+    assert!(lines.next().unwrap().unwrap().contains("ohm"));
     daemon.kill();
     let mut complaints = BufReader::new(watch.child().stderr.take().unwrap()).lines();
     let gone = complaints.next().unwrap().unwrap();
