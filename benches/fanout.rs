@@ -106,7 +106,7 @@ fn round(reading_clients: usize) {
 
 fn reading(seq: u64) -> Reading {
     let r_ohm = Measured { value: 2841.3 + (seq as f64).sin(), u: Some(1.234) };
-    let f_n = Some(Measured { value: 4.697 + (seq as f64).cos(), u: Some(0.002_34) });
+    let f_n = Some(Measured { value: 4.697 + (seq as f64).cos(), u: Some(0.002_34) }.into());
     Reading {
         channel: 0,
         seq,

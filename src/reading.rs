@@ -17,6 +17,26 @@ pub struct Measured {
     pub u: Option<f64>,
 }
 
+/// A force, with what is known of it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct MeasuredForce {
+    /// Newton.
+    pub value: f64,
+    /// 1 sigma of all: the readout, and the sensor's deviation from its characteristic. `None` as for the resistance.
+    pub u: Option<f64>,
+    /// 1 sigma of the readout alone: how well two readings of one sensor can be told apart.
+    pub repeat_u: Option<f64>,
+    /// It is outside the forces that the characteristic was found with.
+    pub is_extrapolated: bool,
+}
+
+impl From<Measured> for MeasuredForce {
+    /// By a characteristic that is exact everywhere.
+    fn from(Measured { value, u }: Measured) -> MeasuredForce {
+        MeasuredForce { value, u, repeat_u: u, is_extrapolated: false }
+    }
+}
+
 named! {
     /// How the estimate was made; [`Method::rules`] has what each method decides.
     #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Deserialize)]
@@ -196,7 +216,7 @@ pub enum Status {
         /// Ohm.
         r_ohm: Measured,
         /// Newton; `None` for a channel without force calibration.
-        f_n: Option<Measured>,
+        f_n: Option<MeasuredForce>,
     },
     /// The resistance is above what the deadline resolves.
     Open {

@@ -3,7 +3,7 @@
 //! For: its zero, and how its resistance becomes a force, as a configuration gives them and a tape carries them. Must not know:
 //! how the resistance is measured.
 
-use crate::reading::Measured;
+use crate::reading::{Measured, MeasuredForce};
 use serde::{Deserialize, Serialize};
 
 /// A sensor.
@@ -25,12 +25,61 @@ fn is_zero(value: &f64) -> bool {
 
 /// The characteristic of a sensor.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Force {
+    /// How force follows from resistance.
+    #[serde(flatten)]
+    pub law: Law,
+    /// How far the sensor is off that, relative deviation of its resistance, 1 sigma; absent: as [`UNCALIBRATED_U`] says.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub u: Option<f64>,
+    /// The least and the greatest force that it was found with, newton; absent: as [`UNCALIBRATED_N`] says.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub range_n: Option<[f64; 2]>,
+}
+
+/// What a characteristic that nobody has measured is good for, relative, 1 sigma: two FSR 402 differ by 6 %, and one of them by
+/// 5 % to either side with whether the force rises or falls (hysteresis of 10 %; Interlink, FSR 400 series data sheet).
+pub const UNCALIBRATED_U: f64 = 0.078;
+/// The forces that this is said of, newton.
+pub const UNCALIBRATED_N: [f64; 2] = [0.2, 20.0];
+
+impl From<Law> for Force {
+    fn from(law: Law) -> Force {
+        Force { law, u: None, range_n: None }
+    }
+}
+
+impl Force {
+    /// The force at a resistance; `None` where the characteristic gives no positive, finite force. `known`: R_1 and R_2, ohm.
+    pub fn at(&self, r_ohm: Measured, known: [f64; 2]) -> Option<MeasuredForce> {
+        let (value, slope) = self.law.at(r_ohm.value, known)?;
+        let repeat_u = r_ohm.u.map(|u| u * slope.abs()).filter(|u| u.is_finite());
+        let own_u = self.u.unwrap_or(UNCALIBRATED_U) * r_ohm.value * slope.abs();
+        let [least, greatest] = self.range_n.unwrap_or(UNCALIBRATED_N);
+        // Outside of its pairs a table gives no force at all.
+        let is_table = matches!(self.law, Law::Table { .. });
+        Some(MeasuredForce {
+            value,
+            u: repeat_u.map(|u| u.hypot(own_u)),
+            repeat_u,
+            is_extrapolated: !is_table && !(least..=greatest).contains(&value),
+        })
+    }
+
+    /// The force at an exactly known resistance, such as a bound.
+    pub fn at_bound(&self, r_ohm: f64, known: [f64; 2]) -> Option<f64> {
+        self.law.at(r_ohm, known).map(|(f_n, _)| f_n)
+    }
+}
+
+/// How force follows from resistance.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(
     untagged,
     deny_unknown_fields,
     expecting = "force is one of {\"fc1_n\", \"fc2_n\"}, {\"alpha_n_ohm\"}, {\"at_1_kohm_n\", \"exponent\"}, {\"table\"}"
 )]
-pub enum Force {
+pub enum Law {
     /// The forces at which the sensor has R_1 and R_2, the greater one first: the reciprocal force is affine in the resistance
     /// (eq. (26), (27)).
     Calibrated {
@@ -58,32 +107,24 @@ pub enum Force {
     },
 }
 
-impl Force {
-    /// The force at a resistance and its 1-sigma uncertainty; `None` where the characteristic gives no positive, finite
-    /// force. The sensor's own deviation from its characteristic is not in the uncertainty. `known`: R_1 and R_2, ohm.
-    pub fn at(&self, r_ohm: Measured, known: [f64; 2]) -> Option<Measured> {
-        let r = r_ohm.value;
+impl Law {
+    /// The force at a resistance, and its slope by that; `None` where there is no positive, finite force. `known`: R_1 and R_2.
+    fn at(&self, r: f64, known: [f64; 2]) -> Option<(f64, f64)> {
         let (f_n, slope) = match self {
-            Force::Calibrated { fc1_n, fc2_n } => {
+            Law::Calibrated { fc1_n, fc2_n } => {
                 let slope = (1.0 / fc2_n - 1.0 / fc1_n) / (known[1] - known[0]);
                 let f = 1.0 / (1.0 / fc1_n + slope * (r - known[0]));
                 (f, -slope * f * f)
             }
-            Force::Alpha { alpha_n_ohm } => (alpha_n_ohm / r, -alpha_n_ohm / (r * r)),
-            Force::Power { at_1_kohm_n, exponent } => {
+            Law::Alpha { alpha_n_ohm } => (alpha_n_ohm / r, -alpha_n_ohm / (r * r)),
+            Law::Power { at_1_kohm_n, exponent } => {
                 let f = at_1_kohm_n * (r / 1000.0).powf(-exponent);
                 (f, -exponent * f / r)
             }
-            Force::Table { table } => table.at(r)?,
+            Law::Table { table } => table.at(r)?,
         };
-        let measured = Measured { value: f_n, u: r_ohm.u.map(|u| u * slope.abs()) };
-        let sound = f_n > 0.0 && f_n.is_finite() && measured.u.is_none_or(f64::is_finite);
-        (r > 0.0 && sound).then_some(measured)
-    }
-
-    /// The force at an exactly known resistance, such as a bound.
-    pub fn at_bound(&self, r_ohm: f64, known: [f64; 2]) -> Option<f64> {
-        self.at(Measured { value: r_ohm, u: None }, known).map(|force| force.value)
+        let is_sound = r > 0.0 && f_n > 0.0 && f_n.is_finite() && slope.is_finite();
+        is_sound.then_some((f_n, slope))
     }
 }
 
@@ -162,7 +203,7 @@ mod tests {
 
     #[test]
     fn the_calibration_forces_of_the_paper_belong_to_its_alpha() {
-        let alpha = Force::Alpha { alpha_n_ohm: ALPHA };
+        let alpha = Force::from(Law::Alpha { alpha_n_ohm: ALPHA });
         assert_eq!(format!("{:.2}", alpha.at_bound(2320.0, KNOWN).unwrap()), "5.75");
         assert_eq!(format!("{:.2}", alpha.at_bound(12700.0, KNOWN).unwrap()), "1.05");
     }
@@ -174,29 +215,50 @@ mod tests {
         fn every_form_says_the_same_of_a_sensor_that_follows_alpha(r in 60.0..18_000.0f64, u in 0.01..1.0f64) {
             let table = [50.0, 200.0, 3000.0, 20_000.0].map(|r| (r, ALPHA / r)).to_vec();
             let forms = [
-                Force::Alpha { alpha_n_ohm: ALPHA },
-                Force::Calibrated { fc1_n: ALPHA / 2320.0, fc2_n: ALPHA / 12700.0 },
-                Force::Power { at_1_kohm_n: ALPHA / 1000.0, exponent: 1.0 },
-                Force::Table { table: Table::try_from(table).unwrap() },
+                Law::Alpha { alpha_n_ohm: ALPHA },
+                Law::Calibrated { fc1_n: ALPHA / 2320.0, fc2_n: ALPHA / 12700.0 },
+                Law::Power { at_1_kohm_n: ALPHA / 1000.0, exponent: 1.0 },
+                Law::Table { table: Table::try_from(table).unwrap() },
             ];
-            for form in forms {
+            for form in forms.map(Force::from) {
                 let force = form.at(Measured { value: r, u: Some(u) }, KNOWN).unwrap();
                 prop_assert!((force.value * r / ALPHA - 1.0).abs() < 1e-9, "{form:?}");
                 let slope = (form.at_bound(r * (1.0 - 1e-6), KNOWN).unwrap() - form.at_bound(r * (1.0 + 1e-6), KNOWN).unwrap()) / (2e-6 * r);
-                prop_assert!((force.u.unwrap() / (slope * u) - 1.0).abs() < 1e-4, "{form:?}");
+                prop_assert!((force.repeat_u.unwrap() / (slope * u) - 1.0).abs() < 1e-4, "{form:?}");
             }
         }
     }
 
     #[test]
+    fn a_force_is_as_uncertain_as_the_sensor_and_says_where_it_is_extrapolated() {
+        let of = |law: Law, u, range_n| Force { law, u, range_n };
+        let r_ohm = Measured { value: 2266.0, u: Some(2.6) };
+        let force = |force: Force| force.at(r_ohm, KNOWN).unwrap();
+        let alpha = || Law::Alpha { alpha_n_ohm: ALPHA };
+        let known = force(of(alpha(), Some(0.087), Some([1.0, 10.0])));
+        assert!((known.repeat_u.unwrap() - 5.89 * 2.6 / 2266.0).abs() < 1e-4, "{known:?}");
+        assert!((known.u.unwrap() - 5.89 * 0.087).abs() < 1e-3 && !known.is_extrapolated, "{known:?}");
+        // What nobody has calibrated is as good as the data sheet says.
+        let unknown = force(of(alpha(), None, None));
+        assert!((unknown.u.unwrap() / unknown.value - UNCALIBRATED_U).abs() < 1e-3, "{unknown:?}");
+        assert!(force(of(alpha(), None, Some([1.0, 5.0]))).is_extrapolated);
+        assert!(alpha().at(50_000.0, KNOWN).is_some_and(|(f_n, _)| f_n > UNCALIBRATED_N[0]));
+        assert!(Force::from(alpha()).at(Measured { value: 1e5, u: None }, KNOWN).unwrap().is_extrapolated);
+        // The deviation is one of the resistance: a steeper sensor makes more of it.
+        let steep = force(of(Law::Power { at_1_kohm_n: 13.3, exponent: 2.0 }, Some(0.05), None));
+        assert!((steep.u.unwrap() / steep.value - 0.1).abs() < 1e-3, "{steep:?}");
+    }
+
+    #[test]
     fn no_force_is_made_up() {
-        let pair = Force::Calibrated { fc1_n: 5.75, fc2_n: 1.05 };
+        let pair = Force::from(Law::Calibrated { fc1_n: 5.75, fc2_n: 1.05 });
         assert_eq!(pair.at_bound(-100.0, KNOWN), None);
-        assert_eq!(Force::Alpha { alpha_n_ohm: ALPHA }.at_bound(0.0, KNOWN), None);
+        assert_eq!(Force::from(Law::Alpha { alpha_n_ohm: ALPHA }).at_bound(0.0, KNOWN), None);
         // 1/F of this pair is negative below some ohms: beyond what the pair can tell.
-        let steep = Force::Calibrated { fc1_n: 20.0, fc2_n: 1.05 };
+        let steep = Force::from(Law::Calibrated { fc1_n: 20.0, fc2_n: 1.05 });
         assert_eq!(steep.at_bound(10.0, KNOWN), None);
-        let table = Force::Table { table: Table::try_from(vec![(100.0, 10.0), (1000.0, 1.0)]).unwrap() };
+        let table =
+            Force::from(Law::Table { table: Table::try_from(vec![(100.0, 10.0), (1000.0, 1.0)]).unwrap() });
         assert_eq!((table.at_bound(99.0, KNOWN), table.at_bound(1001.0, KNOWN)), (None, None));
         assert!(table.at_bound(100.0, KNOWN).is_some() && table.at_bound(1000.0, KNOWN).is_some());
     }

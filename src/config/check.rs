@@ -5,7 +5,7 @@ mod channels;
 mod circuit;
 mod gpio;
 mod measure;
-mod predict;
+pub(crate) mod predict;
 
 use super::{Config, Findings, Server, limits};
 use crate::pins::realtime::Wishes;

@@ -65,12 +65,15 @@ impl Config {
         self.circuit.crossing(self.last_node(), r).unwrap_or_default()
     }
 
-    /// The predicted time of one reading of every channel, calibration and charges included, when each x
-    /// discharge takes `x`; without what the system's calls take.
-    pub fn cycle(&self, x: Seconds) -> Seconds {
+    /// The predicted time of one reading of every channel, calibration and charges included, when each x discharge takes `x`:
+    /// at the least and at the most, which differ where a tracked calibration takes its discharges only as they pay. Without
+    /// what the system's calls take.
+    pub fn cycle(&self, x: Seconds) -> [Seconds; 2] {
         let channels = self.channels.len() as f64;
         let pause = self.charge_time().as_seconds() + self.settle_time().as_seconds();
-        let calibration = self.discharge(self.circuit.r_c1).0 + self.discharge(self.circuit.r_second()).0;
-        Seconds((2.0 + channels) * pause + calibration + channels * x.0)
+        let [first, second] =
+            [self.circuit.r_c1, self.circuit.r_second()].map(|r| pause + self.discharge(r).0);
+        let calibration = if self.is_tracked() { [0.0, second] } else { [first + second; 2] };
+        calibration.map(|calibration| Seconds(calibration + channels * (pause + x.0)))
     }
 }

@@ -8,7 +8,7 @@
 
 pub mod backend;
 mod charge;
-mod check;
+pub(crate) mod check;
 mod circuit;
 mod derived;
 mod finding;
@@ -19,8 +19,9 @@ mod number;
 pub(crate) mod pairs;
 mod settings;
 
+pub use charge::{Noise, Prediction};
 pub use finding::{Finding, Findings, Severity};
-pub use force::Characteristic;
+pub use force::{Characteristic, Source};
 pub use gpio::{Backend, Gpio, LineName};
 pub use limits::LARGEST_ZERO_OHM;
 pub use settings::{SettingsError, tape_header};

@@ -1,11 +1,11 @@
 //! From a checked configuration to what the instrument runs with.
 
 use super::pairs;
-use super::{Characteristic, Config};
+use super::{Characteristic, Config, Source};
 use crate::circuit::Node;
 use crate::estimate::offset::Offset;
 use crate::instrument::settings::{OffsetSource, Settings};
-use crate::sensor::{Channel, Force};
+use crate::sensor::{Channel, Force, Law};
 use crate::stream::tape::{Header, PROTO_MAJOR, TapeCircuit, TapeOffset};
 use crate::units::Nanos;
 
@@ -27,15 +27,15 @@ impl Config {
     pub fn settings(&self) -> Result<Settings, SettingsError> {
         let circuit = &self.circuit;
         let channels = self.channels.iter().map(|channel| {
-            let force = match &channel.force {
-                Some(Characteristic::Given(force)) => Some(force.clone()),
-                Some(Characteristic::File(file)) => {
-                    let table = pairs::load_table(&self.path(file));
-                    let failed = |reason| SettingsError { id: channel.id.clone(), reason };
-                    Some(Force::Table { table: table.map_err(failed)? })
-                }
-                None => None,
+            let read = |Characteristic { law, u, range_n }: &Characteristic| {
+                let law = match law {
+                    Source::Given(law) => law.clone(),
+                    Source::File(file) => Law::Table { table: pairs::load_table(&self.path(file))? },
+                };
+                Ok(Force { law, u: *u, range_n: *range_n })
             };
+            let failed = |reason| SettingsError { id: channel.id.clone(), reason };
+            let force = channel.force.as_ref().map(read).transpose().map_err(failed)?;
             Ok(Channel { id: channel.id.clone(), zero_ohm: channel.zero_ohm, force })
         });
         Ok(Settings {

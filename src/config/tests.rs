@@ -2,7 +2,7 @@
 
 use super::*;
 use crate::circuit::Network;
-use crate::sensor::Force;
+use crate::sensor::Law;
 use crate::units::{Farad, Ohm, Volt};
 use std::fs;
 
@@ -46,11 +46,11 @@ fn everything_can_be_said() {
     assert_eq!(config.measure.t_l, Some(Nanos(616_000)));
     assert_eq!(config.switch_fraction(), 0.8);
     assert_eq!(config.channels[0].zero_ohm, 1.5);
+    assert_eq!(config.channels[0].force, Some(Law::Calibrated { fc1_n: 5.75, fc2_n: 1.05 }.into()));
     assert_eq!(
-        config.channels[0].force,
-        Some(Characteristic::Given(Force::Calibrated { fc1_n: 5.75, fc2_n: 1.05 }))
+        config.channels[1].force,
+        Some(Characteristic { law: Source::File(PathBuf::from("index.csv")), u: None, range_n: None })
     );
-    assert_eq!(config.channels[1].force, Some(Characteristic::File(PathBuf::from("index.csv"))));
     assert_eq!(config.server, Server { socket: PathBuf::from("/tmp/s"), mode: Mode(0o600) });
     assert_eq!(config.mock, Some(Mock { scene: "pi4".to_owned(), seed: Some(7) }));
 }
@@ -102,11 +102,8 @@ fn other_forces_and_offsets() {
     let with = |force: &str| {
         parse(&format!("{MINIMAL}[[channel]]\nid = \"a\"\nforce = {force}")).channels[0].force.clone()
     };
-    assert_eq!(
-        with("{ alpha = \"13346 N ohm\" }"),
-        Some(Characteristic::Given(Force::Alpha { alpha_n_ohm: 13_346.0 }))
-    );
-    let power = Characteristic::Given(Force::Power { at_1_kohm_n: 13.3, exponent: 1.05 });
+    assert_eq!(with("{ alpha = \"13346 N ohm\" }"), Some(Law::Alpha { alpha_n_ohm: 13_346.0 }.into()));
+    let power = Law::Power { at_1_kohm_n: 13.3, exponent: 1.05 }.into();
     assert_eq!(with("{ at-1-kohm = \"13.3 N\", exponent = 1.05 }"), Some(power));
     let offset = parse(&format!("{MINIMAL}[measure]\noffset = \"8 us\"")).offset();
     assert_eq!(offset, OffsetSource::Given(8_000.0));
@@ -240,4 +237,16 @@ fn the_shipped_comments_are_true() {
     {
         assert!((shown.as_ns() / derived.as_ns() - 1.0).abs() < 0.005, "{shown} shown, {derived} derived");
     }
+}
+
+#[test]
+fn a_force_may_say_how_well_it_is_known() {
+    let text = "[[channel]]\nid = \"a\"\nforce = { fc1 = \"5.75 N\", fc2 = \"1.05 N\", u = \"8.7 %\", range = [\"500 mN\", \"20 N\"] }";
+    let force = parse(&format!("{MINIMAL}{text}")).channels[0].force.clone().unwrap();
+    assert!((force.u.unwrap() - 0.087).abs() < 1e-12 && force.range_n == Some([0.5, 20.0]), "{force:?}");
+    let bad = |from: &str, to: &str| {
+        let config = parse(&format!("{MINIMAL}{}", text.replace(from, to)));
+        config.check().errors().lines().any(|line| line.starts_with("error: channel.a.force: "))
+    };
+    assert!(!bad("8.7 %", "8.7 %") && bad("8.7 %", "0 %") && bad("8.7 %", "870 %") && bad("20 N", "0.1 N"));
 }

@@ -3,7 +3,8 @@
 
 use super::{CtlError, cli, print};
 use crate::config::backend::{self, OpenError};
-use crate::config::{Backend, Config, ConfigError, Findings, SettingsError, Severity};
+use crate::config::check::predict::readings;
+use crate::config::{Backend, Config, ConfigError, Findings, Noise, SettingsError, Severity};
 use std::fmt;
 use std::path::Path;
 
@@ -37,14 +38,22 @@ pub fn check(path: &Path) -> CheckReport {
 /// Lines are tested where they may be touched.
 fn named_files(config: &Config, findings: &mut Findings) {
     let mut error = |key: &str, reason: &dyn fmt::Display| findings.add(Severity::Error, key, reason, None);
-    if let Err(SettingsError { id, reason }) = config.settings() {
-        error(&format!("channel.{id}.force"), &reason);
+    let settings = config.settings();
+    if let Err(SettingsError { id, reason }) = &settings {
+        error(&format!("channel.{id}.force"), reason);
     }
     let scene = (config.gpio.backend == Backend::Mock).then(|| backend::scene(config));
     match scene {
         Some(Err(OpenError::Scene(scene))) => error("mock.scene", &scene),
         Some(Err(other)) => error("mock", &other),
         Some(Ok(_)) | None => {}
+    }
+    if let (Ok(settings), false) = (&settings, findings.has_errors()) {
+        let (noise, how) = match backend::simulated_noise(config) {
+            Some(noise) => (noise, "the noise of the scene"),
+            None => (Noise::TYPICAL, "the noise of a usual board (jitter 1.5 us, 0.5 mV)"),
+        };
+        readings(config, settings, noise, how, findings);
     }
 }
 

@@ -150,7 +150,10 @@ impl Row {
         match reading.state.status {
             StatusName::Ok => {
                 let force = value(reading.state.f_n, reading.state.f_u_n, "N");
-                ([force, value(reading.state.r_ohm, reading.state.r_u_ohm, "ohm")], "ok", style.green())
+                let ohms = value(reading.state.r_ohm, reading.state.r_u_ohm, "ohm");
+                // Of the force; the ohms are as good as any.
+                let is_beyond = reading.state.extrapolated;
+                ([force, ohms], if is_beyond { "extrapolated" } else { "ok" }, style.green())
             }
             StatusName::Open => {
                 let force = bound("<", reading.state.f_max_n, "N");
@@ -178,7 +181,11 @@ impl Row {
         let force = if has_force { format!("{force:>19}  ") } else { String::new() };
         let before = format!(" {}  {}{ohms:>21}  ", style(id).bold(), style(force).bold());
         let rate = self.rate().map_or_else(|| " ".repeat(7), |rate| format!("{rate:>5.1}/s"));
-        let after = format!("{}{}", colour.apply_to(format!("{status:<7}")), style(rate).dim());
+        let after = format!(
+            "{}{}",
+            colour.apply_to(format!("{:<7}", truncate_str(status, 7, "."))),
+            style(rate).dim()
+        );
         let room = width.saturating_sub(measure_text_width(&before) + measure_text_width(&after) + 2);
         let middle = match self.hint() {
             _ if room < *BAR_COLUMNS.start() => String::new(),
@@ -220,6 +227,7 @@ mod tests {
 
     const FULL: &str = r#""status":"ok","r_ohm":1334.6,"r_u_ohm":2.5,"f_n":10.0,"f_u_n":0.02"#;
     const HALF: &str = r#""status":"ok","r_ohm":2669.2,"r_u_ohm":2.5,"f_n":5.0,"f_u_n":0.01"#;
+    const BEYOND: &str = r#""status":"ok","r_ohm":889.8,"r_u_ohm":2.5,"f_n":15.0,"f_u_n":1.3,"f_repeat_u_n":0.042,"extrapolated":true"#;
     const OPEN: &str = r#""status":"open","r_min_ohm":63000.0,"f_max_n":0.21"#;
     const FAULT: &str = r#""status":"fault","fault":"missed-edge""#;
 
@@ -238,6 +246,7 @@ mod tests {
         let is = |line: String, text: &str| assert_eq!(line, text);
         is(plain(HALF), "03:40:00.123  thumb  5.000 ± 0.010 N  2669.2 ± 2.5 ohm  ok");
         is(plain(OPEN), "03:40:00.123  thumb  < 0.210 N  > 63000 ohm  open");
+        is(plain(BEYOND), "03:40:00.123  thumb  15.0 ± 1.3 N  889.8 ± 2.5 ohm  extrapolated");
         is(plain(FAULT), "03:40:00.123  thumb  missed-edge  fault");
         is(
             plain(HINTED),
@@ -266,6 +275,7 @@ mod tests {
         assert!(line(HALF, 90).contains('█'));
         let narrow = line(HALF, 60);
         assert!(!narrow.contains('█') && narrow.contains("ok"), "{narrow}");
+        assert!(line(BEYOND, 90).contains("extrap. "));
         let hinted = line(HINTED, 100);
         assert!(hinted.contains("no-calibration  nothing falls in a discharge") && hinted.contains("fault"));
     }

@@ -4,7 +4,7 @@
 
 use crate::estimate::scatter;
 use crate::reading::Measured;
-use crate::sensor::{Force, Table, TableError};
+use crate::sensor::{Force, Law, Table, TableError};
 
 /// A force and the resistance under it.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -19,7 +19,7 @@ pub struct Pair {
 #[derive(Debug, Clone, PartialEq)]
 pub struct Fit {
     /// What was fitted.
-    pub force: Force,
+    pub law: Law,
     /// 1 sigma of its numbers, in their order; `None` where there are too few pairs, or nothing was fitted.
     pub u: [Option<f64>; 2],
 }
@@ -56,7 +56,7 @@ pub fn alpha(pairs: &[Pair]) -> Result<Fit, FitError> {
     let alpha = pairs.iter().map(|pair| pair.r_ohm / pair.f_n).sum::<f64>() / squares;
     let rest: f64 = pairs.iter().map(|pair| (pair.r_ohm - alpha / pair.f_n).powi(2)).sum();
     let u = (pairs.len() > 1).then(|| (rest / (pairs.len() - 1) as f64 / squares).sqrt());
-    Ok(Fit { force: Force::Alpha { alpha_n_ohm: alpha }, u: [u, None] })
+    Ok(Fit { law: Law::Alpha { alpha_n_ohm: alpha }, u: [u, None] })
 }
 
 /// The least squares of ln R = a - b ln F, with the exponent 1/b.
@@ -87,7 +87,7 @@ pub fn power(pairs: &[Pair]) -> Result<Fit, FitError> {
     };
     let at_1_kohm_n = ln_f.exp();
     let u_n = u(1.0 / b, mean_y / (b * b)).map(|relative| relative * at_1_kohm_n);
-    Ok(Fit { force: Force::Power { at_1_kohm_n, exponent: 1.0 / b }, u: [u_n, u(0.0, 1.0 / (b * b))] })
+    Ok(Fit { law: Law::Power { at_1_kohm_n, exponent: 1.0 / b }, u: [u_n, u(0.0, 1.0 / (b * b))] })
 }
 
 /// The pairs as a table.
@@ -96,7 +96,7 @@ pub fn power(pairs: &[Pair]) -> Result<Fit, FitError> {
 /// [`FitError::Table`] when there are fewer than two, or force and resistance do not run against each other.
 pub fn table(pairs: &[Pair]) -> Result<Fit, FitError> {
     let pairs: Vec<_> = pairs.iter().map(|pair| (pair.r_ohm, pair.f_n)).collect();
-    Ok(Fit { force: Force::Table { table: Table::try_from(pairs)? }, u: [None; 2] })
+    Ok(Fit { law: Law::Table { table: Table::try_from(pairs)? }, u: [None; 2] })
 }
 
 fn enough(pairs: &[Pair], needed: usize) -> Result<(), FitError> {
@@ -106,16 +106,28 @@ fn enough(pairs: &[Pair], needed: usize) -> Result<(), FitError> {
 impl Fit {
     /// The resistance that the fit gives at the force of a pair, ohm; that of a table is the pair's own.
     pub fn r_ohm(&self, pair: Pair) -> f64 {
-        match self.force {
-            Force::Alpha { alpha_n_ohm } => alpha_n_ohm / pair.f_n,
-            Force::Power { at_1_kohm_n, exponent } => 1000.0 * (pair.f_n / at_1_kohm_n).powf(-1.0 / exponent),
-            Force::Calibrated { .. } | Force::Table { .. } => pair.r_ohm,
+        match self.law {
+            Law::Alpha { alpha_n_ohm } => alpha_n_ohm / pair.f_n,
+            Law::Power { at_1_kohm_n, exponent } => 1000.0 * (pair.f_n / at_1_kohm_n).powf(-1.0 / exponent),
+            Law::Calibrated { .. } | Law::Table { .. } => pair.r_ohm,
         }
     }
 
     /// By what share of the fitted resistance a pair is off.
     pub fn residual(&self, pair: Pair) -> f64 {
         pair.r_ohm / self.r_ohm(pair) - 1.0
+    }
+
+    /// The characteristic as it is to be used: as good as the pairs have shown it to be, and where they were.
+    pub fn force(&self, pairs: &[Pair]) -> Force {
+        let (law, parameters) = (self.law.clone(), if let Law::Power { .. } = self.law { 2.0 } else { 1.0 });
+        let forces = || pairs.iter().map(|pair| pair.f_n);
+        let range_n = [forces().fold(f64::INFINITY, f64::min), forces().fold(0.0, f64::max)];
+        // A table goes through its pairs, and so does a law with as many parameters.
+        let freedom = pairs.len() as f64 - parameters;
+        let is_table = matches!(law, Law::Table { .. });
+        let u = self.relative_rms(pairs) * (pairs.len() as f64 / freedom).sqrt();
+        Force { law, u: (freedom > 0.0 && !is_table).then_some(u), range_n: (!is_table).then_some(range_n) }
     }
 
     /// The root mean square of the [residuals](Fit::residual).

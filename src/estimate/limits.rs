@@ -27,8 +27,8 @@ pub const RESISTOR_TOLERANCE: f64 = 0.08;
 /// After which part of a discharge it is held: where a current into or out of the node does what it does on average, whatever
 /// the threshold (from 0.52 for one of 0.6 V_DD to 0.58 for one of 0.15 V_DD).
 pub const LEAK_HELD_AT: f64 = 0.55;
-/// A leak of which nobody knows before there has been a look, siemens: that of a board with flux on it.
-pub const LIKELY_LEAK_SIEMENS: f64 = 1e-6;
+/// A leak of which nobody knows before there has been a look, siemens: as much as is no defect.
+pub const LIKELY_LEAK_SIEMENS: f64 = GROSS_LEAK_SIEMENS;
 /// How long a discharge is held.
 pub const LEAK_HOLD: Nanos = Nanos(40_000_000);
 /// From one held discharge to the next.

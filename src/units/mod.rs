@@ -7,7 +7,7 @@ mod quantity;
 
 pub use number::{measured, rough, rounded, to_places};
 pub use quantity::{
-    Ampere, Farad, Hertz, Newton, NewtonOhm, Ohm, ParseQuantityError, Quantity, Seconds, Volt,
+    Ampere, Farad, Hertz, Newton, NewtonOhm, Ohm, ParseQuantityError, Percent, Quantity, Seconds, Volt,
 };
 
 use serde::Deserialize;

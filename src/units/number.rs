@@ -11,15 +11,16 @@ pub fn to_places(value: f64, places: usize) -> f64 {
     format!("{value:.places$}").parse().unwrap_or(value)
 }
 
-/// With its 1-sigma uncertainty: two digits of the uncertainty (GUM 7.2.6), the value to the same place. Without one, four
-/// digits.
+/// With its 1-sigma uncertainty, and the value to the same place: two digits of the uncertainty, or one where that says it to
+/// better than a seventh (0.36 to 0.94), as the Particle Data Group does. Without an uncertainty, four digits.
 pub fn measured(value: f64, u: Option<f64>, unit: &str, unicode: bool) -> String {
     let (scale, prefix) = prefix(value);
     let value = value / scale;
     let Some(u) = u.map(|u| u / scale).filter(|u| *u > 0.0) else {
         return format!("{value:.*} {prefix}{unit}", places(value, 4));
     };
-    let places = places(u, 2);
+    let leading = rounded(u, 3) / 10f64.powf(rounded(u, 3).log10().floor());
+    let places = places(u, if (3.545..9.495).contains(&leading) { 1 } else { 2 });
     let sign = if unicode { "±" } else { "+-" };
     format!("{value:.places$} {sign} {u:.places$} {prefix}{unit}")
 }
@@ -58,6 +59,9 @@ mod tests {
         assert_eq!(measured(2841.349, Some(1.249), "ohm", true), "2841.3 ± 1.2 ohm");
         assert_eq!(measured(4.69712, Some(0.00199), "N", false), "4.6971 +- 0.0020 N");
         assert_eq!(measured(284_134.0, Some(312.0), "ohm", false), "284.13 +- 0.31 kohm");
+        assert_eq!(measured(5.89, Some(0.512), "N", false), "5.9 +- 0.5 N");
+        assert_eq!(measured(5.89, Some(0.354), "N", false), "5.89 +- 0.35 N");
+        assert_eq!(measured(5.89, Some(0.951), "N", false), "5.89 +- 0.95 N");
         assert_eq!(measured(99.98, Some(0.0999), "ohm", false), "99.98 +- 0.10 ohm");
         assert_eq!(measured(2841.349, None, "ohm", false), "2841 ohm");
         assert_eq!(measured(16_200.0, Some(123.0), "ohm", false), "16200 +- 123 ohm");

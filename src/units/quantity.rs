@@ -171,6 +171,11 @@ quantity!(
     ["N ohm", "Nohm", "N \u{3a9}", "N\u{3a9}", "N \u{2126}", "N\u{2126}"]
 );
 
+quantity!(
+    /// A relative uncertainty in percent.
+    Percent, "a relative uncertainty", "8.7 %", ["%"]
+);
+
 #[cfg(test)]
 mod tests {
     use super::*;

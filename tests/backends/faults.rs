@@ -11,7 +11,7 @@ use cermd::instrument::{Instrument, Message};
 use cermd::pins::Pins;
 use cermd::pins::sim::SimPins;
 use cermd::reading::{Measured, Method, Reading, Status};
-use cermd::sensor::Force;
+use cermd::sensor::Law;
 use cermd::units::Nanos;
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
@@ -31,7 +31,10 @@ fn is_sound_value(measured: Measured) -> bool {
 
 fn is_sound(status: Status) -> bool {
     match status {
-        Status::Ok { r_ohm, f_n, .. } => is_sound_value(r_ohm) && f_n.is_none_or(is_sound_value),
+        Status::Ok { r_ohm, f_n, .. } => {
+            is_sound_value(r_ohm)
+                && f_n.is_none_or(|f_n| is_sound_value(Measured { value: f_n.value, u: f_n.u }))
+        }
         Status::Open { r_min_ohm, f_max_n } => {
             is_sound_number(r_min_ohm) && f_max_n.is_none_or(is_sound_number)
         }
@@ -48,7 +51,7 @@ fn draw(rng: &mut ChaCha8Rng) -> (Instrument<Faulty<SimPins>>, Nanos) {
     // 1 ohm to 10 Mohm: short, ok and open.
     let r_ohm = 10f64.powf(rng.random_range(0.0..7.0));
     let (pins, mut settings) = Bench::new("pi4", method, r_ohm, rng.random(), "").parts();
-    settings.channels[0].force = Some(Force::Calibrated { fc1_n: 5.75, fc2_n: 1.05 });
+    settings.channels[0].force = Some(Law::Calibrated { fc1_n: 5.75, fc2_n: 1.05 }.into());
     let mut pins = Faulty::new(pins, rng.random());
     for injection in Injection::ALL {
         // From never to often; a call that fails ends its cycle, and there are twenty of them in one.

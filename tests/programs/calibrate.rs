@@ -143,7 +143,7 @@ fn weights(daemon: &Daemon) {
     let line: Value = serde_json::from_str(&json).unwrap();
     let measured = line["pairs"][0]["r_ohm"].as_f64().unwrap();
     assert!((measured - 11_126.0).abs() < 30.0, "{json}");
-    assert!(config_of(daemon).contains(&format!("force = {{ alpha = \"{} kN ohm\" }}", {
+    assert!(config_of(daemon).contains(&format!("force = {{ alpha = \"{} kN ohm\", u = ", {
         let alpha = line["alpha_n_ohm"].as_f64().unwrap();
         (alpha * 100.0).round() / 1e5
     })));
@@ -206,7 +206,8 @@ fn the_sensor_of_the_paper_comes_out_and_is_written_after_a_yes() {
     ] {
         assert!(text.contains(wanted), "{wanted:?} is missing:\n{text}");
     }
-    assert_eq!(folder.config(), before.replace("\"13346 N ohm\"", "\"13.34586 kN ohm\""));
+    let stored = "\"13.34586 kN ohm\", u = \"0.1 %\", range = [\"1.2 N\", \"6.06 N\"]";
+    assert_eq!(folder.config(), before.replace("\"13346 N ohm\"", stored));
     let kept = kept(folder.0.path());
     assert_eq!((kept.len(), fs::read_to_string(&kept[0]).unwrap()), (1, before));
     assert!(fs::read_to_string(folder.path("plot.svg")).unwrap().ends_with("</svg>\n"));

@@ -2,10 +2,10 @@
 
 use crate::config::Findings;
 use crate::config::limits::{ABSURD_ZERO_OHM, EXPONENTS, FORCES, LARGEST_ZERO_OHM, LONGEST_ID};
-use crate::config::{ChannelTable, Characteristic};
+use crate::config::{ChannelTable, Characteristic, Severity, Source};
 use crate::pins::MAX_CHANNELS;
-use crate::sensor::Force;
-use crate::units::{Newton, NewtonOhm, Ohm};
+use crate::sensor::{Law, UNCALIBRATED_U};
+use crate::units::{Newton, NewtonOhm, Ohm, rounded};
 use std::fmt::Display;
 
 /// The name of a channel's key: by the channel's id, or by its number (from 1) where the id is unfit to print.
@@ -77,22 +77,50 @@ fn zero(index: usize, channel: &ChannelTable, findings: &mut Findings) {
 }
 
 fn force(key: &str, characteristic: &Characteristic, findings: &mut Findings) {
-    let fault = match characteristic {
-        Characteristic::File(file) if file.as_os_str().is_empty() => {
+    let Characteristic { law: source, u, range_n } = characteristic;
+    let fault = match source {
+        Source::File(file) if file.as_os_str().is_empty() => {
             Some(("table names no file".to_owned(), "a CSV file beside the configuration"))
         }
-        Characteristic::File(_) => None,
-        Characteristic::Given(force) => law(force),
+        Source::File(_) => None,
+        Source::Given(given) => law(given),
     };
-    if let Some((reason, remedy)) = fault {
-        findings.error(key, reason, remedy);
+    let is_range = |[least, greatest]: [f64; 2]| {
+        least < greatest && FORCES.contains(&least) && FORCES.contains(&greatest)
+    };
+    let fault = fault.or(match (*u, *range_n) {
+        (Some(u), _) if !(u > 0.0 && u <= 1.0) => Some((
+            format!("u = {} % is not above 0 % and up to 100 %", rounded(100.0 * u, 7)),
+            "u = \"8.7 %\", the residual that `cermctl calibrate force` shows",
+        )),
+        (_, Some(range)) if !is_range(range) => Some((
+            format!(
+                "range = {:?} is not from a lesser to a greater force",
+                range.map(|f_n| Newton(f_n).to_string())
+            ),
+            "range = [\"0.5 N\", \"20 N\"]",
+        )),
+        _ => None,
+    });
+    match fault {
+        Some((reason, remedy)) => findings.error(key, reason, remedy),
+        None if u.is_none() => findings.add(
+            Severity::Info,
+            key,
+            format!(
+                "it has no u: the data sheet of an FSR 402 stands in, {:.1} % (part to part 6 %, hysteresis 10 %)",
+                100.0 * UNCALIBRATED_U
+            ),
+            Some("`cermctl calibrate force`: it stores the residual of the sensor itself"),
+        ),
+        None => {}
     }
 }
 
 /// What is wrong with numbers, and what to try.
-fn law(force: &Force) -> Option<(String, &'static str)> {
-    match *force {
-        Force::Calibrated { fc1_n, fc2_n } if !(fc2_n > 0.0 && fc1_n > fc2_n) => Some((
+fn law(law: &Law) -> Option<(String, &'static str)> {
+    match *law {
+        Law::Calibrated { fc1_n, fc2_n } if !(fc2_n > 0.0 && fc1_n > fc2_n) => Some((
             format!(
                 "fc1 = {} at the lower resistance has to exceed fc2 = {}, and both be above zero",
                 Newton(fc1_n),
@@ -100,25 +128,25 @@ fn law(force: &Force) -> Option<(String, &'static str)> {
             ),
             "the greater force as fc1",
         )),
-        Force::Alpha { alpha_n_ohm } if alpha_n_ohm <= 0.0 => Some((
+        Law::Alpha { alpha_n_ohm } if alpha_n_ohm <= 0.0 => Some((
             format!("alpha = {} is not above zero", NewtonOhm(alpha_n_ohm)),
             "alpha = \"13346 N ohm\", usual for an FSR 402",
         )),
-        Force::Power { at_1_kohm_n, exponent } if !(at_1_kohm_n > 0.0 && exponent > 0.0) => Some((
+        Law::Power { at_1_kohm_n, exponent } if !(at_1_kohm_n > 0.0 && exponent > 0.0) => Some((
             format!("at-1-kohm = {} and exponent = {exponent} have to be above zero", Newton(at_1_kohm_n)),
             "{ at-1-kohm = \"13.3 N\", exponent = 1.0 }",
         )),
-        Force::Calibrated { fc1_n, .. } if !FORCES.contains(&fc1_n) => Some(absurd(Newton(fc1_n))),
-        Force::Calibrated { fc2_n: f_n, .. } | Force::Power { at_1_kohm_n: f_n, .. }
+        Law::Calibrated { fc1_n, .. } if !FORCES.contains(&fc1_n) => Some(absurd(Newton(fc1_n))),
+        Law::Calibrated { fc2_n: f_n, .. } | Law::Power { at_1_kohm_n: f_n, .. }
             if !FORCES.contains(&f_n) =>
         {
             Some(absurd(Newton(f_n)))
         }
         // At 1 kohm.
-        Force::Alpha { alpha_n_ohm } if !FORCES.contains(&(alpha_n_ohm / 1e3)) => {
+        Law::Alpha { alpha_n_ohm } if !FORCES.contains(&(alpha_n_ohm / 1e3)) => {
             Some(absurd(NewtonOhm(alpha_n_ohm)))
         }
-        Force::Power { exponent, .. } if !EXPONENTS.contains(&exponent) => Some((
+        Law::Power { exponent, .. } if !EXPONENTS.contains(&exponent) => Some((
             format!("exponent = {exponent:e} is not between {} and {}", EXPONENTS.start(), EXPONENTS.end()),
             "1.0, near which force-sensing resistors are",
         )),

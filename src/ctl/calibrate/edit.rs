@@ -5,8 +5,8 @@
 use super::CtlError;
 use crate::ctl::check;
 use crate::estimate::fit::Pair;
-use crate::sensor::Force;
-use crate::units::{Newton, NewtonOhm, to_places};
+use crate::sensor::{Force, Law};
+use crate::units::{Newton, NewtonOhm, rounded, to_places};
 use jiff::Timestamp;
 use std::fs::{self, File};
 use std::io::Write;
@@ -38,7 +38,9 @@ pub fn update(path: &Path, id: &str, value: &Value) -> Result<PathBuf, CtlError>
     let edited = edit(&text, id, value, &table_name)
         .map_err(|reason| CtlError::Said(format!("{}: {reason}; nothing was changed", path.display())))?;
     let table = match value {
-        Value::Force(Force::Table { .. }, pairs) => Some((folder.join(table_name), csv(pairs))),
+        Value::Force(Force { law: Law::Table { .. }, .. }, pairs) => {
+            Some((folder.join(table_name), csv(pairs)))
+        }
         _ => None,
     };
     if let Some((path, text)) = &table {
@@ -124,18 +126,21 @@ fn set(table: &mut dyn TableLike, key: &str, mut new: toml_edit::Value) {
 }
 
 fn characteristic(force: &Force, table_name: &str) -> InlineTable {
-    let newton = |f_n: f64| Newton(to_places(f_n, 6)).to_string().into();
-    let pairs: Vec<(&str, toml_edit::Value)> = match *force {
-        Force::Alpha { alpha_n_ohm } => {
+    let newton = |f_n: f64| toml_edit::Value::from(Newton(to_places(f_n, 6)).to_string());
+    let pairs: Vec<(&str, toml_edit::Value)> = match force.law {
+        Law::Alpha { alpha_n_ohm } => {
             vec![("alpha", NewtonOhm(to_places(alpha_n_ohm, 2)).to_string().into())]
         }
-        Force::Power { at_1_kohm_n, exponent } => {
+        Law::Power { at_1_kohm_n, exponent } => {
             vec![("at-1-kohm", newton(at_1_kohm_n)), ("exponent", to_places(exponent, 6).into())]
         }
-        Force::Calibrated { fc1_n, fc2_n } => vec![("fc1", newton(fc1_n)), ("fc2", newton(fc2_n))],
-        Force::Table { .. } => vec![("table", table_name.into())],
+        Law::Calibrated { fc1_n, fc2_n } => vec![("fc1", newton(fc1_n)), ("fc2", newton(fc2_n))],
+        Law::Table { .. } => vec![("table", table_name.into())],
     };
-    pairs.into_iter().collect()
+    let u = force.u.map(|u| ("u", format!("{} %", rounded(100.0 * u, 2)).into()));
+    let range = force.range_n.filter(|[least, greatest]| least < greatest);
+    let range = range.map(|range| ("range", range.map(newton).into_iter().collect()));
+    pairs.into_iter().chain(u).chain(range).collect()
 }
 
 fn csv(pairs: &[Pair]) -> String {
@@ -157,7 +162,7 @@ mod tests {
         id = \"index\"\nsink = 5\n\n# served here\n[server]\nmode = \"0660\" # group\n";
 
     fn alpha(value: f64) -> Value {
-        Value::Force(Force::Alpha { alpha_n_ohm: value }, Vec::new())
+        Value::Force(Law::Alpha { alpha_n_ohm: value }.into(), Vec::new())
     }
 
     #[test]

@@ -8,9 +8,9 @@ use crate::config::pairs;
 use crate::ctl::cli::{Force, Model};
 use crate::ctl::stream::Stream;
 use crate::estimate::fit::{self, Fit, Pair};
-use crate::sensor::Force as Law;
+use crate::sensor::{self, Law};
 use crate::stream::wire::{ReadingLine, ServerMessage, StatusName};
-use crate::units::measured;
+use crate::units::{measured, rounded};
 use serde::Serialize;
 use std::collections::BTreeMap;
 use std::fmt::Write;
@@ -36,13 +36,14 @@ pub fn run(arguments: &Force) -> Result<(), CtlError> {
         Model::Table => fit::table(&pairs),
     };
     let fit = fit.map_err(CtlError::said)?;
-    target.say(&report(&fit, &pairs, &target.config.circuit))?;
+    let force = fit.force(&pairs);
+    target.say(&report(&fit, &force, &pairs, &target.config.circuit))?;
     if let Some(path) = &arguments.plot {
         fs::write(path, plot::svg(&fit, &pairs, &target.id)).map_err(CtlError::file(path))?;
         target.say(&format!("plot: {}", path.display()))?;
     }
-    let line = ForceLine::new(&fit, &pairs, &target);
-    target.offer(&Value::Force(fit.force, pairs), line)
+    let line = ForceLine::new(&fit, &force, &pairs, &target);
+    target.offer(&Value::Force(force, pairs), line)
 }
 
 /// Pairs from standard input, up to an empty line. Its end without one may be a line that was cut off: no pairs.
@@ -110,13 +111,13 @@ fn said(reading: &ReadingLine) -> String {
 }
 
 /// The forces at Rc1 and Rc2, newton; `None` where the characteristic gives none.
-fn at_resistors(fit: &Fit, circuit: &Circuit) -> [Option<f64>; 2] {
+fn at_resistors(force: &sensor::Force, circuit: &Circuit) -> [Option<f64>; 2] {
     let known = [circuit.r_c1.0, circuit.r_c2.0];
-    known.map(|r_ohm| fit.force.at_bound(r_ohm, known))
+    known.map(|r_ohm| force.at_bound(r_ohm, known))
 }
 
 /// What was fitted, and by how much each pair is off, with a bar to the side that it is off to.
-fn report(fit: &Fit, pairs: &[Pair], circuit: &Circuit) -> String {
+fn report(fit: &Fit, force: &sensor::Force, pairs: &[Pair], circuit: &Circuit) -> String {
     let mut text = "   force      resistance        fit    residual\n".to_owned();
     let largest = pairs.iter().map(|&pair| fit.residual(pair).abs()).fold(1e-6, f64::max);
     for &pair in pairs {
@@ -133,7 +134,7 @@ fn report(fit: &Fit, pairs: &[Pair], circuit: &Circuit) -> String {
         let _ = writeln!(text, "{}", row.trim_end());
     }
     let number = |value, u, unit| measured(value, u, unit, false);
-    let _ = match fit.force {
+    let _ = match fit.law {
         Law::Power { at_1_kohm_n, exponent } => writeln!(
             text,
             "F = F_1k (R / 1 kohm)^-p    F_1k = {}, p = {}",
@@ -146,11 +147,14 @@ fn report(fit: &Fit, pairs: &[Pair], circuit: &Circuit) -> String {
         _ => writeln!(text, "table of {} pairs; no force outside them", pairs.len()),
     };
     let names = ["F_c1", "F_c2"].into_iter().zip(["Rc1", "Rc2"]);
-    for ((force, resistor), f_n) in names.zip(at_resistors(fit, circuit)) {
+    for ((force, resistor), f_n) in names.zip(at_resistors(force, circuit)) {
         let f_n = f_n.map_or("outside the table".to_owned(), |f_n| format!("{f_n:.2} N"));
         let _ = writeln!(text, "{force} = {f_n} (at {resistor})");
     }
     let _ = write!(text, "relative rms of the residuals: {:.2} %", 100.0 * fit.relative_rms(pairs));
+    if let Some(u) = force.u {
+        let _ = write!(text, "; the uncertainty of forces by it: {} %", rounded(100.0 * u, 2));
+    }
     text
 }
 
@@ -173,10 +177,10 @@ struct PairLine {
 }
 
 impl ForceLine {
-    fn new(fit: &Fit, pairs: &[Pair], target: &Target) -> ForceLine {
-        let [fc1_n, fc2_n] = at_resistors(fit, &target.config.circuit);
+    fn new(fit: &Fit, force: &sensor::Force, pairs: &[Pair], target: &Target) -> ForceLine {
+        let [fc1_n, fc2_n] = at_resistors(force, &target.config.circuit);
         let [u, u_exponent] = fit.u;
-        let numbers = match fit.force {
+        let numbers = match fit.law {
             Law::Alpha { alpha_n_ohm } => vec![("alpha_n_ohm", Some(alpha_n_ohm)), ("alpha_u_n_ohm", u)],
             Law::Power { at_1_kohm_n, exponent } => vec![
                 ("at_1_kohm_n", Some(at_1_kohm_n)),
@@ -186,7 +190,7 @@ impl ForceLine {
             ],
             _ => Vec::new(),
         };
-        let numbers = numbers.into_iter().chain([("fc1_n", fc1_n), ("fc2_n", fc2_n)]);
+        let numbers = numbers.into_iter().chain([("fc1_n", fc1_n), ("fc2_n", fc2_n), ("u", force.u)]);
         let line = |pair: &Pair| PairLine { f_n: pair.f_n, r_ohm: pair.r_ohm, residual: fit.residual(*pair) };
         ForceLine {
             channel: target.id.clone(),

@@ -1,7 +1,7 @@
 //! Pairs, fit and residuals as a drawing: an SVG that is legible on white and on black.
 
 use crate::estimate::fit::{Fit, Pair};
-use crate::sensor::Force;
+use crate::sensor::Law;
 use std::fmt::Write;
 
 const WIDTH: f64 = 640.0;
@@ -83,8 +83,8 @@ pub fn svg(fit: &Fit, pairs: &[Pair], id: &str) -> String {
 fn curve(fit: &Fit, pairs: &[Pair], force: &Scale, ohm: &Scale) -> String {
     let mut forces: Vec<f64> = pairs.iter().map(|pair| pair.f_n).collect();
     forces.sort_by(f64::total_cmp);
-    let mut points: Vec<Pair> = match (&fit.force, forces.as_slice()) {
-        (Force::Table { .. }, _) | (_, []) => pairs.to_vec(),
+    let mut points: Vec<Pair> = match (&fit.law, forces.as_slice()) {
+        (Law::Table { .. }, _) | (_, []) => pairs.to_vec(),
         (_, [low, ..]) => {
             let ratio: f64 = forces[forces.len() - 1] / low;
             let steps = (0..=STEPS).map(|step| low * ratio.powf(step as f64 / STEPS as f64));

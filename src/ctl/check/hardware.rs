@@ -2,11 +2,14 @@
 
 use super::{latency, wiring};
 use crate::config::backend::{self, CONSUMER, OpenError};
-use crate::config::{Backend, Config, Findings, Severity};
+use crate::config::check::predict::readings;
+use crate::config::{Backend, Config, Findings, Noise, Severity};
 use crate::ctl::CtlError;
 use crate::ctl::stream::Stream;
+use crate::estimate::scatter::{MEDIAN_DEVIATION, median};
 use crate::pins::realtime::{Realtime, Right};
 use crate::pins::{Pins, PinsError};
+use crate::units::Seconds;
 
 /// The first kernel with GPIO uAPI v2.
 const FIRST_V2: (u32, u32) = (5, 10);
@@ -48,7 +51,15 @@ pub fn check(config: &Config, findings: &mut Findings) -> String {
 fn measure(pins: &mut dyn Pins, config: &Config, findings: &mut Findings) -> Result<String, PinsError> {
     wiring::test(pins, config, findings)?;
     let wake_ups = latency::histogram(&latency::wake_ups());
-    let stamps = latency::histogram(&latency::stamps(pins, config)?);
+    let mut late_us = latency::stamps(pins, config)?;
+    let stamps = latency::histogram(&late_us);
+    let middle = median(&mut late_us);
+    late_us.iter_mut().for_each(|late_us| *late_us = (*late_us - middle).abs());
+    let jitter_s = 1e-6 * median(&mut late_us) / MEDIAN_DEVIATION;
+    if let Ok(settings) = config.settings() {
+        let how = format!("the jitter that was measured, {:.2},", Seconds(jitter_s));
+        readings(config, &settings, Noise { jitter_s, ..Noise::TYPICAL }, &how, findings);
+    }
     Ok(format!(
         "\nHow late a sleep of 1 ms ends:\n{wake_ups}How late equal crossings are stamped, after the earliest of them:\n{stamps}"
     ))

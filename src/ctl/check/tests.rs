@@ -35,6 +35,8 @@ fn a_report_of_errors() {
     insta::assert_snapshot!(text, @r#"
     error: circuit.r-c1: 2.32 kohm is not below r-c2 = 1.27 kohm; try the lower resistor as r-c1
     error: channel.index.sink: missing; try the line that the sensor is wired to
+    info: channel.thumb.force: it has no u: the data sheet of an FSR 402 stands in, 7.8 % (part to part 6 %, hysteresis 10 %); try `cermctl calibrate force`: it stores the residual of the sensor itself
+    info: channel.index.force: it has no u: the data sheet of an FSR 402 stands in, 7.8 % (part to part 6 %, hysteresis 10 %); try `cermctl calibrate force`: it stores the residual of the sensor itself
     cermd.toml: not usable: 2 error(s), 0 warning(s)
     "#);
 }
@@ -44,12 +46,17 @@ fn a_report_of_warnings() {
     let (text, usable) = rendered(|c| c.set("channel.index.sink", 17));
     assert!(usable);
     insta::assert_snapshot!(text, @r#"
+    info: channel.thumb.force: it has no u: the data sheet of an FSR 402 stands in, 7.8 % (part to part 6 %, hysteresis 10 %); try `cermctl calibrate force`: it stores the residual of the sensor itself
+    info: channel.index.force: it has no u: the data sheet of an FSR 402 stands in, 7.8 % (part to part 6 %, hysteresis 10 %); try `cermctl calibrate force`: it stores the residual of the sensor itself
     warning: measure.charge-time: 3 ms is 1.9 time constants: the discharge before changes a reading by up to 32.93 of its u (at 62 kohm); try at least "12 ms", or without it
     info: circuit.r-c1: through Rc1, node A after 1.12 ms, node B after 1.89 ms
     info: circuit.r-c2: through Rc2, node A after 6.06 ms, node B after 10.2 ms
     info: measure.charge-time: 3 ms, as given, is 1.9 time constants: the discharge before changes a reading by up to 32.93 of its u (at 62 kohm)
     info: measure.deadline: 50 ms, enough for a sensor of 62.5 kohm
     info: measure.rate-hz: a cycle takes 44.6 ms (22.4 Hz) with the sensor at Rc2, 124 ms at most
+    info: measure.method: cerm with the noise of a usual board (jitter 1.5 us, 0.5 mV): 100.0 +- 2.4 ohm at 28.5 Hz, 1000.0 +- 2.5 ohm at 28.0 Hz, 10000 +- 4 ohm at 24.8 Hz, 50000 +- 23 ohm at 9.6 Hz
+    info: channel.thumb.force: at these resistances: 135 +- 11 N (readout 3.28 N), 13.3 +- 1.0 N (readout 0.0338 N), 1.33 +- 0.10 N (readout 0.000569 N), 0.267 +- 0.021 N (readout 0.000123 N)
+    info: channel.index.force: at these resistances: 1.33 +- 0.10 N (readout 0.000568 N)
     cermd.toml: usable: 0 error(s), 1 warning(s)
     "#);
 }

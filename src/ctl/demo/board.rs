@@ -3,12 +3,12 @@
 
 use super::super::CtlError;
 use crate::circuit::{Circuit, NOMINAL_R_CHARGE, Network};
-use crate::config::{ChannelTable, Characteristic, Config, Gpio, Measure, Mock, Mode, Server};
+use crate::config::{ChannelTable, Config, Gpio, Measure, Mock, Mode, Server};
 use crate::ctl::cli;
 use crate::pins::Drives;
 use crate::pins::sim::network::line_index;
 use crate::pins::sim::{Kind, Scene, Sensor, SimPins};
-use crate::sensor::Force;
+use crate::sensor::Law;
 use crate::units::{Farad, Newton, NewtonOhm, Ohm, Seconds};
 use std::path::{Path, PathBuf};
 
@@ -74,7 +74,7 @@ fn config(scene: &Scene, arguments: &cli::Demo, socket: &Path) -> Config {
         id: FINGERS.get(index).map_or_else(|| format!("x{index}"), |name| (*name).to_owned()),
         sink: None,
         zero_ohm: 0.0,
-        force: Some(Characteristic::Given(Force::Alpha { alpha_n_ohm: FSR_402.0 })),
+        force: Some(Law::Alpha { alpha_n_ohm: FSR_402.0 }.into()),
     };
     Config {
         circuit: circuit(scene),

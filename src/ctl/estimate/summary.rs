@@ -7,9 +7,12 @@ use serde::Serialize;
 use std::collections::BTreeMap;
 use std::fmt;
 
-/// The estimates by channel and method: numbers with their uncertainties, and how many were none.
+/// Numbers with their uncertainties.
+type Numbers = Vec<(f64, Option<f64>)>;
+
+/// The estimates by channel and method: numbers, and how many were none.
 #[derive(Debug, Default)]
-pub struct Summary(BTreeMap<[String; 2], (Vec<(f64, Option<f64>)>, u64)>);
+pub struct Summary(BTreeMap<[String; 2], (Numbers, u64)>);
 
 /// Those of one channel by one method; what is not known is absent.
 #[derive(Debug, Serialize)]
@@ -46,10 +49,9 @@ impl Summary {
 
     /// In the order of channels and methods.
     pub fn rows(&self) -> Vec<Row> {
-        let row = |([channel, method], (numbers, others)): (&[String; 2], &(Vec<_>, u64))| {
-            Row::new(channel, method, numbers, *others)
-        };
-        self.0.iter().map(row).collect()
+        let rows = self.0.iter();
+        rows.map(|([channel, method], (numbers, others))| Row::new(channel, method, numbers, *others))
+            .collect()
     }
 }
 

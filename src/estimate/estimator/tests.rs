@@ -4,7 +4,7 @@
 use super::*;
 use crate::reading::Status;
 use crate::record::Switch;
-use crate::sensor::Force;
+use crate::sensor::Law;
 use crate::units::Nanos;
 use proptest::prelude::*;
 
@@ -130,7 +130,7 @@ proptest! {
         estimator.calibrate(&record(Through::C2, c2)).unwrap();
         let mut x = record(Through::X(0), x);
         x.switch = at.map(|at| Switch { at_ns: at, on_ns: at, to: Through::C2 });
-        match estimator.status(&x, 0.0, Some(&Force::Alpha { alpha_n_ohm: 13346.46 })) {
+        match estimator.status(&x, 0.0, Some(&Law::Alpha { alpha_n_ohm: 13346.46 }.into())) {
             Status::Ok { r_ohm, f_n, .. } => {
                 prop_assert!(r_ohm.value > 0.0 && r_ohm.value.is_finite());
                 prop_assert!(f_n.is_none_or(|f| f.value > 0.0 && f.value.is_finite()));

@@ -20,18 +20,18 @@ fn the_sensor_of_the_paper_is_found_again() {
     // Two pairs that the paper names; alpha hangs on the light one, which is rounded to 0.01 N.
     let pairs = [pair(6.06, 2200.0), pair(1.20, 11122.0)];
     let fit = alpha(&pairs).unwrap();
-    let Force::Alpha { alpha_n_ohm } = fit.force else { panic!("{fit:?}") };
+    let Law::Alpha { alpha_n_ohm } = fit.law else { panic!("{fit:?}") };
     let rounding = ALPHA * 0.005 / 1.2;
     assert!((alpha_n_ohm - ALPHA).abs() < rounding, "{alpha_n_ohm}");
     for pair in pairs {
-        let of_paper = Fit { force: Force::Alpha { alpha_n_ohm: ALPHA }, u: [None; 2] };
+        let of_paper = Fit { law: Law::Alpha { alpha_n_ohm: ALPHA }, u: [None; 2] };
         assert!(of_paper.residual(pair).abs() < REPEATABILITY, "{pair:?}");
-        let at = |r_ohm| format!("{:.2}", of_paper.force.at_bound(r_ohm, KNOWN).unwrap());
+        let at = |r_ohm| format!("{:.2}", Force::from(of_paper.law.clone()).at_bound(r_ohm, KNOWN).unwrap());
         assert_eq!([at(2320.0), at(12_700.0)], ["5.75", "1.05"]);
         assert!(fit.residual(pair).abs() < REPEATABILITY, "{pair:?}");
     }
     // F_c1 and F_c2 at its calibration resistors.
-    let force = fit.force.clone();
+    let force = Force::from(fit.law.clone());
     assert_eq!(format!("{:.2}", force.at_bound(2320.0, KNOWN).unwrap()), "5.75");
     assert_eq!(format!("{:.2}", force.at_bound(12_700.0, KNOWN).unwrap()), "1.05");
 }
@@ -72,7 +72,7 @@ fn alpha_is_off_by_what_its_uncertainty_says() {
             })
             .collect();
         match alpha(&pairs).unwrap() {
-            Fit { force: Force::Alpha { alpha_n_ohm: value }, u: [u, _] } => (truth, Measured { value, u }),
+            Fit { law: Law::Alpha { alpha_n_ohm: value }, u: [u, _] } => (truth, Measured { value, u }),
             other => panic!("{other:?}"),
         }
     });
@@ -88,7 +88,7 @@ fn random_power(rng: &mut ChaCha8Rng) -> ([f64; 2], [Measured; 2]) {
         })
         .collect();
     match power(&pairs).unwrap() {
-        Fit { force: Force::Power { at_1_kohm_n, exponent }, u: [u_n, u] } => {
+        Fit { law: Law::Power { at_1_kohm_n, exponent }, u: [u_n, u] } => {
             ([f_1k, p], [Measured { value: at_1_kohm_n, u: u_n }, Measured { value: exponent, u }])
         }
         other => panic!("{other:?}"),
@@ -113,7 +113,7 @@ fn every_fit_goes_through_pairs_that_follow_it() {
         assert!(fit.relative_rms(&pairs) < 1e-12, "{fit:?}");
         for pair in &pairs {
             assert!(
-                (fit.force.at_bound(pair.r_ohm, KNOWN).unwrap() / pair.f_n - 1.0).abs() < 1e-9,
+                (fit.force(&pairs).at_bound(pair.r_ohm, KNOWN).unwrap() / pair.f_n - 1.0).abs() < 1e-9,
                 "{fit:?}"
             );
         }
@@ -151,4 +151,17 @@ fn what_readings_share_is_in_the_uncertainty_of_their_mean() {
     let errors = rms_of(&found.iter().map(|one| one.value).collect::<Vec<_>>());
     assert!(errors.is(0.1001f64.sqrt(), 0.0), "{errors}");
     assert!(stated.over(errors).is_in(0.8..=1.2), "{stated} for {errors}");
+}
+
+#[test]
+fn what_the_residuals_are_is_the_uncertainty_of_a_force() {
+    // Off by 10 % to either side: with one parameter, three degrees of freedom.
+    let pairs = [(1.0, 1.1), (2.0, 0.9), (4.0, 1.1), (8.0, 0.9)].map(|(f_n, off)| pair(f_n, 1e4 / f_n * off));
+    let fit = Fit { law: Law::Alpha { alpha_n_ohm: 1e4 }, u: [None; 2] };
+    let Force { u, range_n, .. } = fit.force(&pairs);
+    assert!((u.unwrap() - 0.1 * (4.0f64 / 3.0).sqrt()).abs() < 1e-9, "{u:?}");
+    assert_eq!(range_n, Some([1.0, 8.0]));
+    // One pair, and a table, say nothing of how far the sensor is off between them.
+    assert_eq!(fit.force(&pairs[..1]).u, None);
+    assert_eq!(table(&pairs).unwrap().force(&pairs).u, None);
 }

@@ -1,7 +1,7 @@
 //! What the server says: VERSION, READING, STATS, ERROR and the lines of a tape.
 
 use super::{PROTO_MAJOR, PROTO_MINOR, StatsLine};
-use crate::reading::{Measured, Method, Reading, Status};
+use crate::reading::{Method, Reading, Status};
 use crate::stream::line::{Class, is_unknown, uncertainty, value};
 use crate::stream::tape::{DischargeLine, Header};
 use serde::de::DeserializeOwned;
@@ -162,9 +162,15 @@ pub struct StateLine {
     /// Newton.
     #[serde(serialize_with = "value", skip_serializing_if = "is_unknown")]
     pub f_n: Option<f64>,
-    /// 1 sigma, newton.
+    /// 1 sigma of all, readout and characteristic, newton.
     #[serde(serialize_with = "uncertainty", skip_serializing_if = "is_unknown")]
     pub f_u_n: Option<f64>,
+    /// 1 sigma of the readout alone: how well readings of one sensor can be told apart, newton.
+    #[serde(serialize_with = "uncertainty", skip_serializing_if = "is_unknown")]
+    pub f_repeat_u_n: Option<f64>,
+    /// The force is outside those that the sensor was calibrated with.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub extrapolated: bool,
     /// Open: lower bound, ohm.
     #[serde(serialize_with = "value", skip_serializing_if = "is_unknown")]
     pub r_min_ohm: Option<f64>,
@@ -208,13 +214,15 @@ impl ReadingLine {
 impl StateLine {
     /// By this method.
     pub fn new(status: &Status, method: Method) -> StateLine {
-        let parts = |measured: Option<Measured>| (measured.map(|m| m.value), measured.and_then(|m| m.u));
         let mut line = StateLine::default();
         match *status {
             Status::Ok { branch, r_ohm, f_n } => {
                 line.status = StatusName::Ok;
-                (line.r_ohm, line.r_u_ohm) = parts(Some(r_ohm));
-                (line.f_n, line.f_u_n) = parts(f_n);
+                (line.r_ohm, line.r_u_ohm) = (Some(r_ohm.value), r_ohm.u);
+                line.f_n = f_n.map(|f_n| f_n.value);
+                line.f_u_n = f_n.and_then(|f_n| f_n.u);
+                line.f_repeat_u_n = f_n.and_then(|f_n| f_n.repeat_u);
+                line.extrapolated = f_n.is_some_and(|f_n| f_n.is_extrapolated);
                 line.method = Some(method.to_string());
                 line.branch = Some(branch.to_string());
             }

@@ -25,7 +25,7 @@ pub fn channels() -> [ChannelInfo; 2] {
 /// A reading; they come at 100 Hz.
 pub fn reading(channel: usize, seq: u64) -> Reading {
     let r_ohm = Measured { value: 2841.3 + seq as f64, u: Some(1.2) };
-    let f_n = (channel == 0).then_some(Measured { value: 4.697, u: Some(0.002) });
+    let f_n = (channel == 0).then_some(Measured { value: 4.697, u: Some(0.002) }.into());
     Reading {
         channel,
         seq,

@@ -1,7 +1,7 @@
 //! The lines of the protocol, byte by byte and read back.
 
 use super::*;
-use crate::reading::{Branch, Fault, Method, Suspect};
+use crate::reading::{Branch, Fault, Measured, MeasuredForce, Method, Suspect};
 use crate::stream::wire::{InstrumentStats, to_line};
 use crate::units::Nanos;
 
@@ -29,7 +29,8 @@ fn written(status: Status) -> String {
 
 fn ok() -> Status {
     let r_ohm = Measured { value: 2841.3, u: Some(1.2) };
-    let f_n = Some(Measured { value: 4.697, u: Some(0.002) });
+    let f_n = MeasuredForce { value: 4.697, u: Some(0.41), repeat_u: Some(0.002), is_extrapolated: false };
+    let f_n = Some(f_n);
     Status::Ok { branch: Branch::Direct, r_ohm, f_n }
 }
 
@@ -39,7 +40,7 @@ fn the_lines_of_the_protocol_byte_by_byte() {
         written(ok()),
         "{\"class\":\"READING\",\"channel\":\"thumb\",\"seq\":1041,\"time\":\"2026-11-21T03:40:00.123456789Z\",\
          \"t_mono_ns\":81234567890,\"status\":\"ok\",\"r_ohm\":2841.3,\"r_u_ohm\":1.2,\"f_n\":4.697,\
-         \"f_u_n\":0.002,\"method\":\"cerm\",\"branch\":\"direct\",\"duration_us\":18230,\"lost\":0}\n"
+         \"f_u_n\":0.41,\"f_repeat_u_n\":0.002,\"method\":\"cerm\",\"branch\":\"direct\",\"duration_us\":18230,\"lost\":0}\n"
     );
     let head = "{\"class\":\"READING\",\"channel\":\"thumb\",\"seq\":1041,\
                 \"time\":\"2026-11-21T03:40:00.123456789Z\",\"t_mono_ns\":81234567890,\"status\":";
@@ -118,7 +119,7 @@ fn readings_are_read_back() {
     assert_eq!((line.state.status, line.seq, line.lost), (StatusName::Ok, 1041, 0));
     assert_eq!(
         (line.state.r_ohm, line.state.r_u_ohm, line.state.f_n, line.state.f_u_n),
-        (Some(2841.3), Some(1.2), Some(4.697), Some(0.002))
+        (Some(2841.3), Some(1.2), Some(4.697), Some(0.41))
     );
     assert_eq!((line.duration_us, line.state.r_min_ohm, line.state.fault), (Some(18230), None, None));
 }
