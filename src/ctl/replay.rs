@@ -77,6 +77,7 @@ impl Replay {
             t_l: None,
             switch_fraction: 1.0,
         });
+        cycle.ignore_leaks();
         if let Some(offset) = offset.filter(|_| !tracked) {
             cycle.set_offset(offset);
         }

@@ -10,6 +10,11 @@ use crate::estimate::limits::{
 use crate::reading::{Fault, Measured};
 
 impl Estimator {
+    /// Says nothing of leaks.
+    pub fn ignore_leaks(&mut self) {
+        (self.leak_siemens, self.leak_shows) = (0.0, false);
+    }
+
     /// Takes over how strong a leak there likely is, and whether it shows.
     pub fn set_leak(&mut self, leak: &LeakTest) {
         (self.leak_siemens, self.leak_shows) = (leak.likely_siemens(), leak.siemens().is_some());
