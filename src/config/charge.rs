@@ -82,12 +82,13 @@ impl Config {
     pub fn predictions(&self, noise: Noise) -> Vec<Prediction> {
         let Some(budget) = Budget::new(self, noise) else { return Vec::new() };
         let highest = self.circuit.resistance(self.last_node(), self.deadline().into()).unwrap_or_default();
+        let switches = SWITCH_FRACTIONS.map(|fraction| fraction * budget.g[budget.nodes - 1]);
         [0.01, 0.1, 1.0, 4.0]
             .map(|share| Ohm(rounded(share * self.circuit.r_second().0, 1)))
             .into_iter()
             .filter(|r| *r < highest)
             .map(|r| {
-                let Equation { variance, takes_s, .. } = budget.equation(r);
+                let Equation { variance, takes_s, .. } = budget.equation(r, &switches);
                 Prediction { r, u: Ohm(variance.sqrt()), period: self.cycle(Seconds(takes_s)) }
             })
             .collect()
@@ -157,13 +158,14 @@ impl Budget {
 
     /// Error over sigma of a reading of `r`, before any charge has forgotten anything.
     fn sigmas(&self, r: Ohm) -> f64 {
-        let equation = self.equation(r);
+        let equation = self.equation(r, &[self.fraction * self.g[0]]);
         let depths: f64 = equation.by_depth.iter().map(|by| by.abs()).sum();
         self.span / 2.0 * depths / equation.variance.sqrt()
     }
 
-    /// The equation that a reading of `r` is likely to come from.
-    fn equation(&self, r: Ohm) -> Equation {
+    /// The equation that a reading of `r` is likely to come from; `switches`: the progress at which a discharge may be switched
+    /// where that is chosen.
+    fn equation(&self, r: Ohm, switches: &[f64]) -> Equation {
         let r = r.0 + self.r_o;
         let (rules, theta) = (self.method.rules(), self.fraction * self.g[0]);
         match rules.switching {
@@ -173,9 +175,8 @@ impl Budget {
             }
             Switching::AtFraction => self.plain(r).or(self.finished(r, theta)),
             Switching::WhereBest => {
-                let last = self.g[self.nodes - 1];
-                let switched = SWITCH_FRACTIONS.map(|fraction| self.weighted(r, Some(fraction * last)));
-                switched.into_iter().fold(self.weighted(r, None), Equation::or)
+                let switched = switches.iter().map(|theta| self.weighted(r, Some(*theta)));
+                switched.fold(self.weighted(r, None), Equation::or)
             }
         }
     }

@@ -33,6 +33,8 @@ pub struct Replay {
     header: Header,
     method: Method,
     cycle: Cycle,
+    /// The offset is what the tape tells, from the first four split discharges on.
+    is_auto: bool,
 }
 
 impl Replay {
@@ -52,6 +54,7 @@ impl Replay {
         }
         let tracked =
             method.is_tracked() || (header.tracked && !Method::Qerm.rules().circuits.contains(&kind));
+        let is_auto = offset == Some(OffsetSource::Auto);
         let offset = match (offset, header.offset.offset_ns) {
             (Some(OffsetSource::Given(d_ns)), _) => Some(Offset::given(d_ns)),
             (None, Some(d_ns)) => Some(of_header(d_ns, &header.offset)),
@@ -81,7 +84,7 @@ impl Replay {
         if let Some(offset) = offset.filter(|_| !tracked) {
             cycle.set_offset(offset);
         }
-        Ok(Replay { header, method, cycle })
+        Ok(Replay { header, method, cycle, is_auto })
     }
 
     /// Takes the next discharge; the estimate, if it was a sensor's.
@@ -91,11 +94,10 @@ impl Replay {
     pub fn take(&mut self, entry: &Entry) -> Result<Option<Estimate>, String> {
         let Entry { seq, is_timed, is_held, record } = entry;
         let is_switched = record.through.channel().is_some() && record.switch.is_some();
-        if is_switched
-            && !self.cycle.offset_is_known()
-            && self.method.needs_offset()
-            && !self.cycle.settle_offset()
-        {
+        let is_wanting = self.method.needs_offset() && !self.cycle.offset_is_known();
+        // Others are read as the daemon reads them before it has found the offset, unless the tape is to tell.
+        let is_settled = is_wanting && (is_switched || self.is_auto) && self.cycle.settle_offset();
+        if is_wanting && is_switched && !is_settled {
             return Err(format!(
                 "{} needs the latency offset, and the tape has neither offset_ns nor enough split calibration \
                  discharges; give it with --offset, e.g. --offset \"8 us\"",

@@ -14,9 +14,8 @@ pub const UNCERTAINTY_DIGITS: usize = 3;
 /// Significant digits of a time since the start, and of a rate: ns in a second.
 pub const TIME_DIGITS: usize = 9;
 
-/// Decimal places of a time on a tape, ns, and digits that no number of those has more of.
-pub const TIME_PLACES: usize = 2;
-pub const WHOLE_DIGITS: usize = 17;
+/// Significant digits of a time on a tape: 0.1 ns in a discharge of a second, and far below what a clock of 1 ns tells.
+pub const TAPE_DIGITS: usize = 10;
 
 /// Characters of a client's own text that an answer repeats: answers stay short whatever was sent.
 pub const EXCERPT: usize = 40;

@@ -1,7 +1,7 @@
 //! Lines of JSON: their class, and their numbers, which are rounded to what they are worth and absent when unknown.
 
-use crate::stream::limits::{TIME_DIGITS, TIME_PLACES, UNCERTAINTY_DIGITS, VALUE_DIGITS, WHOLE_DIGITS};
-use crate::units::{rounded, to_places};
+use crate::stream::limits::{TAPE_DIGITS, TIME_DIGITS, UNCERTAINTY_DIGITS, VALUE_DIGITS};
+use crate::units::rounded;
 use serde::{Deserialize, Serialize, Serializer};
 
 /// What a line is. Serde writes the tag of a struct and does not look at it when it reads.
@@ -37,12 +37,12 @@ pub fn rate<S: Serializer>(number: &Option<f64>, serializer: S) -> Result<S::Ok,
 
 /// Nanoseconds of a discharge, which are stamped as whole ones and halved by the middle of a call.
 pub fn ns<S: Serializer>(number: &f64, serializer: S) -> Result<S::Ok, S::Error> {
-    write(Some(to_places(*number, TIME_PLACES)), WHOLE_DIGITS, serializer)
+    write(Some(*number), TAPE_DIGITS, serializer)
 }
 
 /// The same where it may be missing.
 pub fn maybe_ns<S: Serializer>(number: &Option<f64>, serializer: S) -> Result<S::Ok, S::Error> {
-    write(number.map(|number| to_places(number, TIME_PLACES)), WHOLE_DIGITS, serializer)
+    write(*number, TAPE_DIGITS, serializer)
 }
 
 pub fn seconds<S: Serializer>(number: &f64, serializer: S) -> Result<S::Ok, S::Error> {

@@ -53,7 +53,7 @@ pub struct Header {
 #[serde(default)]
 pub struct TapeOffset {
     /// The latency offset d of the crossings, ns.
-    #[serde(serialize_with = "value", skip_serializing_if = "is_unknown")]
+    #[serde(serialize_with = "maybe_ns", skip_serializing_if = "is_unknown")]
     pub offset_ns: Option<f64>,
     /// 1 sigma, ns.
     #[serde(serialize_with = "uncertainty", skip_serializing_if = "is_unknown")]
@@ -129,7 +129,7 @@ pub struct SwitchLine {
     /// The next one.
     pub to: Resistor,
     /// 1 sigma of each of these instants as far as the recorder knows; absent: only the tape's own scatter tells.
-    #[serde(default, serialize_with = "maybe_ns", skip_serializing_if = "is_unknown")]
+    #[serde(default, serialize_with = "value", skip_serializing_if = "is_unknown")]
     pub u_ns: Option<f64>,
 }
 
