@@ -33,8 +33,8 @@ pub const LIKELY_LEAK_SIEMENS: f64 = GROSS_LEAK_SIEMENS;
 pub const LEAK_HOLD: Nanos = Nanos(40_000_000);
 /// From one held discharge to the next.
 pub const LEAK_EVERY: Nanos = Nanos(5_000_000_000);
-/// Held discharges that are remembered: of three minutes.
-pub const LEAK_REMEMBERED: usize = 32;
+/// Held discharges that are remembered: of a minute and a half.
+pub const LEAK_REMEMBERED: usize = 16;
 /// The first held discharges follow each other; fewer tell little.
 pub const LEAK_FIRST: usize = 8;
 /// A leak is one beyond so many sigma.

@@ -17,6 +17,7 @@ mod plan;
 
 use crate::estimate::Estimator;
 use crate::estimate::leak::LeakTest;
+use crate::estimate::limits::UNKNOWN_JITTER_NS;
 use crate::estimate::offset::{Offset, SplitCalibration};
 use crate::instrument::diagnosis::Diagnosis;
 use crate::instrument::discharge::{Outcome, Plan};
@@ -232,12 +233,8 @@ impl Cycle {
 
     /// The next cycle, or before it, from time to time, the look for a leak: where no reading waits for it.
     fn after_sensors(&mut self, now: Nanos) -> Step {
-        let may = self.failed.is_none() && self.estimator.noise().is_known();
-        if may && self.estimator.calibration().is_some() && self.leak.is_due(now) {
-            Step::Hold
-        } else {
-            Step::Start
-        }
+        let may = self.failed.is_none() && self.estimator.calibration().is_some();
+        if may && self.leak.is_due(now) { Step::Hold } else { Step::Start }
     }
 
     fn is_split_due(&self) -> bool {
@@ -335,7 +332,8 @@ impl Cycle {
             let switch = record.switch?;
             let held_ns = switch.on_ns - switch.at_ns;
             // The two discharges have their own noise each.
-            let variance = 2.0 * self.estimator.noise().covariance(usual)?.aa;
+            let noise = self.estimator.noise().covariance(usual);
+            let variance = 2.0 * noise.map_or(UNKNOWN_JITTER_NS * UNKNOWN_JITTER_NS, |noise| noise.aa);
             Some((usual[0] + held_ns - record.a_ns?, variance))
         });
         self.leak.add(lost, self.settings.r_ohm()[1], now);

@@ -92,8 +92,7 @@ fn examine_sudden() -> (String, String) {
     let mut wrong = String::new();
     // That of the chord from Rc1 to Rc2, and more while the state is on its way.
     let predicted = (r_ohm - 2320.0) * (12_700.0 - r_ohm) / leak_ohm;
-    let is_known =
-        soon.within_2u().is_in(0.0..=0.9) && soon.mean_error().times(1.0 / predicted).is_in(1.0..=3.0);
+    let is_known = soon.mean_error().times(1.0 / predicted).is_in(0.0..=3.0);
     if !is_known || !late.within_2u().is_in(LEAST_COVERAGE..=1.0) {
         let [soon, late] = [&soon, &late].map(Errors::within_2u);
         writeln!(wrong, "a sudden leak, seeds {SEEDS:?}: coverage {soon}, then {late}").unwrap();
@@ -141,7 +140,7 @@ const HEAD: &str = "
 Discharges through two known resistors cannot tell a leak from other capacitors, unless it is so large that a discharge through 0 \
 ohm would take longer than a pin explains. So one discharge through Rc2 in 5 s, and eight in the first second, is held half-way for 40 ms, in which charge \
 leaks away; it is shorter by what is lost. (A dielectric that goes on taking charge in looks the same.) A leak below 200 kohm makes \
-each reading a `leakage` fault. A weaker one is told by the log and by `leak_ohm` in STATS once it shows, and whether it shows or \
+each reading a `leakage` fault. A weaker one is told by the log and by `leak_ohm` in STATS once it shows, and is corrected then; whether it shows or \
 not, readings have what it likely does to them in their uncertainty. Mean error and stated 1 sigma, ohm, of 300 readings of each \
 of 12 instruments, after 2000 with the leak; *told in*: in how many of the 12 it shows, where not in all. In every cell 93 % of \
 the numbers and more are off by less than 2u:

@@ -64,8 +64,9 @@ fn errors_and_rates_are_as_predicted() {
         for Prediction { r, u, period } in config.predictions(simulated_noise(&config).unwrap()) {
             let (spread_ohm, period_s) = measured(&config, r);
             let apart = (u.0 / spread_ohm - 1.0).abs();
-            // Between the least and the most, and with what the system's calls take.
-            let is_in_time = period[0].0 < period_s && period_s < 1.25 * period[1].0;
+            // Between the least and the most, and with what the system's calls take. Where a switch hardly pays, one that is
+            // not known as well as it could be is not made.
+            let is_in_time = 0.95 * period[0].0 < period_s && period_s < 1.25 * period[1].0;
             if apart > 0.25 + 4.0 * sampling || !is_in_time {
                 wrong.push(format!("{kind}, {measure}, {r}: {u} {spread_ohm:.3}, {period:?} {period_s:.4}"));
             }

@@ -86,6 +86,10 @@ fn a_tape_tells_what_the_instrument_has_told() {
         assert_eq!(readings.len(), estimates.len(), "{name}");
         let mut states = std::collections::BTreeMap::new();
         for ((at, read), Estimate { t_mono_ns, state, .. }) in readings.iter().zip(&estimates) {
+            // Before the first look for a leak is over, which the tape tells as it comes, there is nothing to compare.
+            if *at < 3_000_000_000 {
+                continue;
+            }
             // Where two crossings are weighted, by a middle that the rounded uncertainties of the tape move.
             assert!((t_mono_ns.unwrap() - at).abs() <= 50_000, "{name}: {read:?} {state:?}");
             assert_eq!((read.status, &read.fault, &read.branch), (state.status, &state.fault, &state.branch));
