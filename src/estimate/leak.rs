@@ -11,7 +11,8 @@
 #[cfg(doc)]
 use crate::estimate::limits::LEAK_HELD_AT;
 use crate::estimate::limits::{
-    LEAK_EVERY, LEAK_FIRST, LEAK_HOLD, LEAK_REMEMBERED, LEAK_SHOWS, LEAK_SURPRISE, LIKELY_LEAK_SIEMENS,
+    GROSS_LEAK_SIEMENS, LEAK_EVERY, LEAK_FIRST, LEAK_HOLD, LEAK_REMEMBERED, LEAK_SHOWS, LEAK_SURPRISE,
+    LIKELY_LEAK_SIEMENS,
 };
 use crate::estimate::scatter::median;
 use crate::units::Nanos;
@@ -38,7 +39,10 @@ impl LeakTest {
     /// Whether a held discharge is due.
     pub fn is_due(&self, now: Nanos) -> bool {
         let is_old = self.last.is_none_or(|last| now - last >= LEAK_EVERY);
-        self.taken < LEAK_FIRST && self.failed < LEAK_FIRST || self.is_surprised || is_old
+        let is_first = self.taken < LEAK_FIRST && self.failed < LEAK_FIRST;
+        // Nothing is measured meanwhile, so it is seen at once when that is over.
+        let is_defect = self.is_known() && self.median.abs() > GROSS_LEAK_SIEMENS;
+        is_first || is_defect || self.is_surprised || is_old
     }
 
     /// Takes one, whether it told something or not. `lost_ns`: by how much it was shorter, with its variance; `r_ohm`: R_2.

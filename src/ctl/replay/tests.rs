@@ -111,7 +111,7 @@ fn a_tape_tells_what_the_instrument_has_told() {
             *states.entry(of_state).or_insert(0) += 1;
         }
         assert!(
-            states.get("ok").is_some_and(|ok| *ok > 300) && states.contains_key("open"),
+            states.get("ok").is_some_and(|ok| *ok > 250) && states.contains_key("open"),
             "{name}: {states:?}"
         );
     }

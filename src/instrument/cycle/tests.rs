@@ -65,7 +65,7 @@ fn a_sensors_interrupted_discharge_is_taken_again() {
     let readings: Vec<_> = seen.iter().filter_map(|(_, status)| *status).collect();
     assert!(readings.len() == 2 && is_right(seen[4].1) && is_right(seen[6].1), "{seen:?}");
     assert_eq!((cycle.stats().retried, cycle.stats().readings, cycle.stats().ok), (3, 2, 2));
-    assert!(cycle.is_at_start());
+    assert!(cycle.is_at_start() || cycle.is_holding());
 }
 
 #[test]

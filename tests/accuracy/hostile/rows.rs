@@ -57,7 +57,6 @@ pub static LINES: [Row; 8] = [
         name: "writes are posted for 1 to 3 calls of 0.5 us",
         scene: "[calls]\nfixed = '0 s'\nper-line = '0.5 us'\nmoves-at = [1.0, 3.0]",
         cases: SWITCHED,
-        fails: &[(Tracked, 1000.0)],
         ..ROW
     },
     Row {
@@ -121,7 +120,7 @@ pub static STAMPS: [Row; 6] = [
             (Cerm, &[100.0, 1000.0, 5000.0]),
             (Tcdic, &[100.0, 16_200.0]),
         ],
-        fails: &[(Tracked, 100.0), (Cerm, 100.0), (Tcdic, 100.0)],
+        fails: &[(Cerm, 100.0), (Tcdic, 100.0)],
         ..ROW
     },
     Row { name: "stamps jitter by 5 us", scene: "[stamps]\njitter = '5 us'\nmean = '20 us'", ..ROW },
@@ -175,7 +174,7 @@ pub static PINS: [Row; 4] = [
         name: "Ro walks by 1 ohm in a second",
         scene: "[walk]\nr-o = '1 ohm'",
         cases: ALL,
-        fails: &[(Tracked, 100.0), (Tracked, 1000.0)],
+        fails: &[(Tracked, 100.0)],
         ..ROW
     },
     Row { name: "Ro walks by 0.1 ohm in a second", scene: "[walk]\nr-o = '0.1 ohm'", cases: ALL, ..ROW },
