@@ -55,37 +55,16 @@ const PLAIN: Variant = Variant {
 const VARIANTS: [Variant; 7] = [
     Variant { name: "tape: plain", ..PLAIN },
     Variant { name: "tape: plain, without the instants of starts", has_t: false, ..PLAIN },
-    Variant {
-        name: "tape: B is stamped 3 us later than A",
-        b_later_ns: 3000.0,
-        fails: &[(Method::Tracked, 100.0)],
-        ..PLAIN
-    },
-    Variant {
-        name: "tape: lines scatter by 0.3 us",
-        scatter_ns: 300.0,
-        fails: &[(Method::Tracked, 100.0), (Method::Tracked, 1000.0)],
-        ..PLAIN
-    },
+    Variant { name: "tape: B is stamped 3 us later than A", b_later_ns: 3000.0, ..PLAIN },
+    Variant { name: "tape: lines scatter by 0.3 us", scatter_ns: 300.0, ..PLAIN },
     Variant {
         name: "tape: lines scatter by 0.3 us, and it says so",
         scatter_ns: 300.0,
         is_told: true,
-        fails: &[(Method::Tracked, 100.0), (Method::Tracked, 1000.0)],
         ..PLAIN
     },
-    Variant {
-        name: "tape: lines scatter by 2 us",
-        scatter_ns: 2000.0,
-        fails: &[(Method::Tracked, 100.0), (Method::Tracked, 1000.0), (Method::Cerm, 100.0)],
-        ..PLAIN
-    },
-    Variant {
-        name: "tape: Ro walks by 1 ohm in a second",
-        walk_ohm: 1.0,
-        fails: &[(Method::Tracked, 100.0), (Method::Tracked, 1000.0)],
-        ..PLAIN
-    },
+    Variant { name: "tape: lines scatter by 2 us", scatter_ns: 2000.0, ..PLAIN },
+    Variant { name: "tape: Ro walks by 1 ohm in a second", walk_ohm: 1.0, ..PLAIN },
 ];
 
 const CASES: [(Method, f64); 5] = [
