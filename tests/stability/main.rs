@@ -7,6 +7,7 @@
 mod circuit;
 #[path = "../common/mod.rs"]
 mod common;
+mod dielectrics;
 mod disturbed;
 mod events;
 mod failures;
@@ -70,6 +71,10 @@ scenarios! {
     suspended_for_hours: interruptions::suspended_for_hours,
     lost_edges: events::lost_edges,
     a_full_event_buffer: events::full_buffer,
+    capacitors_of_polypropylene: dielectrics::pp,
+    capacitors_of_polyester: dielectrics::pet,
+    capacitors_of_c0g: dielectrics::c0g,
+    capacitors_of_x7r: dielectrics::x7r,
 }
 
 static FOUND: [OnceLock<Scenario>; SCENARIOS.len()] = [const { OnceLock::new() }; SCENARIOS.len()];
@@ -114,7 +119,8 @@ fn the_page_is_up_to_date() {
     }
     let (defects, wrong) = states::report();
     let (leaks, unseen) = leaks::report();
-    page += &format!("\n{defects}{leaks}");
-    assert!(wrong.is_empty() && unseen.is_empty(), "{wrong}{unseen}");
+    let (dielectrics, unlike) = dielectrics::report();
+    page += &format!("\n{defects}{leaks}\n{dielectrics}");
+    assert!(wrong.is_empty() && unseen.is_empty() && unlike.is_empty(), "{wrong}{unseen}{unlike}");
     common::check_page("stability", "stability.md", &page);
 }

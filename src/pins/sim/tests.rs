@@ -333,17 +333,6 @@ fn a_node_becomes_high_only_above_its_rising_threshold() {
     assert!(low_between > 0);
 }
 
-#[test]
-fn a_pull_left_on_makes_a_discharge_longer_and_can_prevent_it() {
-    let plain = discharge(&mut ideal(), Drives::C2).1;
-    let mut scene = Scene::builtin("ideal").unwrap();
-    scene.circuit.node_a.pull_up = Some(Ohm(50e3));
-    let pulled = discharge(&mut SimPins::new(&scene, None), Drives::C2).1;
-    assert!(pulled[0].at > plain[0].at && pulled[1].at > plain[1].at);
-    scene.circuit.node_a.pull_up = Some(Ohm(10e3));
-    assert!(discharge(&mut SimPins::new(&scene, None), Drives::C2).1.is_empty());
-}
-
 /// A ramp cut into 50 us is the ramp: progress is the integral of dt / (R + Ro), a logarithm.
 #[test]
 fn a_ramp_is_integrated() {

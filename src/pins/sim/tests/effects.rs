@@ -156,6 +156,17 @@ fn single_pins_are_in_the_crossings() {
     }
 }
 
+#[test]
+fn a_pull_left_on_makes_a_discharge_longer_and_can_prevent_it() {
+    let plain = discharge(&mut ideal(), Drives::C2).1;
+    let mut scene = Scene::builtin("ideal").unwrap();
+    scene.circuit.node_a.pull_up = Some(Ohm(50e3));
+    let pulled = discharge(&mut SimPins::new(&scene, None), Drives::C2).1;
+    assert!(pulled[0].at > plain[0].at && pulled[1].at > plain[1].at);
+    scene.circuit.node_a.pull_up = Some(Ohm(10e3));
+    assert!(discharge(&mut SimPins::new(&scene, None), Drives::C2).1.is_empty());
+}
+
 /// -5 uA into a node beside Rc2: A falls towards 5 uA (Rc2 + Ro), not towards 0.
 #[test]
 fn a_current_into_a_node_lifts_it() {
