@@ -119,7 +119,7 @@ fn a_tape_tells_what_the_instrument_has_told() {
 
 #[test]
 fn a_switch_of_unknown_uncertainty_is_not_taken_for_exact() {
-    let (_, tape) = measured("two-capacitor", "method = \"cerm\"", 1000);
+    let (_, tape) = measured("two-capacitor", "method = \"cerm\"\nt-l = \"1 ms\"", 1000);
     let (read, unsaid) = (replayed(&tape, Method::Cerm), tape.lines().map(without_u).collect::<String>());
     let estimates = replayed(&unsaid, Method::Cerm);
     let inferred = |estimates: &[Estimate]| -> Vec<f64> {
