@@ -62,7 +62,6 @@ const VARIANTS: [Variant; 7] = [
         name: "tape: lines scatter by 0.3 us, and it says so",
         scatter_ns: 300.0,
         is_told: true,
-<<<<<<< HEAD
         ..PLAIN
     },
     Variant { name: "tape: lines scatter by 2 us", scatter_ns: 2000.0, ..PLAIN },
@@ -70,12 +69,8 @@ const VARIANTS: [Variant; 7] = [
         name: "tape: Ro walks by 1 ohm in a second",
         walk_ohm: 1.0,
         fails: &[(Method::Tracked, 100.0), (Method::Tracked, 1000.0)],
-=======
->>>>>>> w-scenes
         ..PLAIN
     },
-    Variant { name: "tape: lines scatter by 2 us", scatter_ns: 2000.0, ..PLAIN },
-    Variant { name: "tape: Ro walks by 1 ohm in a second", walk_ohm: 1.0, ..PLAIN },
 ];
 
 const CASES: [(Method, f64); 5] = [
