@@ -51,7 +51,7 @@ pub mod circuit;
 pub mod config;
 #[cfg(all(test, feature = "programs"))]
 #[path = "../tests/common/config.rs"]
-#[allow(dead_code, clippy::unwrap_used, reason = "shared with all other tests")]
+#[allow(dead_code, reason = "shared with all other tests")]
 pub(crate) mod config_file;
 #[cfg(feature = "programs")]
 #[doc(hidden)]

@@ -4,7 +4,7 @@
 //! of a request at once, without a mask, and lines that do not change are not to be touched. v1
 //! (drivers/gpio/gpiolib-cdev.c, `lineevent_*` and `linehandle_*`) does not number events and cannot reconfigure
 //! an event line, so circuits whose sense lines charge are refused; what else it cannot see is told by
-//! [`Particulars::blind_spots`].
+//! [`Particulars::blind_spots`](crate::pins::Particulars::blind_spots).
 //!
 //! For that the stated uncertainty has no term of its own. An edge that is lost leaves a level without an edge, and is a
 //! fault as with v2. One that is coalesced has the stamp of a later crossing of the threshold: where that happens in
