@@ -1,0 +1,68 @@
+//! What calibration discharges say of the filter's own assumptions: how fast the state walks, how much switches scatter, and
+//! whether discharges of different kinds tell the same.
+
+use super::gain::Gain;
+use super::{Tracker, bilinear, quadratic};
+use crate::estimate::law::{D, R_O, Route, State, UNKNOWNS};
+use crate::estimate::limits::{
+    FASTEST_WALK, LEARN_WALK, MISFIT_OF, MISFIT_SHOWS, SLOWEST_WALK, TREND_OF, WALK_CALM,
+};
+use crate::record::CalibrationKind;
+
+impl Tracker {
+    /// The discharge through R_1 tells how fast d walks, that through R_2 how fast g does, a split one how fast Ro does.
+    pub(super) fn learn_walk(
+        &mut self,
+        kind: CalibrationKind,
+        gain: &Gain,
+        rows: &[State; 2],
+        innovation: [f64; 2],
+    ) {
+        let mut direction = State::default();
+        match kind {
+            CalibrationKind::First => direction[D] = 1.0,
+            CalibrationKind::Second => direction[..2].copy_from_slice(&self.state[..2]),
+            CalibrationKind::Split => direction[R_O] = 1.0,
+        }
+        let by = rows.map(|row| (0..UNKNOWNS).map(|i| row[i] * direction[i]).sum::<f64>());
+        let away = gain.along(by, innovation);
+        let (walk, trend) = (&mut self.walk[kind as usize], &mut self.trend[kind as usize]);
+        let faster = (LEARN_WALK * (away * *trend - WALK_CALM)).clamp(-4.0 * LEARN_WALK, 4.0 * LEARN_WALK);
+        *walk = (*walk * faster.exp()).clamp(SLOWEST_WALK[kind as usize], FASTEST_WALK[kind as usize]);
+        *trend += (away - *trend) / TREND_OF;
+    }
+
+    /// A state that is right leaves nothing over on average, whatever the kind of discharge.
+    pub(super) fn learn_misfit(&mut self, kind: CalibrationKind, gain: &Gain, innovation: [f64; 2]) {
+        for (node, mean) in self.means[kind as usize].iter_mut().enumerate().take(self.nodes) {
+            *mean += (gain.sigmas(node, innovation) - *mean) / MISFIT_OF;
+        }
+    }
+
+    /// By how much more the state is uncertain than its covariance says, since discharges of different kinds contradict each
+    /// other (Birge's ratio): whatever it is that no state explains, readings have it too.
+    pub(super) fn misfit(&self) -> f64 {
+        // The variance of such a running mean of values of variance 1.
+        let chance = 1.0 / (2.0 * MISFIT_OF - 1.0);
+        let squares: f64 = self.means.iter().flatten().map(|mean| mean * mean / chance).sum();
+        let per_crossing = squares / (3 * self.nodes) as f64;
+        if per_crossing > MISFIT_SHOWS { per_crossing } else { 1.0 }
+    }
+
+    /// How late the switch seems to have been by both nodes, and how well they would tell it if it never scattered.
+    pub(super) fn learn_scatter(&mut self, route: &Route, innovation: [f64; 2]) {
+        let rows = [0, 1].map(|node| route.crossing(&self.state, node));
+        let by = rows.map(|row| row.by_switch);
+        let steady = self.observation_of(route, 0.0).and_then(|mut steady| {
+            let p = &self.covariance;
+            steady.aa += quadratic(p, &rows[0].by_state);
+            steady.bb += quadratic(p, &rows[1].by_state);
+            steady.ab += bilinear(p, &rows[0].by_state, &rows[1].by_state);
+            steady.inverse(self.seen())
+        });
+        let Some(inverse) = steady.filter(|_| by[0] != 0.0) else { return };
+        let (weights, information) = (inverse.times(by), inverse.of(by[0], by[1]));
+        let late_ns = (weights[0] * innovation[0] + weights[1] * innovation[1]) / information;
+        self.scatter.add(late_ns, 1.0 / information);
+    }
+}
