@@ -20,14 +20,16 @@ function told(kind, node,    mean, count) {
     mean = sum[kind, node] / count
     return sprintf(" %.1f %.1f", mean, sqrt(square[kind, node] / count - mean * mean))
 }
-FNR == NR { first[$1] = $2; start[$1] = $5; release[$1] = $6; sunk[$1] = $7; a[$1] = $8; b[$1] = $9; next }
+FNR == NR { if (!oldest) oldest = $1; first[$1] = $2; start[$1] = $5; release[$1] = $6; sunk[$1] = $7; a[$1] = $8; b[$1] = $9; next }
 /"DISCHARGE"/ {
     seq = field("seq") + before
+    # The circuit remembers the last discharges only.
+    if (seq < oldest) next
     through = field("through")
     gsub("\"", "", through)
     sink["c1"] = "0x100000"; sink["c2"] = "0x200000"; sink["x"] = "0x10000"
-    # Not on the tape are discharges that ended in a fault, those that only drain after it, and those that were held back:
-    # they are of another resistor, did not cross, took another time, or the same one.
+    # Not on the tape are discharges that ended in a fault, and those that only drain after it: they are of another resistor, did
+    # not cross, or took another time.
     for (skipped = 0; first[seq] != sink[through] || !a[seq] || is_far(field("a_ns") - (a[seq] - start[seq])); skipped++) {
         if (skipped == 5) {
             print "discharge " seq " is through " first[seq] ", not " through
@@ -36,6 +38,7 @@ FNR == NR { first[$1] = $2; start[$1] = $5; release[$1] = $6; sunk[$1] = $7; a[$
         seq++
         before++
     }
+    if (/"held":true/) next
     kind = through (/"switch"/ ? "-switched" : "")
     kinds[kind] = 1
     add(kind, "a", field("a_ns") - (a[seq] - start[seq]))
