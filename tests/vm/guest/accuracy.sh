@@ -12,7 +12,7 @@ readings() {
     circuit r_mohm "2320000,12700000,${2}000,0"
     cermctl record --format csv --count $(($1 + SETTLING)) |
         mawk -F, -v r="$2" -v skip=$((1 + SETTLING)) 'NR > skip {
-            print r, $5, $6 == "" ? "-" : $6, $7 == "" ? "-" : $7, $17 / 1000, $16 == "" ? "-" : $16
+            print r, $5, $6 == "" ? "-" : $6, $7 == "" ? "-" : $7, $19 / 1000, $18 == "" ? "-" : $18
         }' >last
     cat last >>"$3.readings"
     mawk '{ r = $1; ms += $5; all++ }
