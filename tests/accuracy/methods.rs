@@ -21,9 +21,10 @@ constant resistor, 40 instruments with 100 readings each. The page is written by
 `error` is the root mean square of all errors, `u` that of the stated uncertainties (both 1 sigma), `within 2u` the share
 of readings that are off by less than two of their own sigma (95 % is honest). `time` is a whole cycle: charges,
 calibration discharges, the reading; the look for a leak, one discharge in 5 s, is not in it. `error x sqrt(time)`
-compares methods at equal time: what is left after averaging for one second.
+compares methods at equal time. It is the error of a mean only as far as readings have nothing in common: those of `tracked` share a
+state, so that a mean over a second is up to three times worse than this says.
 
-![Error after one second of averaging against resistance, by method](methods.svg)
+![Error of a reading times the root of its time against resistance, by method](methods.svg)
 
 | method | R_x / ohm | error / ohm | u / ohm | within 2u | time / ms | error x sqrt(time) / ohm sqrt(s) |
 |---|--:|--:|--:|--:|--:|--:|
@@ -58,12 +59,12 @@ fn chart(rows: &[(Method, f64, f64)]) -> String {
         .margin(14)
         .x_label_area_size(44)
         .y_label_area_size(64)
-        .caption("Error after one second of averaging (1 sigma, simulated, board pi4)", ("sans-serif", 17))
+        .caption("Error of a reading x sqrt(time) (1 sigma, simulated, board pi4)", ("sans-serif", 17))
         .build_cartesian_2d((80.0..20_000.0).log_scale(), (0.05..6.0).log_scale())
         .unwrap();
     let (x_label, y_label) = (|x: &f64| format!("{x}"), |y: &f64| format!("{y}"));
     let mut mesh = chart.configure_mesh();
-    mesh.x_desc("R_x / ohm").y_desc("error / ohm").x_label_formatter(&x_label).y_label_formatter(&y_label);
+    mesh.x_desc("R_x / ohm").y_desc("error x sqrt(time) / ohm sqrt(s)").x_label_formatter(&x_label).y_label_formatter(&y_label);
     mesh.axis_desc_style(("sans-serif", 15)).label_style(("sans-serif", 13)).draw().unwrap();
     let colours =
         [RGBColor(120, 120, 120), RGBColor(214, 126, 0), RGBColor(0, 114, 178), RGBColor(0, 140, 90), RED];
