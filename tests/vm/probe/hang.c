@@ -19,9 +19,11 @@ static int thread_of(const char *pid, const char *name)
 		FILE *file = fopen(path, "r");
 		if (!file)
 			continue;
-		int is_it = fgets(found, sizeof(found), file) && strncmp(found, name, strcspn(found, "\n")) == 0;
+		if (!fgets(found, sizeof(found), file))
+			found[0] = 0;
 		fclose(file);
-		if (is_it && entry->d_name[0] != '.')
+		found[strcspn(found, "\n")] = 0;
+		if (strcmp(found, name) == 0)
 			return atoi(entry->d_name);
 	}
 	return 0;

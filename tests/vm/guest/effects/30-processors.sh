@@ -1,4 +1,4 @@
-# Two processors: whatever else runs on the other one, readings are what is claimed of them.
+# Two processors: the daemon stays on one of them, the timers of the circuit and the rest of the system may be on the other.
 . /test/lib.sh
 . /test/accuracy.sh
 [ "$(grep -c '^processor' /proc/cpuinfo)" = 2 ] || exit 77
