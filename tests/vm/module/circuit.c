@@ -176,13 +176,13 @@ static s64 absorbed_after(struct circuit *c, u64 dt)
 /* What has to be drawn from a node until it crosses. */
 static s64 needed(struct node *node, s64 absorbed)
 {
-	return node->g + div_s64(absorbed, 1000000) * absorbed_ppm;
+	return absorbed_ppm ? node->g + div_s64(absorbed, 1000000) * absorbed_ppm : node->g;
 }
 
 /* Brings the state to @now; notes crossings on the way. */
 static void advance(struct circuit *c, u64 now)
 {
-	u64 dt = now - c->at, left = decay(dt, max(charge_tau_ns, 1U));
+	u64 dt = now - c->at, left = c->charging ? decay(dt, max(charge_tau_ns, 1U)) : ONE;
 	int n;
 
 	c->at = now;
@@ -225,7 +225,7 @@ static void plan(struct circuit *c, u64 now)
 		if (c->charging || !node->speed)
 			continue;
 		/* What is absorbed until then is known when the instant is: found by turns, which close in by absorbed_ppm. */
-		for (i = 0; i < 4; i++) {
+		for (i = 0; i < (absorbed_ppm ? 4 : 1); i++) {
 			s64 missing = needed(node, absorbed_ppm ? absorbed_after(c, dt) : 0) - (s64)node->theta;
 
 			dt = DIV64_U64_ROUND_UP(max_t(s64, missing, 0), node->speed);
