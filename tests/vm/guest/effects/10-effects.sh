@@ -47,7 +47,7 @@ effect() {
 bad=
 effect both "nothing"
 effect cerm "a line moves 1 us later after a rest" stall_ns=1000
-effect cerm "2 us" stall_ns=2000
+effect none "2 us" stall_ns=2000
 effect none "5 us" stall_ns=5000
 effect both "hysteresis, high again at half the progress" hysteresis_pf=240000,410000
 effect both "leakage of 10 Mohm at A" leak_kohm=10000,0
@@ -55,8 +55,8 @@ effect both "leakage of 30 Mohm at B" leak_kohm=0,30000
 effect none "sensor pin of 42 ohm" ro_mohm=40000,40000,42000,40000
 effect none "pin of Rc1 of 42 ohm" ro_mohm=42000,40000,40000,40000
 effect both "1 of 200 interrupts 10 us later or more" tail_ppm=5000 tail_ns=10000
-effect both "absorption of 0.05 %, 10 ms" absorbed_ppm=500 absorbed_tau_us=10000
-effect none "absorption of 0.25 %, 10 ms" absorbed_ppm=2500 absorbed_tau_us=10000
+effect both "absorption of 0.05 %, 1 ms" absorbed_ppm=500 absorbed_tau_us=1000
+effect none "absorption of 0.25 %, 1 ms" absorbed_ppm=2500 absorbed_tau_us=1000
 
 {
     echo "## Linux $(uname -r)"
