@@ -5,6 +5,10 @@
 [ "$(grep -c '^processor' /proc/cpuinfo)" = 2 ] || exit 77
 circuit late_ns 6000
 circuit jitter_ns 1500
+{
+    printf '|  | method | 100 ohm: bias (u) | 1000 ohm: bias (u) | 5000 ohm: bias (u) | 16200 ohm: bias (u) |'
+    printf ' within 2 u | no number | the judge |\n|---|---|--:|--:|--:|--:|--:|--:|---|\n'
+} >effects.md
 for method in cerm tracked; do
     begin method=$method
     column $method 60 "100 1000 5000 16200"
