@@ -81,7 +81,7 @@ column() {
     cat "$1"
 }
 
-# judge NAME own|shared: see judge.awk. The offset's share is by the u that the daemon states of it.
+# judge NAME own|shared|defect: see judge.awk. The offset's share is by the u that the daemon states of it.
 judge() {
     case $1 in tpcm | tcdic) by_offset=0 ;; *) by_offset=$(mawk -v u="$(learned offset_u_ns)" -v g="$G_SUM" 'BEGIN { print 2e-9 * u / g }') ;; esac
     echo "$1 $2 $by_offset" >>judged

@@ -1,16 +1,16 @@
 # A configuration of cermd for the circuit as the module makes it: `write_configuration FILE [NAME=VALUE...]`.
 # Names: backend, method, calibration, offset ("auto" or a duration), rate (readings per second), t_l, chargers (yes; no:
-# the sense lines charge, as in the paper), socket.
+# the sense lines charge, as in the paper), c_a, c_b, socket.
 write_configuration() (
-    file=$1 backend=chardev method=cerm calibration= offset=auto rate= t_l= chargers=yes socket=/run/cermd/cermd.sock
+    file=$1 backend=chardev method=cerm calibration= offset=auto rate= t_l= chargers=yes c_a="2.2 uF" c_b="680 nF" socket=/run/cermd/cermd.sock
     shift
     for setting in "$@"; do eval "${setting%%=*}=\${setting#*=}"; done
     {
         cat <<-TOML
 	[circuit]
 	kind = "two-capacitor"
-	c-a = "2.2 uF"
-	c-b = "680 nF"
+	c-a = "$c_a"
+	c-b = "$c_b"
 	r-c1 = "2.32 kohm"
 	r-c2 = "12.7 kohm"
 

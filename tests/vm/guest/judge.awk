@@ -1,4 +1,4 @@
-# judge.awk -v calibration=own|shared [-v by_offset=OHM] FILE: whether readings and their stated uncertainties are true, resistance
+# judge.awk -v calibration=own|shared|defect [-v by_offset=OHM] FILE: whether readings and their stated uncertainties are true, resistance
 # by resistance. FILE has a line a reading: ohm status reading u ms branch (see `readings` in accuracy.sh).
 #
 # What is claimed of a reading: it is no number at most once in a hundred times; and the truth is within 2 u of it in 93 to
@@ -8,11 +8,14 @@
 #
 #   faults    how many readings are no numbers
 #   scatter   how many are within 2 u of their own mean: at least 93 %
-#   coverage  how many are within 2 u of the truth: at least 93 %; all resistances together at most 97 %. Only with calibration=own, each
-#             reading with its own calibration: otherwise they share an error, and all are within, or none
-#   mean      their mean error, against its standard error, and what they have in common: with calibration=own the offset's (by_offset at a
-#             low resistance) and that of the kinds of discharge, which no reading shows; with calibration=shared as much of u
-#             as the scatter leaves
+#   coverage  how many are within 2 u of the truth: at least 93 %; all resistances together at most 97 %
+#   mean      their mean error, against its standard error, and what they have in common: the offset's (by_offset at a low
+#             resistance) and that of the kinds of discharge, which no reading shows
+#
+# That is so where each reading has a calibration of its own (calibration=own). Where readings share one, they share its error, and all are
+# within 2 u, or none: coverage says nothing, and they have in common as much of u as the scatter leaves (shared). With
+# calibrations of their own on a circuit with a defect, which u may state, coverage is as in the first case, the mean as in the second, and
+# u may be too large (defect).
 BEGIN {
     RARE = 1e-6
     SIGMAS = 4.9
@@ -45,8 +48,10 @@ function row(    i, within, covered, mean, sd2, u2, common2, by) {
         covered += (r[i] - ohm) ^ 2 <= 4 * u[i] ^ 2
     }
     if (at_most(within, n, 0.93) < RARE) says(sprintf("%d of %d within 2 u of their mean", within, n))
-    if (calibration == "own") {
+    if (calibration != "shared") {
         if (at_most(covered, n, 0.93) < RARE) says(sprintf("%d of %d within 2 u of the truth", covered, n))
+    }
+    if (calibration == "own") {
         # The offset matters as the uncorrected bias does: in full at a short circuit, not at Rc2.
         by = by_offset * (12700 - ohm) / 12700 * (inferred > 0)
         common2 = by ^ 2

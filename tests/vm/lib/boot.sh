@@ -13,7 +13,7 @@ boot() {
     mkdir -p "$out"
     LD_PRELOAD=$cache/build/still-clock.so LD_LIBRARY_PATH=$lib:$tree/lib/x86_64-linux-gnu QEMU_MODULE_DIR=$lib/qemu \
         timeout --foreground -k 5 "$limit" "$tree/usr/bin/qemu-system-aarch64" -L "$tree/usr/share/qemu" \
-        -M virt,dtb-randomness=off -cpu cortex-a72 -m 512 -smp 1 -accel tcg,thread=single \
+        -M virt,dtb-randomness=off -cpu cortex-a72 -m 512 -accel tcg,thread=single \
         -icount shift=1,sleep=off,align=off -rtc base=2026-01-01T00:00:00,clock=vm \
         -nographic -no-reboot -nic none -kernel "$kernel" "$@" </dev/null >"$out.console" 2>&1 ||
         { echo "$name: the machine did not end within $limit s or failed, see $out.console" >&2; return 1; }

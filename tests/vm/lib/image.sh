@@ -26,7 +26,7 @@ image_tests() {
     cp -r "$here"/guest/. "$1/test"
     with_cross $cross-strip -g -o "$1/test/gpio-cermd.ko" "$cache/build/module-$2/gpio-cermd.ko"
     cp "$cache/build/target/$target/release"/{cermd,cermctl} "$cache/build/target/$target/release/examples/contract" \
-        "$cache"/build/{probe,raw,tpcm} "$1/usr/bin"
+        "$cache"/build/{probe,raw,hang,tpcm} "$1/usr/bin"
 }
 
 # pack_initramfs ROOT NAME: the same files give the same bytes in each run: sorted, of one owner and date, with numbers of

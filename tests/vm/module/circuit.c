@@ -26,6 +26,11 @@
  *
  * with the theta at which that discharge ended. tau and memory_n are from a numerical integration of the network.
  *
+ * What else the law does not know, each to first order and none by default. Leakage to ground goes on without a sink and
+ * adds to the speed of each node: at A as any resistor there; at B, beside the trajectory, by leak_b_permille of what the same
+ * resistor would do at A (integrated over the discharge; it is the same for any resistor that sinks). Dielectric absorption
+ * is one branch: a share of the charge follows theta with a time constant of its own, and has to be drawn, too.
+ *
  * /sys/kernel/debug/gpio-cermd/discharges holds the true instants of the last discharges (CLOCK_MONOTONIC, ns):
  * the difference between a crossing there and the stamp that user space got is the true latency.
  * .../outputs is the mask of lines that drive now (gpiolib goes on calling a released open-drain line an output).
@@ -33,21 +38,19 @@
  */
 #include <linux/debugfs.h>
 #include <linux/hrtimer.h>
-#include <linux/math64.h>
 #include <linux/module.h>
-#include <linux/prandom.h>
-#include <linux/seq_file.h>
 #include <linux/spinlock.h>
 #include <linux/version.h>
 
 #include "circuit.h"
+#include "fixed.h"
+#include "records.h"
 
 #define CHARGE_A	13
 #define CHARGE_B	19
 #define SINKS		4
 #define SINK_MASK	(BIT(20) | BIT(21) | BIT(16) | BIT(26))
 #define CHARGE_MASK	(BIT(CHARGE_A) | BIT(CHARGE_B) | SENSE_MASK)
-#define RECORDS		8192
 
 /* Progress is in units of 2^-46 nF: 1 ns at 10 Mohm is still 7 million of them. */
 #define NF_SHIFT	46
@@ -77,11 +80,32 @@ MODULE_PARM_DESC(total_pf, "C_T: C_A and C_B in series, in pF");
 static unsigned int trigger_pf;
 module_param(trigger_pf, uint, 0644);
 MODULE_PARM_DESC(trigger_pf, "1 sigma of g_A and g_B from discharge to discharge: moves the true crossing");
-static unsigned int late_ns, jitter_ns;
+static unsigned int leak_kohm[2];
+module_param_array(leak_kohm, uint, NULL, 0644);
+MODULE_PARM_DESC(leak_kohm, "leakage of nodes A and B to ground, in kohm; 0: none");
+static unsigned int leak_b_permille[2] = { 881, 1732 };
+module_param_array(leak_b_permille, uint, NULL, 0644);
+MODULE_PARM_DESC(leak_b_permille, "what leakage of node B does to the progress of A and B, beside the same leakage of A");
+static unsigned int absorbed_ppm, absorbed_tau_us = 10000;
+module_param(absorbed_ppm, uint, 0644);
+MODULE_PARM_DESC(absorbed_ppm, "dielectric absorption: capacity of the branch beside that of the capacitors");
+module_param(absorbed_tau_us, uint, 0644);
+MODULE_PARM_DESC(absorbed_tau_us, "its time constant");
+static unsigned int hysteresis_pf[2];
+module_param_array(hysteresis_pf, uint, NULL, 0644);
+MODULE_PARM_DESC(hysteresis_pf, "by how much less progress a sense line that was low is high again");
+static unsigned int stall_ns;
+module_param(stall_ns, uint, 0644);
+MODULE_PARM_DESC(stall_ns, "how much later a line moves, or is read, if the chip was not touched for 10 us");
+static unsigned int late_ns, jitter_ns, tail_ns, tail_ppm;
 module_param(late_ns, uint, 0644);
 MODULE_PARM_DESC(late_ns, "mean time from a crossing to its interrupt, on top of the kernel's own; none if charging begins before");
 module_param(jitter_ns, uint, 0644);
 MODULE_PARM_DESC(jitter_ns, "1 sigma of that time; the sum is never negative");
+module_param(tail_ns, uint, 0644);
+MODULE_PARM_DESC(tail_ns, "by how much more, at least, a part of the interrupts is late: by n times as much in 1/n of them");
+module_param(tail_ppm, uint, 0644);
+MODULE_PARM_DESC(tail_ppm, "how large that part is");
 static unsigned long seed = 1;
 module_param(seed, ulong, 0444);
 MODULE_PARM_DESC(seed, "of the noise, taken when the device is bound");
@@ -97,14 +121,6 @@ static unsigned long conflicts;
 module_param(conflicts, ulong, 0644);
 MODULE_PARM_DESC(conflicts, "how often a charger and a sink came to drive at once, or a line to drive the wrong way");
 
-/* One discharge; instants in ns, 0: has not happened. */
-struct record {
-	unsigned long first, next;	/* lines that sank at the start; that were added later */
-	u64 depth;			/* left by the charge before it */
-	u64 start, release, sink;	/* a first line sank; was released; a next one sank */
-	u64 cross[2], irq[2];		/* nodes A and B: the law's crossing; the interrupt was raised */
-};
-
 struct node {
 	struct hrtimer timer;
 	unsigned int line;
@@ -112,6 +128,8 @@ struct node {
 	u64 late;		/* ns from the crossing to its interrupt in this discharge */
 	u64 due;		/* instant of the crossing if nothing changes */
 	bool crossed, raised;
+	u64 theta, speed;	/* speed: units of theta per ns */
+	bool low;		/* as the sense line reads */
 };
 
 static struct circuit {
@@ -120,119 +138,119 @@ static struct circuit {
 	struct rnd_state rnd;
 	unsigned long output, high, sinking;	/* masks of lines */
 	bool charging, conflict;
-	u64 theta, speed;			/* speed: units of theta per ns */
+	s64 absorbed;				/* how far the branch of absorption has followed theta */
+	u64 touched;				/* when the chip was */
 	u64 depth;				/* below V_DD, left of the last discharge: 2^-32 */
 	u64 at;					/* theta was computed for this instant */
 	struct node node[2];
 	struct record *record;			/* of the discharge under way */
-	u64 count;
 	struct dentry *debugfs;
 } circuit;
-
-static struct record records[RECORDS];
 
 static u64 units_from_pf(u64 pf)
 {
 	return min(mul_u64_u64_div_u64(pf, 1ULL << NF_SHIFT, 1000), THETA_MAX / 2);
 }
 
-/* exp(-dt / tau) with 32 binary digits, as 2^-whole x the series of exp(-part) */
-static u64 decay(u64 dt, u64 tau)
+/* The progress of a node after @dt. No further than with empty capacitors, far below the thresholds. */
+static u64 theta_after(struct circuit *c, struct node *node, u64 dt)
 {
-	u64 x = mul_u64_u64_div_u64(min(dt, 40 * tau), 6196328019ULL /* 2^32 / ln 2 */, tau);
-	u64 part = mul_u64_u64_shr(x & U32_MAX, 2977044472ULL /* 2^32 ln 2 */, 32);
-	u64 term = 1ULL << 32, plus = 0, minus = 0;
-	int i;
+	u64 most = 2 * max(c->node[0].g, c->node[1].g);
 
-	for (i = 1; i < 16; i++) {
-		if (i & 1)
-			plus += term;
-		else
-			minus += term;
-		term = mul_u64_u64_shr(term, part, 32) / i;
-	}
-	return (plus - minus) >> (x >> 32);
+	if (node->speed && dt > div64_u64(THETA_MAX - node->theta, node->speed))
+		return most;
+	return min(node->theta + dt * node->speed, most);
 }
 
-/* The sum of 12 uniform numbers: nearly Gaussian. */
-static s64 noise(struct circuit *c, u32 sigma)
+/* How far absorption will have followed node A after @dt. */
+static s64 absorbed_after(struct circuit *c, u64 dt)
 {
-	s64 sum = -6LL << 32;
-	int i;
+	u64 tau = max(absorbed_tau_us, 1U) * 1000ULL, from = c->node[0].theta, way;
 
-	for (i = 0; i < 12; i++)
-		sum += prandom_u32_state(&c->rnd);
-	return (sum >> 8) * sigma >> 24;
+	if (c->charging)
+		return scaled(c->absorbed, decay(dt, tau));
+	way = theta_after(c, &c->node[0], dt) - from;
+	return from + way - scaled(way, mean_decay(dt, tau)) + scaled(c->absorbed - (s64)from, decay(dt, tau));
+}
+
+/* What has to be drawn from a node until it crosses. */
+static s64 needed(struct node *node, s64 absorbed)
+{
+	return absorbed_ppm ? node->g + div_s64(absorbed, 1000000) * absorbed_ppm : node->g;
 }
 
 /* Brings the state to @now; notes crossings on the way. */
 static void advance(struct circuit *c, u64 now)
 {
-	u64 dt = now - c->at;
+	u64 dt = now - c->at, left = c->charging ? decay(dt, max(charge_tau_ns, 1U)) : ONE;
 	int n;
 
 	c->at = now;
-	if (c->charging) {
-		u64 left = decay(dt, max(charge_tau_ns, 1));
-
-		c->theta = mul_u64_u64_shr(c->theta, left, 32);
+	if (absorbed_ppm)
+		c->absorbed = absorbed_after(c, dt);
+	if (c->charging)
 		c->depth = mul_u64_u64_shr(c->depth, left, 32);
-		return;
-	}
 	for (n = 0; n < 2; n++) {
-		if (c->node[n].crossed || c->node[n].due > now)
-			continue;
-		c->node[n].crossed = true;
-		if (c->record)
-			c->record->cross[n] = c->node[n].due;
+		struct node *node = &c->node[n];
+		s64 missing;
+
+		if (c->charging) {
+			node->theta = mul_u64_u64_shr(node->theta, left, 32);
+		} else {
+			node->theta = theta_after(c, node, dt);
+			if (!node->crossed && node->due <= now) {
+				node->crossed = true;
+				if (c->record)
+					c->record->cross[n] = node->due;
+			}
+		}
+		missing = needed(node, c->absorbed) - node->theta;
+		node->low = missing <= 0 || (node->low && missing <= units_from_pf(hysteresis_pf[n]));
 	}
-	/* Far below the thresholds the capacitors are empty: no further. */
-	if (c->speed && dt > div64_u64(THETA_MAX - c->theta, c->speed))
-		c->theta = THETA_MAX;
-	else
-		c->theta += dt * c->speed;
-	c->theta = min(c->theta, 2 * max(c->node[0].g, c->node[1].g));
 }
 
 /* Plans the crossings that are still to come. */
 static void plan(struct circuit *c, u64 now)
 {
-	int n;
+	int n, i;
 
 	for (n = 0; n < 2; n++) {
 		struct node *node = &c->node[n];
+		u64 dt = 0;
 
 		if (node->crossed)
 			continue;
 		hrtimer_try_to_cancel(&node->timer);
 		node->due = KTIME_MAX;
-		if (c->charging || !c->speed)
+		if (c->charging || !node->speed)
 			continue;
-		node->due = now + DIV64_U64_ROUND_UP(node->g - c->theta, c->speed);
+		/* What is absorbed until then is known when the instant is: found by turns, which close in by absorbed_ppm. */
+		for (i = 0; i < (absorbed_ppm ? 4 : 1); i++) {
+			s64 missing = needed(node, absorbed_ppm ? absorbed_after(c, dt) : 0) - (s64)node->theta;
+
+			dt = DIV64_U64_ROUND_UP(max_t(s64, missing, 0), node->speed);
+		}
+		node->due = now + dt;
 		hrtimer_start(&node->timer, ns_to_ktime(node->due + node->late), HRTIMER_MODE_ABS_HARD);
 	}
 }
 
 static void begin_discharge(struct circuit *c, u64 now)
 {
-	bool is_charged = true;
 	int n;
 
-	c->record = &records[c->count++ % RECORDS];
+	c->record = records_new();
 	*c->record = (struct record){ .first = c->sinking, .depth = c->depth, .start = now };
 	for (n = 0; n < 2; n++) {
 		struct node *node = &c->node[n];
-		s64 pf = max(g_pf[n] + noise(c, trigger_pf), 1LL);
+		s64 pf = max(g_pf[n] + noise(&c->rnd, trigger_pf), 1LL);
 		s64 memory = div_s64((s64)memory_pf[n] * (s64)c->depth, 1000) << (NF_SHIFT - 32);
 
 		node->g = g_pf[n] ? max_t(s64, units_from_pf(pf) + memory, 1) : THETA_MAX;
-		node->late = max(late_ns + noise(c, jitter_ns), 0LL);
-		node->crossed = !g_pf[n] || c->theta >= node->g;
+		node->late = max(late_ns + noise(&c->rnd, jitter_ns), 0LL) + tail(&c->rnd, tail_ppm, tail_ns);
+		node->crossed = !g_pf[n] || node->low || node->theta >= node->g;
 		node->raised = node->crossed;
-		is_charged &= c->theta < node->g;
 	}
-	if (is_charged)
-		c->theta = 0;
 }
 
 static void note_switch(struct circuit *c, u64 now)
@@ -245,6 +263,11 @@ static void note_switch(struct circuit *c, u64 now)
 		r->sink = now;
 		r->next = c->sinking & ~r->first;
 	}
+}
+
+static u64 speed_through(u64 mohm)
+{
+	return mohm ? div64_u64(1000ULL << NF_SHIFT, mohm) : 0;
 }
 
 /* The lines that drive to @level, through unbroken wires. */
@@ -260,23 +283,29 @@ static void rewire(struct circuit *c)
 	bool charge_a = up & (BIT(CHARGE_A) | BIT(SENSE_A)), charge_b = up & (BIT(CHARGE_B) | BIT(SENSE_B));
 	bool charging = charge_a && (charge_b || !g_pf[1]), conflict;
 	u64 now = ktime_get_ns(), speed = 0;
-	int i;
+	int i, n;
 
 	advance(c, now);
 	for (i = 0; i < SINKS; i++) {
 		if (!r_mohm[i] || !((down | stuck_low) & BIT(sink_line[i])))
 			continue;
 		sinking |= BIT(sink_line[i]);
-		speed += div64_u64(1000ULL << NF_SHIFT, r_mohm[i] + ro_mohm[i]);
+		speed += speed_through(r_mohm[i] + ro_mohm[i]);
 	}
 	conflict = (up & CHARGE_MASK && down & SINK_MASK) || up & SINK_MASK || down & CHARGE_MASK;
 	if (conflict && !c->conflict)
 		conflicts++;
 	c->conflict = conflict;
 	c->sinking = sinking;
-	c->speed = speed;
+	for (n = 0; n < 2; n++)
+		c->node[n].speed = speed + speed_through(leak_kohm[0] * 1000000ULL) +
+				   speed_through(leak_kohm[1] * 1000000ULL) * leak_b_permille[n] / 1000;
 	if (charging && c->record)
-		c->depth = (1ULL << 32) - decay(c->theta, units_from_pf(max(total_pf, 1)));
+		c->depth = ONE - decay(c->node[0].theta, units_from_pf(max(total_pf, 1)));
+	/* What the charge has left is in g, see begin_discharge. */
+	for (n = 0; c->charging && !charging && n < 2; n++)
+		if (!c->node[n].low)
+			c->node[n].theta = 0;
 	c->charging = charging;
 	if (charging)
 		c->record = NULL;
@@ -313,46 +342,6 @@ static enum hrtimer_restart crossing(struct hrtimer *timer)
 	return HRTIMER_NORESTART;
 }
 
-static void *records_start(struct seq_file *s, loff_t *pos)
-{
-	if (circuit.count > RECORDS)
-		*pos = max_t(loff_t, *pos, circuit.count - RECORDS);
-	return *pos < circuit.count ? pos : NULL;
-}
-
-static void *records_next(struct seq_file *s, void *v, loff_t *pos)
-{
-	++*pos;
-	return records_start(s, pos);
-}
-
-static void records_stop(struct seq_file *s, void *v)
-{
-}
-
-static int records_show(struct seq_file *s, void *v)
-{
-	loff_t i = *(loff_t *)v;
-	struct record r;
-
-	scoped_guard(raw_spinlock_irqsave, &circuit.lock)
-		r = records[i % RECORDS];
-	if (!i)
-		seq_puts(s, "# seq first next depth_ppb start release sink a b a_irq b_irq\n");
-	seq_printf(s, "%lld %#lx %#lx %llu %llu %llu %llu %llu %llu %llu %llu\n", i + 1, r.first, r.next,
-		   mul_u64_u64_shr(r.depth, 1000000000, 32), r.start, r.release, r.sink,
-		   r.cross[0], r.cross[1], r.irq[0], r.irq[1]);
-	return 0;
-}
-
-static const struct seq_operations records_sops = {
-	.start = records_start,
-	.next = records_next,
-	.stop = records_stop,
-	.show = records_show,
-};
-DEFINE_SEQ_ATTRIBUTE(records);
-
 #if LINUX_VERSION_CODE < KERNEL_VERSION(6, 13, 0)
 static void hrtimer_setup(struct hrtimer *timer, enum hrtimer_restart (*function)(struct hrtimer *),
 			  clockid_t clock, enum hrtimer_mode mode)
@@ -372,15 +361,15 @@ void circuit_start(void (*fall)(unsigned int line))
 	c->fall = fall;
 	prandom_seed_state(&c->rnd, seed);
 	c->at = ktime_get_ns();
-	c->theta = THETA_MAX;
-	c->depth = 1ULL << 32;
+	c->depth = ONE;
 	for (n = 0; n < 2; n++) {
 		c->node[n] = (struct node){ .line = n ? SENSE_B : SENSE_A, .g = units_from_pf(g_pf[n]),
-					    .due = KTIME_MAX, .crossed = true, .raised = true };
+					    .due = KTIME_MAX, .crossed = true, .raised = true,
+					    .theta = THETA_MAX, .low = true };
 		hrtimer_setup(&c->node[n].timer, crossing, CLOCK_MONOTONIC, HRTIMER_MODE_ABS_HARD);
 	}
 	c->debugfs = debugfs_create_dir("gpio-cermd", NULL);
-	debugfs_create_file("discharges", 0444, c->debugfs, NULL, &records_fops);
+	records_start(c->debugfs, &c->lock);
 	debugfs_create_ulong("outputs", 0444, c->debugfs, &c->output);
 }
 
@@ -391,8 +380,20 @@ void circuit_stop(void)
 	hrtimer_cancel(&circuit.node[1].timer);
 }
 
+/* A bus on the way to the chip falls asleep. */
+static void touch(struct circuit *c)
+{
+	u64 from = ktime_get_ns();
+
+	if (stall_ns && from - c->touched > 10000)
+		while (ktime_get_ns() - from < stall_ns)
+			cpu_relax();
+	c->touched = ktime_get_ns();
+}
+
 void circuit_change(unsigned int line, bool output, bool high)
 {
+	touch(&circuit);
 	guard(raw_spinlock_irqsave)(&circuit.lock);
 	__assign_bit(line, &circuit.output, output);
 	__assign_bit(line, &circuit.high, high);
@@ -414,6 +415,7 @@ bool circuit_level(unsigned int line)
 {
 	struct node *node = &circuit.node[line == SENSE_B || line == CHARGE_B];
 
+	touch(&circuit);
 	guard(raw_spinlock_irqsave)(&circuit.lock);
 	if (stuck_low & BIT(line))
 		return false;
@@ -424,5 +426,5 @@ bool circuit_level(unsigned int line)
 	if (!(BIT(line) & (CHARGE_MASK | SINK_MASK)))
 		return false;
 	advance(&circuit, ktime_get_ns());
-	return circuit.theta < node->g;
+	return !node->low;
 }

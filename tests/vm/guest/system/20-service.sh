@@ -71,12 +71,23 @@ for round in 1 2 3; do
     [ "$(property NRestarts)" = $round ] || fail "restarts: $(property NRestarts)"
 done
 
+# barked WHAT RESTARTS: the watchdog has ended the service, nothing drove before the next start, and it serves again.
+barked() {
+    until_true 400 sh -c '[ "$(systemctl show --value --property=SubState cermd)" = auto-restart ]' || fail "$1: the watchdog does not bark"
+    lines_are_safe "$1"
+    until_true 40 sh -c "[ \"\$(systemctl show --value --property=NRestarts cermd)\" = $2 ]" || fail "$1: not restarted"
+    until_served "$1" 20000
+    journal | grep -i watchdog
+}
 echo "a process that is stuck"
 now
 systemctl kill --signal=STOP --kill-whom=main cermd
-until_true 400 sh -c '[ "$(systemctl show --value --property=NRestarts cermd)" = 4 ]' || fail "the watchdog does not bark"
-until_served "stuck" 20000
-journal | grep -i watchdog
+barked "stuck" 4
+echo "a measuring thread that hangs, alone"
+now
+hang "$(property MainPID)" cermd-measure &
+barked "hung" 5
+wait $! || fail "the thread was not ended"
 
 systemctl stop cermd
 lines_are_safe "stopped"
