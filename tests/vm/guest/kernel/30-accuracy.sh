@@ -28,7 +28,7 @@ for method in $methods; do
     judged "$method" $calibration
     case $method in
     cerm) offset_is_true cerm 150 ;;
-    tracked) offset_is_true tracked 500 ;; # calibrates only until it pays no more: 500 ns are 0.8 ohm at 100 ohm, and nothing near 12.7 kohm
+    tracked) offset_is_true tracked 1000 ;; # of node A alone, and it calibrates only until it pays no more: readings hardly depend on it
     esac
 done
 within_limits cerm
