@@ -64,7 +64,10 @@ fn chart(rows: &[(Method, f64, f64)]) -> String {
         .unwrap();
     let (x_label, y_label) = (|x: &f64| format!("{x}"), |y: &f64| format!("{y}"));
     let mut mesh = chart.configure_mesh();
-    mesh.x_desc("R_x / ohm").y_desc("error x sqrt(time) / ohm sqrt(s)").x_label_formatter(&x_label).y_label_formatter(&y_label);
+    mesh.x_desc("R_x / ohm")
+        .y_desc("error x sqrt(time) / ohm sqrt(s)")
+        .x_label_formatter(&x_label)
+        .y_label_formatter(&y_label);
     mesh.axis_desc_style(("sans-serif", 15)).label_style(("sans-serif", 13)).draw().unwrap();
     let colours =
         [RGBColor(120, 120, 120), RGBColor(214, 126, 0), RGBColor(0, 114, 178), RGBColor(0, 140, 90), RED];
