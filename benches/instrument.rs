@@ -10,7 +10,7 @@ mod common;
 use cermd::circuit::Node;
 use cermd::estimate::Estimator;
 use cermd::instrument::Message;
-use cermd::instrument::discharge::{self, Plan};
+use cermd::instrument::discharge::{self, Charge, Plan};
 use cermd::pins::sim::{Scene, SimPins};
 use cermd::reading::{Branch, Method, Status};
 use cermd::record::{Record, Through};
@@ -21,7 +21,7 @@ use std::hint::black_box;
 
 /// Of the daemon with 2.2 uF and 680 nF: a full discharge through Rc1.
 const PLAN: Plan =
-    Plan { settle: Nanos(20_000), ..Plan::full(Through::C1, Node::B, Nanos(10_000_000), Nanos(50_000_000)) };
+    Plan { settle: Nanos(20_000), ..Plan::full(Through::C1, Node::B, Charge::together(Nanos(10_000_000)), Nanos(50_000_000)) };
 
 fn discharges(criterion: &mut Criterion) {
     for name in ["ideal", "fpga-paper", "pi4"] {

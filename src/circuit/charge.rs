@@ -30,20 +30,42 @@
 //!
 //! One capacitor: the same with x = 0, k = 0 for node A alone, that is a = D exp(-t/tau), tau = (Rp+Ro) C.
 //!
+//! **Through A alone**, B floating, the same charge comes back into both capacitors: (a, b) = (1, k) D exp(-t/tau) with
+//! tau = (Rp+Ro) C_T, many times shorter; the equations above with no charger at B. B stays wherever leaks have brought it.
+//!
 //! What all discharges find alike is only another g, and cancels in every method; what their D differ by does not.
 
 use super::{Circuit, Network};
 use crate::circuit::Node;
 use crate::units::Seconds;
 
+/// Which nodes are charged through Rp + Ro to V_DD.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Chargers {
+    /// A, every other node floating.
+    OfA,
+    /// All.
+    All,
+}
+
 impl Circuit {
-    /// The slowest time constant of the charge, every node having its charger Rp + Ro to V_DD.
-    pub fn charge_tau(&self) -> Seconds {
-        let c = match self.network {
-            Network::TwoCapacitor { c_a, c_b } => (c_b.0 + 2.0 * c_a.0 + c_b.0.hypot(2.0 * c_a.0)) / 2.0,
-            Network::OneCapacitor { c } | Network::SeriesCalibration { c } => c.0,
+    /// The slowest time constant of the charge.
+    pub fn charge_tau(&self, chargers: Chargers) -> Seconds {
+        let c = match (self.network, chargers) {
+            (Network::TwoCapacitor { c_a, c_b }, Chargers::All) => {
+                (c_b.0 + 2.0 * c_a.0 + c_b.0.hypot(2.0 * c_a.0)) / 2.0
+            }
+            _ => self.c_total().0,
         };
         Seconds(self.r_charge.0 * c)
+    }
+
+    /// The time constant with which its own charger brings B back to V_DD while A is held there; `None` without a B.
+    pub fn charge_tau_b(&self) -> Option<Seconds> {
+        match self.network {
+            Network::TwoCapacitor { c_a, c_b } => Some(Seconds(self.r_charge.0 * (c_a.0 + c_b.0))),
+            _ => None,
+        }
     }
 
     /// What is left of node A's voltage, as a share of V_DD, when a node crosses its threshold: e = 1 - D.
@@ -53,15 +75,19 @@ impl Circuit {
 
     /// By how much a node's g changes, relative, with the depth D from which a charge begins: to be multiplied by
     /// exp(-t/tau).
-    pub fn charge_memory(&self, node: Node) -> Option<f64> {
-        let (a, b, k) = match self.network {
-            Network::TwoCapacitor { c_a, c_b } => {
+    pub fn charge_memory(&self, node: Node, chargers: Chargers) -> Option<f64> {
+        let (a, b, k) = match (self.network, chargers) {
+            (Network::TwoCapacitor { c_a, c_b }, Chargers::OfA) => {
                 let k = c_a.0 / (c_a.0 + c_b.0);
-                let x = self.r_charge.0 * c_b.0 / self.charge_tau().0 - 1.0;
+                (1.0, k, k)
+            }
+            (Network::TwoCapacitor { c_a, c_b }, Chargers::All) => {
+                let k = c_a.0 / (c_a.0 + c_b.0);
+                let x = self.r_charge.0 * c_b.0 / self.charge_tau(chargers).0 - 1.0;
                 let slow = (x + k) / (x * x + 1.0);
                 (slow * x, slow, k)
             }
-            Network::OneCapacitor { .. } | Network::SeriesCalibration { .. } => (1.0, 0.0, 1.0),
+            (Network::OneCapacitor { .. } | Network::SeriesCalibration { .. }, _) => (1.0, 0.0, 1.0),
         };
         let e = self.left_at_crossing(node)?;
         let later = match node {

@@ -14,6 +14,7 @@ mod charge;
 mod kind;
 mod node;
 
+pub use charge::Chargers;
 pub use kind::Kind;
 pub use node::Node;
 

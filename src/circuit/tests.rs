@@ -127,11 +127,11 @@ fn a_charge_forgets_as_fast_as_its_slowest_part() {
                 (0..steps as usize).fold(start, |y, _| rk4(network, y, time / steps))
             };
             // The matrix being symmetric, the length of (a, b) shrinks at least as fast as its slowest part.
-            let end = run(14.0 * circuit.charge_tau().0);
+            let end = run(14.0 * circuit.charge_tau(Chargers::All).0);
             let most = start[0].hypot(start[1]) * (-14f64).exp();
             assert!(end[0].hypot(end[1]) <= most * 1.001, "{start:?} leaves {end:?}");
             // Late in the charge only the slowest part is left: it falls by e in one tau.
-            let tau = circuit.charge_tau().0;
+            let tau = circuit.charge_tau(Chargers::All).0;
             let (before, after) = (run(9.0 * tau), run(10.0 * tau));
             assert!((before[0] / after[0] - 1f64.exp()).abs() < 1e-3, "{} {}", before[0], after[0]);
         }
@@ -140,10 +140,10 @@ fn a_charge_forgets_as_fast_as_its_slowest_part() {
 
 #[test]
 fn charge_constants() {
-    let tau = two(10e-6, 1e-9).charge_tau().0;
+    let tau = two(10e-6, 1e-9).charge_tau(Chargers::All).0;
     assert!((tau / (2.0 * 220.0 * 10e-6) - 1.0).abs() < 1e-4, "2 (Rp+Ro) C_A where C_A >> C_B");
     let one = circuit(Network::OneCapacitor { c: Farad(1e-6) });
-    assert_eq!(one.charge_tau(), Seconds(220.0 * 1e-6));
+    assert_eq!(one.charge_tau(Chargers::All), Seconds(220.0 * 1e-6));
 }
 
 #[test]

@@ -20,7 +20,7 @@ use super::Config;
 use super::limits::{
     CHARGE_SHARE, JITTER_S, LATENESS_S, LEAST_TAUS, NOISE_V, PER_DECADE, RESISTANCES, SWITCH_S,
 };
-use crate::circuit::{Circuit, Network, Node};
+use crate::circuit::{Chargers, Circuit, Network, Node};
 use crate::estimate::method::Switching;
 use crate::instrument::limits::SWITCH_FRACTIONS;
 use crate::reading::Method;
@@ -65,10 +65,10 @@ pub struct Remembered {
 }
 
 impl Config {
-    /// What charges of so many time constants remember, at most.
-    pub fn remembered(&self, taus: f64) -> Remembered {
+    /// What charges through these of so many time constants remember, at most.
+    pub fn remembered(&self, chargers: Chargers, taus: f64) -> Remembered {
         let none = Remembered { at: self.circuit.r_c2, sigmas: 0.0 };
-        let Some(budget) = Budget::new(self, Noise::LEAST) else { return none };
+        let Some(budget) = Budget::new(self, Noise::LEAST, chargers) else { return none };
         let highest = self.circuit.resistance(self.last_node(), self.deadline().into()).unwrap_or_default();
         (0..RESISTANCES)
             .map(|step| Ohm(highest.0 * 10f64.powf(-f64::from(step) / PER_DECADE)))
@@ -80,7 +80,7 @@ impl Config {
 
     /// What to expect of readings from a hundredth of R_2 up to what the deadline resolves, by the method that is set.
     pub fn predictions(&self, noise: Noise) -> Vec<Prediction> {
-        let Some(budget) = Budget::new(self, noise) else { return Vec::new() };
+        let Some(budget) = Budget::new(self, noise, Chargers::OfA) else { return Vec::new() };
         let highest = self.circuit.resistance(self.last_node(), self.deadline().into()).unwrap_or_default();
         let switches = SWITCH_FRACTIONS.map(|fraction| fraction * budget.g[budget.nodes - 1]);
         [0.01, 0.1, 1.0, 4.0]
@@ -94,10 +94,10 @@ impl Config {
             .collect()
     }
 
-    /// The shortest charge that a reading does not suffer from.
-    pub fn shortest_charge(&self) -> Seconds {
-        let taus = (self.remembered(0.0).sigmas / CHARGE_SHARE).ln().max(LEAST_TAUS);
-        Seconds(taus * self.circuit.charge_tau().0)
+    /// The shortest charge through these that a reading does not suffer from.
+    pub fn shortest_charge(&self, chargers: Chargers) -> Seconds {
+        let taus = (self.remembered(chargers, 0.0).sigmas / CHARGE_SHARE).ln().max(LEAST_TAUS);
+        Seconds(taus * self.circuit.charge_tau(chargers).0)
     }
 }
 
@@ -131,13 +131,13 @@ struct Equation {
 }
 
 impl Budget {
-    fn new(config: &Config, noise: Noise) -> Option<Budget> {
+    fn new(config: &Config, noise: Noise, chargers: Chargers) -> Option<Budget> {
         let circuit = &config.circuit;
         let last = config.last_node();
         let both = |of: &dyn Fn(Node) -> Option<f64>| {
             Some([of(Node::A)?, if last == Node::B { of(Node::B)? } else { 0.0 }])
         };
-        let forgets = (-LATENESS_S / circuit.charge_tau().0).exp();
+        let forgets = (-LATENESS_S / circuit.charge_tau(chargers).0).exp();
         // A clock that is not that of Linux counts in hardware: its period is all the jitter there is.
         let coarser = config.measure.resolution.filter(|clock| *clock > Nanos(1));
         Some(Budget {
@@ -147,7 +147,7 @@ impl Budget {
             known: [circuit.r_c1, circuit.r_second()].map(|r| r.0 + circuit.r_o.0),
             nodes: if last == Node::B { 2 } else { 1 },
             g: both(&|node| circuit.g(node).map(|g| g.0))?,
-            memory: both(&|node| circuit.charge_memory(node))?,
+            memory: both(&|node| circuit.charge_memory(node, chargers))?,
             jitter: coarser.map_or(noise.jitter_s, |clock| clock.as_seconds() / 12f64.sqrt()),
             trigger: both(&|node| trigger(circuit, node, noise.node_v))?,
             switch: noise.switch_s,

@@ -2,10 +2,11 @@
 //!
 //! Every value here is meaningful only for a configuration without error findings.
 
-use super::limits::{DEADLINE, DRAIN, SWITCH_FRACTION};
+use super::limits::{DEADLINE, DRAIN, SWITCH_FRACTION, TOGETHER};
 use super::{Calibration, Config};
-use crate::circuit::Node;
-use crate::instrument::settings::OffsetSource;
+use crate::circuit::{Chargers, Node};
+use crate::instrument::discharge::Charge;
+use crate::instrument::settings::{Charges, OffsetSource};
 use crate::reading::Method;
 use crate::units::{Nanos, Ohm, Seconds};
 
@@ -25,9 +26,33 @@ impl Config {
         self.method().rules().last(self.circuit.kind())
     }
 
-    /// How long to charge before each discharge.
+    /// How to charge before each discharge. A time that is given is that of all chargers where B is waited for.
+    pub fn charges(&self) -> Charges {
+        let alone = |time| Charge::alone(time);
+        if let Some(time) = self.measure.charge_time {
+            return Charges { to_a: alone(time), ..Charges::alike(Charge::together(time)) };
+        }
+        let to_a = alone(self.shortest_charge(Chargers::OfA).into());
+        let Some(tau) = self.circuit.charge_tau_b() else { return Charges::alike(to_a) };
+        let together = Nanos::from_seconds(TOGETHER * tau.0);
+        let anew = Charge::together(self.shortest_charge(Chargers::All).into());
+        Charges { to_a, to_b: Charge { together, ..to_a }, anew }
+    }
+
+    /// Which chargers make the discharge before forgotten, and how long they have for it.
+    pub fn usual_chargers(&self) -> (Chargers, Seconds) {
+        let Charges { to_a, to_b, .. } = self.charges();
+        let usual = if self.last_node() == Node::B { to_b } else { to_a };
+        let is_alone = usual.alone > Nanos::ZERO;
+        let (chargers, time) =
+            if is_alone { (Chargers::OfA, usual.alone) } else { (Chargers::All, usual.together) };
+        (chargers, time.into())
+    }
+
+    /// How long the usual charge takes.
     pub fn charge_time(&self) -> Nanos {
-        self.measure.charge_time.unwrap_or_else(|| self.shortest_charge().into())
+        let Charges { to_a, to_b, .. } = self.charges();
+        if self.last_node() == Node::B { to_b.time() } else { to_a.time() }
     }
 
     /// How long R_1 takes to bring full capacitors to where discharges end, with room for their tolerance.

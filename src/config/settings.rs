@@ -44,7 +44,7 @@ impl Config {
             r_c_ohm: [circuit.r_c1.0, circuit.r_c2.0],
             nominal: Nanos::from_seconds(circuit.crossing(Node::A, circuit.r_c1).unwrap_or_default().0),
             drain: self.drain_time(),
-            charge: self.charge_time(),
+            charge: self.charges(),
             settle: self.settle_time(),
             deadline: self.deadline(),
             period: self.measure.rate_hz.map(|hertz| Nanos::from_seconds(1.0 / hertz)),

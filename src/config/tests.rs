@@ -1,7 +1,7 @@
 //! Parsing, defaults, the shipped file and the reports.
 
 use super::*;
-use crate::circuit::Network;
+use crate::circuit::{Chargers, Network};
 use crate::sensor::Law;
 use crate::units::{Farad, Ohm, Volt};
 use std::fs;
@@ -74,7 +74,7 @@ fn silence_has_defaults() {
 fn derived_times_follow_the_circuit() {
     let config = parse(MINIMAL);
     let (charge, deadline) = (config.charge_time().as_seconds(), config.deadline().as_seconds());
-    assert!((charge / config.circuit.charge_tau().0 - 7.31).abs() < 0.01, "{charge}");
+    assert!((charge / config.circuit.charge_tau(Chargers::All).0 - 7.31).abs() < 0.01, "{charge}");
     let t_c2b = (12_700.0 + 40.0) * config.circuit.g(crate::circuit::Node::B).unwrap().0;
     assert!((deadline - 5.0 * t_c2b).abs() < 1e-9, "{deadline}");
 }

@@ -4,7 +4,8 @@
 use crate::estimate::offset::Offset;
 use crate::estimate::scatter::SwitchScatter;
 use crate::instrument::cycle::Cycle;
-use crate::instrument::settings::{OffsetSource, Settings};
+use crate::instrument::discharge::Charge;
+use crate::instrument::settings::{Charges, OffsetSource, Settings};
 use crate::reading::{Fault, Method};
 use crate::stream::tape::{Entry, Header, TapeOffset};
 use crate::stream::wire::StateLine;
@@ -73,7 +74,7 @@ impl Replay {
             // What is planned is on the tape already.
             nominal: Nanos::ZERO,
             drain: Nanos::ZERO,
-            charge: Nanos::ZERO,
+            charge: Charges::alike(Charge::alone(Nanos::ZERO)),
             settle: Nanos::ZERO,
             deadline: Nanos::MAX,
             period: None,

@@ -59,7 +59,7 @@ impl Estimator {
     /// For calibration resistors `r1_ohm` < `r2_ohm` (Rc1 and Rc2, or Rc1 and Rc1 + Rc2), in a circuit with one or two
     /// `nodes`.
     pub fn new(method: Method, r1_ohm: f64, r2_ohm: f64, nodes: usize, offset: Offset) -> Estimator {
-        let noise = Noise::new(1.0);
+        let noise = Noise::new(nodes, 1.0);
         Estimator {
             method,
             r1_ohm,
@@ -85,7 +85,7 @@ impl Estimator {
     pub fn with_resolution(self, resolution_ns: f64) -> Estimator {
         let r_ohm = [self.r1_ohm, self.r2_ohm];
         let tracker = self.tracker.map(|_| Tracker::new(r_ohm, self.nodes, resolution_ns));
-        Estimator { noise: Noise::new(resolution_ns), tracker, ..self }
+        Estimator { noise: Noise::new(self.nodes, resolution_ns), tracker, ..self }
     }
 
     /// The tracked calibration, once there is one.
@@ -159,7 +159,8 @@ impl Estimator {
         }
         let kind = record.calibration_kind().ok_or(Fault::NoCalibration)?;
         let times = record.complete(self.nodes).ok_or(Fault::NoCalibration)?;
-        let judged = self.noise.add(kind, times, [0.0; 2]);
+        let ended = record.ended(self.nodes).ok_or(Fault::NoCalibration)?;
+        let judged = self.noise.add(kind, ended, [0.0; 2]);
         if self.tracker.is_none() {
             judged?;
         }
@@ -214,7 +215,7 @@ impl Estimator {
     }
 
     fn observed(&self, record: &Record) -> Result<Observed, Fault> {
-        record.crossing(self.last()).ok_or(Fault::MissedEdge)?;
+        record.ended(self.nodes).ok_or(Fault::MissedEdge)?;
         let switch = record.switch.map(|switch| (switch, self.ohm_after(switch)));
         let branch = if switch.is_some() { Branch::Inferred } else { Branch::Direct };
         let u_switch_ns = self.u_switch_ns(record, branch).ok_or(Fault::NoCalibration)?;
@@ -230,14 +231,21 @@ impl Estimator {
         }
     }
 
-    fn ohm_after(&self, switch: Switch) -> f64 {
+    /// What a discharge goes on through after a switch, ohm.
+    pub fn ohm_after(&self, switch: Switch) -> f64 {
         if switch.to == Through::C1 { self.r1_ohm } else { self.r2_ohm }
     }
 
-    /// What an x discharge through `r_ohm` would tell, switched as given or not at all.
-    pub fn predict_tracked(&self, r_ohm: f64, switch: Option<Switch>, u_switch_ns: f64) -> Option<Solution> {
+    /// What an x discharge through `r_ohm` would tell that waits for `last`, switched as given or not at all.
+    pub fn predict_tracked(
+        &self,
+        r_ohm: f64,
+        switch: Option<Switch>,
+        u_switch_ns: f64,
+        last: Node,
+    ) -> Option<Solution> {
         let switch = switch.map(|switch| (switch, self.ohm_after(switch)));
-        tracked::predict(self.tracker()?, r_ohm, switch, u_switch_ns)
+        tracked::predict(self.tracker()?, r_ohm, switch, u_switch_ns, last)
     }
 
     /// The times of an estimate, and which equation is to be used.

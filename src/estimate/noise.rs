@@ -55,7 +55,13 @@ impl Covariance {
         [self.aa * v[0] + self.ab * v[1], self.ab * v[0] + self.bb * v[1]]
     }
 
-    fn node(&self, node: usize) -> f64 {
+    /// The sum of both.
+    pub fn plus(&self, other: &Covariance) -> Covariance {
+        Covariance { aa: self.aa + other.aa, bb: self.bb + other.bb, ab: self.ab + other.ab }
+    }
+
+    /// The variance of a node.
+    pub fn node(&self, node: usize) -> f64 {
         if node == 0 { self.aa } else { self.bb }
     }
 
@@ -85,8 +91,11 @@ struct Spread {
     /// Of the times less what was expected.
     mean: [f64; 2],
     last: [f64; 2],
+    /// Whether node B was waited for in the last one.
+    last_had_b: bool,
     sum: Covariance,
-    weight: f64,
+    /// Of A alone, and of both.
+    weight: [f64; 2],
     gate: Gate,
     outliers_in_row: u32,
 }
@@ -98,45 +107,68 @@ impl Spread {
         time: [0.0; 2],
         mean: [0.0; 2],
         last: [0.0; 2],
+        last_had_b: true,
         sum: Covariance { aa: 0.0, bb: 0.0, ab: 0.0 },
-        weight: 0.0,
+        weight: [0.0; 2],
         gate: Gate::new(BEYOND_NOISE),
         outliers_in_row: 0,
     };
 
-    fn add(&mut self, times: [f64; 2], expected: [f64; 2], quantisation: f64) -> Result<(), Fault> {
-        let away = [times[0] - expected[0], times[1] - expected[1]];
+    /// `seen`: the nodes that were waited for, of those that there are. Only discharges in which all were begin it.
+    fn add(
+        &mut self,
+        away: [f64; 2],
+        times: [f64; 2],
+        [all, has_b]: [bool; 2],
+        quantisation: f64,
+    ) -> Result<(), Fault> {
         if self.seen < NOISE_WARM_UP {
-            self.warm_up[self.seen] = away;
-            self.seen += 1;
-            if self.seen == NOISE_WARM_UP {
-                self.begin();
+            if all {
+                self.warm_up[self.seen] = away;
+                self.seen += 1;
+                if self.seen == NOISE_WARM_UP {
+                    self.begin();
+                }
             }
             return Ok(());
         }
-        let sigmas = self.sigmas(away, quantisation);
+        let sigmas = self.sigmas(away, has_b, quantisation);
         if !self.gate.admits(sigmas) {
             self.outliers_in_row += 1;
             if self.outliers_in_row < OUTLIERS_OF_A_STEP {
                 return Err(Fault::LatencyOutlier);
             }
-            self.mean = away;
-            self.last = away;
+            (self.mean, self.last) = (away, away);
         }
         self.outliers_in_row = 0;
-        self.time = times;
-        self.sum.add_outer([away[0] - self.last[0], away[1] - self.last[1]]);
-        self.weight += 1.0;
-        if self.weight > NOISE_MEMORY {
-            let keep = 1.0 - 1.0 / NOISE_MEMORY;
-            self.sum = self.sum.scaled(keep);
-            self.weight *= keep;
-        }
-        for (node, away) in away.into_iter().enumerate() {
-            self.mean[node] += (away - self.mean[node]) / NOISE_WARM_UP as f64;
-        }
-        self.last = away;
+        self.learn(away, times, has_b);
         Ok(())
+    }
+
+    /// Differences of successive discharges; those of B, and with B, only where both have waited for it.
+    fn learn(&mut self, away: [f64; 2], times: [f64; 2], has_b: bool) {
+        let step = [away[0] - self.last[0], away[1] - self.last[1]];
+        self.sum.aa += step[0] * step[0];
+        self.weight[0] += 1.0;
+        if has_b && self.last_had_b {
+            self.sum.bb += step[1] * step[1];
+            self.sum.ab += step[0] * step[1];
+            self.weight[1] += 1.0;
+        }
+        let keep = 1.0 - 1.0 / NOISE_MEMORY;
+        if self.weight[0] > NOISE_MEMORY {
+            self.sum.aa *= keep;
+            self.weight[0] *= keep;
+        }
+        if self.weight[1] > NOISE_MEMORY {
+            (self.sum.bb, self.sum.ab) = (keep * self.sum.bb, keep * self.sum.ab);
+            self.weight[1] *= keep;
+        }
+        for node in 0..if has_b { 2 } else { 1 } {
+            self.mean[node] += (away[node] - self.mean[node]) / NOISE_WARM_UP as f64;
+            (self.last[node], self.time[node]) = (away[node], times[node]);
+        }
+        self.last_had_b = has_b;
     }
 
     /// From now on something else is expected, namely what comes.
@@ -158,7 +190,7 @@ impl Spread {
             let step = [pair[1][0] - pair[0][0], pair[1][1] - pair[0][1]];
             if step[0].abs() <= limit[0] && step[1].abs() <= limit[1] {
                 self.sum.add_outer(step);
-                self.weight += 1.0;
+                self.weight = self.weight.map(|weight| weight + 1.0);
             }
         }
         for node in 0..2 {
@@ -169,32 +201,35 @@ impl Spread {
     }
 
     /// How far the farther node is from the running mean.
-    fn sigmas(&self, away: [f64; 2], quantisation: f64) -> f64 {
+    fn sigmas(&self, away: [f64; 2], has_b: bool, quantisation: f64) -> f64 {
         let variance = self.covariance().at_least(quantisation);
         // The running mean has a variance of its own: 1/(2 x 16 - 1) of a single time's.
         let of = |node: usize| (away[node] - self.mean[node]).abs() / (1.04 * variance.node(node)).sqrt();
-        of(0).max(of(1))
+        if has_b { of(0).max(of(1)) } else { of(0) }
     }
 
     /// Half the mean square of successive differences, which has two degrees of freedom for three of them. With few of
     /// them, as much more as makes 2 sigma the 95 % limit of Student's distribution (to 2 % from 8 degrees on).
     fn covariance(&self) -> Covariance {
-        let student = (1.0 + 1.3 / self.freedom()).powi(2);
-        self.sum.scaled(0.5 * student / self.weight.max(1.0))
+        let [a, b] = [0, 1].map(|node| {
+            0.5 * (1.0 + 1.3 / self.freedom(node)).powi(2) / self.weight[node].max(1.0)
+        });
+        Covariance { aa: a * self.sum.aa, bb: b * self.sum.bb, ab: b * self.sum.ab }
     }
 
     fn is_known(&self) -> bool {
         self.seen == NOISE_WARM_UP
     }
 
-    fn freedom(&self) -> f64 {
-        (self.weight * 2.0 / 3.0).max(1.0)
+    fn freedom(&self, node: usize) -> f64 {
+        (self.weight[node] * 2.0 / 3.0).max(1.0)
     }
 }
 
 /// Learns the noise of crossings from the two calibration discharges.
 #[derive(Debug, Clone)]
 pub struct Noise {
+    nodes: usize,
     c1: Spread,
     c2: Spread,
     /// Of one time by the clock that counts it, eq. (4), ns².
@@ -212,25 +247,34 @@ struct Learned {
 }
 
 impl Noise {
-    /// Nothing is known yet. `resolution_ns`: period of the clock that stamps crossings. A spread cannot show
+    /// Nothing is known yet. One or two `nodes`; `resolution_ns`: period of the clock that stamps crossings. A spread cannot show
     /// quantisation where the noise is smaller: the same count comes each time.
-    pub fn new(resolution_ns: f64) -> Noise {
+    pub fn new(nodes: usize, resolution_ns: f64) -> Noise {
         let quantisation = resolution_ns * resolution_ns / 12.0;
-        Noise { c1: Spread::NEW, c2: Spread::NEW, quantisation, learned: None }
+        Noise { nodes, c1: Spread::NEW, c2: Spread::NEW, quantisation, learned: None }
     }
 
-    /// Takes the crossings of a calibration discharge, ns; those of a split one tell nothing. `expected`: what is known to
-    /// change in them; only the rest is looked at.
+    /// Takes the crossings of a calibration discharge, ns, that of B if it was waited for; those of a split one tell nothing.
+    /// `expected`: what is known to change in them; only the rest is looked at.
     ///
     /// # Errors
     /// [`Fault::LatencyOutlier`] if they are too far from the others: a spike, which has not been used.
-    pub fn add(&mut self, kind: CalibrationKind, times: [f64; 2], expected: [f64; 2]) -> Result<(), Fault> {
+    pub fn add(
+        &mut self,
+        kind: CalibrationKind,
+        times: [Option<f64>; 2],
+        expected: [f64; 2],
+    ) -> Result<(), Fault> {
         let spread = match kind {
             CalibrationKind::First => &mut self.c1,
             CalibrationKind::Second => &mut self.c2,
             CalibrationKind::Split => return Ok(()),
         };
-        let judged = spread.add(times, expected, self.quantisation);
+        let has_b = times[1].is_some();
+        let all = has_b || self.nodes == 1;
+        let away = [0, 1].map(|node: usize| times[node].map_or(0.0, |ns| ns - expected[node]));
+        let times = times.map(|ns| ns.unwrap_or(0.0));
+        let judged = spread.add(away, times, [all, has_b], self.quantisation);
         self.learn();
         judged
     }
@@ -246,7 +290,7 @@ impl Noise {
             return;
         }
         let [v1, v2] = [&self.c1, &self.c2].map(|spread| spread.covariance().at_least(self.quantisation));
-        let freedom = self.c1.freedom().min(self.c2.freedom());
+        let freedom = self.c1.freedom(self.nodes - 1).min(self.c2.freedom(self.nodes - 1));
         self.learned = Some(Learned {
             nodes: Law::through([(self.c1.time, v1), (self.c2.time, v2)], self.quantisation),
             shared: Shared::through([(self.c1.time, v1), (self.c2.time, v2)], freedom),

@@ -6,6 +6,7 @@
 //! ([`Noise`]); how fast g, Ro and d drift is learned from their innovations: those of a walk that is as fast as the state have
 //! nothing to do with each other, those of a slower one go on in one direction.
 
+use crate::circuit::Node;
 use crate::estimate::law::{Crossing, D, D_B, R_O, Route, State, UNKNOWNS};
 use crate::estimate::limits::{
     BEGINNINGS, FIRST_ROUNDS, INNOVATION_GATE, MOST_REJECTED, REJECTED_OF_A_STEP, SLOWEST_WALK,
@@ -90,7 +91,7 @@ impl Tracker {
             r_ohm,
             nodes,
             resolution_ns,
-            noise: Noise::new(resolution_ns),
+            noise: Noise::new(nodes, resolution_ns),
             state: State::default(),
             covariance: Matrix::default(),
             at: Nanos::ZERO,
@@ -120,11 +121,6 @@ impl Tracker {
     /// The state: g_A, g_B, Ro, d of A, and what B's is greater by.
     pub fn state(&self) -> &State {
         &self.state
-    }
-
-    /// How well it is known.
-    pub fn covariance(&self) -> &Matrix {
-        &self.covariance
     }
 
     /// The noise of crossings.
@@ -159,7 +155,7 @@ impl Tracker {
     /// [`Fault::CalibrationStep`] if it is the one after which the filter opens again.
     pub fn add(&mut self, record: &Record) -> Result<(), Fault> {
         let kind = record.calibration_kind().ok_or(Fault::NoCalibration)?;
-        let times = record.complete(self.nodes).ok_or(Fault::NoCalibration)?;
+        let times = record.ended(self.nodes).ok_or(Fault::NoCalibration)?;
         if self.ready {
             return self.update(kind, record, times);
         }
@@ -213,8 +209,8 @@ impl Tracker {
         for record in rounds.iter().flatten() {
             self.advance(record.start);
             // One that the gate rejects is one less.
-            let used = record.complete(self.nodes).and_then(|times| self.correct(record, times));
-            rejected += usize::from(used.is_none());
+            let used = record.ended(self.nodes).is_some_and(|times| self.correct(record, times));
+            rejected += usize::from(!used);
         }
         rejected * MOST_REJECTED <= 3 * rounds.len()
     }
@@ -229,11 +225,16 @@ impl Tracker {
         }
     }
 
-    fn update(&mut self, kind: CalibrationKind, record: &Record, times: [f64; 2]) -> Result<(), Fault> {
+    fn update(
+        &mut self,
+        kind: CalibrationKind,
+        record: &Record,
+        times: [Option<f64>; 2],
+    ) -> Result<(), Fault> {
         self.advance(record.start);
-        let route = self.route(record).ok_or(Fault::NoCalibration)?;
+        let route = self.route(kind, record);
         let expected = [0, 1].map(|node| route.crossing(&self.state, node).ns);
-        if self.correct(record, times).is_some() {
+        if self.correct(record, times) {
             // What the filter takes is no spike, whatever the spread says.
             let _ = self.noise.add(kind, times, expected);
             self.rejected_in_row = 0;
@@ -269,86 +270,84 @@ impl Tracker {
             Tracker { counts, ..Tracker::empty(self.r_ohm, self.nodes, self.resolution_ns, split, rounds) };
     }
 
+    /// By how much the variance of v times the state grows in a second.
+    pub fn growth(&self, v: &State) -> f64 {
+        self.walks().iter().zip(v).map(|(walk, v)| (walk * v).powi(2)).sum()
+    }
+
     /// The walk since the last discharge.
     pub fn advance(&mut self, now: Nanos) {
         let seconds = (now - self.at).as_seconds().clamp(0.0, 3600.0);
         self.at = now;
+        for (index, walk) in self.walks().into_iter().enumerate() {
+            self.covariance[index][index] += walk * walk * seconds;
+        }
+    }
+
+    /// How fast each part of the state walks, per root second.
+    fn walks(&self) -> State {
         // A crossing without delay has no other noise than latency.
         let jitter_ns = self.noise.covariance([0.0; 2]).map_or(0.0, |noise| noise.aa.sqrt());
         let [walk_d, walk_g, walk_r_o] = self.walk;
         let walk_d = walk_d * jitter_ns;
         let walk_d_b = if self.nodes == 2 { walk_d } else { 0.0 };
-        let walk = [walk_g * self.state[0], walk_g * self.state[1], walk_r_o, walk_d, walk_d_b];
-        for (index, walk) in walk.into_iter().enumerate() {
-            self.covariance[index][index] += walk * walk * seconds;
-        }
+        [walk_g * self.state[0], walk_g * self.state[1], walk_r_o, walk_d, walk_d_b]
     }
 
     /// The resistors of a calibration discharge.
-    fn route(&self, record: &Record) -> Option<Route> {
-        let kind = record.calibration_kind()?;
-        Some(Route {
-            first_ohm: self.first_ohm(kind),
-            switch: record.switch.map(|switch| (switch, self.r_ohm[1])),
-        })
+    fn route(&self, kind: CalibrationKind, record: &Record) -> Route {
+        let switch = record.switch.map(|switch| (switch, self.r_ohm[1]));
+        Route { first_ohm: self.first_ohm(kind), switch }
     }
 
     fn first_ohm(&self, kind: CalibrationKind) -> f64 {
         self.r_ohm[usize::from(kind == CalibrationKind::Second)]
     }
 
-    /// Which nodes there are.
-    fn seen(&self) -> [bool; 2] {
-        [true, self.nodes == 2]
-    }
-
     /// The covariance of what is observed of a discharge, its noise and its switch; `expected_ns`: as in
     /// [`Tracker::u_switch_ns`].
     fn observation(&self, route: &Route, expected_ns: f64) -> Option<Covariance> {
-        self.observation_of(route, self.u_switch_ns(expected_ns))
-    }
-
-    fn observation_of(&self, route: &Route, u_switch: f64) -> Option<Covariance> {
         let mut noise = self.noise.covariance(route.late_ns(&self.state))?;
-        let by = [0, 1].map(|node| route.crossing(&self.state, node).by_switch * u_switch);
-        noise.add_outer(by);
+        let u_switch_ns = self.u_switch_ns(expected_ns);
+        noise.add_outer([0, 1].map(|node| route.crossing(&self.state, node).by_switch * u_switch_ns));
         Some(noise)
     }
 
-    /// Kalman's correction by both crossings; the innovation's normalised square, or `None` if it is beyond the gate.
-    fn correct(&mut self, record: &Record, times: [f64; 2]) -> Option<f64> {
-        let route = self.route(record)?;
+    /// Kalman's correction by the crossings that were seen; whether they are within the gate, and have been used.
+    fn correct(&mut self, record: &Record, times: [Option<f64>; 2]) -> bool {
+        let Some(kind) = record.calibration_kind() else { return false };
+        let route = self.route(kind, record);
         let rows = [0, 1].map(|node| route.crossing(&self.state, node));
-        let innovation = [0, 1].map(|node| if node < self.nodes { times[node] - rows[node].ns } else { 0.0 });
-        let states = rows.map(|row| row.by_state);
-        let gain = Gain::new(
-            &self.covariance,
-            &states,
-            &self.observation(&route, expected_ns(record))?,
-            self.seen(),
-        )?;
-        let normalised = gain.normalised(innovation);
-        if normalised > INNOVATION_GATE * INNOVATION_GATE * self.nodes as f64 {
-            return None;
+        let seen = times.map(|time| time.is_some());
+        let innovation = [0, 1].map(|node: usize| times[node].map_or(0.0, |ns| ns - rows[node].ns));
+        let (states, by_switch) = (rows.map(|row| row.by_state), rows.map(|row| row.by_switch));
+        let Some(crossings) = self.noise.covariance(route.late_ns(&self.state)) else { return false };
+        let u_switch_ns = self.u_switch_ns(expected_ns(record));
+        let mut noise = crossings;
+        noise.add_outer(by_switch.map(|by| by * u_switch_ns));
+        let Some(gain) = Gain::new(&self.covariance, &states, &noise, seen) else { return false };
+        let count = seen.iter().filter(|seen| **seen).count();
+        if gain.normalised(innovation) > INNOVATION_GATE * INNOVATION_GATE * count as f64 {
+            return false;
         }
-        if let Some(kind) = record.calibration_kind() {
-            self.learn_misfit(kind, &gain, innovation);
-            self.learn_walk(kind, &gain, &states, innovation);
-        }
-        self.learn_scatter(&route, innovation);
+        self.learn_misfit(kind, &gain, innovation, seen);
+        self.learn_walk(kind, &gain, &states, innovation);
+        self.learn_scatter(by_switch, &gain.by_state.plus(&crossings), innovation, seen);
         for index in 0..UNKNOWNS {
             self.state[index] += gain.of[index][0] * innovation[0] + gain.of[index][1] * innovation[1];
         }
         self.covariance = gain.posterior(&self.covariance);
-        Some(normalised)
+        true
     }
 
-    /// By how much a calibration discharge of this kind would lower v^T P v.
-    pub fn benefit(&self, kind: CalibrationKind, v: &State) -> Option<f64> {
+    /// By how much a calibration discharge of this kind would lower v^T P v, if it ends at this node.
+    pub fn benefit(&self, kind: CalibrationKind, last: Node, v: &State) -> Option<f64> {
         let route = self.planned(kind);
         let rows = [0, 1].map(|node| route.crossing(&self.state, node).by_state);
-        let gain = Gain::new(&self.covariance, &rows, &self.observation(&route, 0.0)?, self.seen())?;
-        Some(quadratic(&self.covariance, v) - quadratic(&gain.posterior(&self.covariance), v))
+        let seen = [true, last == Node::B];
+        let gain = Gain::new(&self.covariance, &rows, &self.observation(&route, 0.0)?, seen)?;
+        let lowered = quadratic(&self.covariance, v) - quadratic(&gain.posterior(&self.covariance), v);
+        Some(self.misfit() * lowered)
     }
 
     /// What a calibration discharge of this kind runs through.

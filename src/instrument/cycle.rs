@@ -13,8 +13,10 @@
 //! cycles begin like that, too; once the state is known, a cycle has only those calibration discharges that pay.
 
 mod calls;
+mod choice;
 mod plan;
 
+use crate::circuit::Node;
 use crate::estimate::Estimator;
 use crate::estimate::leak::LeakTest;
 use crate::estimate::limits::UNKNOWN_JITTER_NS;
@@ -22,7 +24,7 @@ use crate::estimate::offset::{Offset, SplitCalibration};
 use crate::instrument::diagnosis::Diagnosis;
 use crate::instrument::discharge::{Outcome, Plan};
 use crate::instrument::limits::{
-    CALIBRATIONS_PER_CYCLE, FOLLOW_EVERY, MOST_CALIBRATIONS, MOST_OF_SENSOR, RETRIES, ROUNDS, WINDOW,
+    FOLLOW_EVERY, MOST_CALIBRATIONS, MOST_OF_SENSOR, OVERHEAD_STEP, RETRIES, ROUNDS, WINDOW,
 };
 use crate::instrument::settings::Settings;
 use crate::instrument::stats::Stats;
@@ -38,7 +40,7 @@ use plan::Memory;
 /// system takes beyond what was asked for, such as a preemption, is not in it.
 pub fn longest_reading(settings: &Settings) -> Nanos {
     let Settings { drain, charge, settle, deadline, .. } = *settings;
-    let discharge = drain + charge + settle + deadline + deadline;
+    let discharge = drain + charge.anew.time().max(charge.to_a.time()) + settle + deadline + deadline;
     Nanos(discharge.0 * i64::from(MOST_CALIBRATIONS + MOST_OF_SENSOR))
 }
 
@@ -54,7 +56,7 @@ pub enum Next {
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Step {
     Start,
-    Calibrate(CalibrationKind),
+    Calibrate(CalibrationKind, Node),
     /// R_2, held on its way: looks for a leak.
     Hold,
     Sensor(usize),
@@ -72,9 +74,17 @@ pub struct Cycle {
     diagnosis: Diagnosis,
     step: Step,
     retries: u32,
-    /// Calibration discharges of this cycle, and cycles since the last one.
+    /// Calibration discharges of this cycle, and when the last one was.
     calibrations: u32,
-    idle_cycles: u32,
+    calibrated_at: Option<Nanos>,
+    /// When the last discharge was asked for, and what discharges take beside what is planned of them, ns.
+    asked: Nanos,
+    overhead_ns: f64,
+    /// What goes before the last discharge by its plan.
+    planned: Nanos,
+    /// When B had its charger last, and whether that was before the last discharge.
+    b_charged: Option<Nanos>,
+    b_is_kept: bool,
     /// The last discharge ended before its time.
     ended_early: bool,
     /// Why this cycle has no calibration.
@@ -108,7 +118,12 @@ impl Cycle {
             step: Step::Start,
             retries: 0,
             calibrations: 0,
-            idle_cycles: 0,
+            calibrated_at: None,
+            asked: Nanos::ZERO,
+            overhead_ns: 0.0,
+            planned: Nanos::ZERO,
+            b_charged: None,
+            b_is_kept: false,
             ended_early: false,
             failed: None,
             began: Nanos::ZERO,
@@ -167,15 +182,22 @@ impl Cycle {
             self.estimator.advance(now);
             self.step = self.next_calibration(None);
         }
-        match self.step {
+        self.asked = now;
+        let plan = match self.step {
             Step::Sensor(channel) => match self.failed {
-                Some(fault) => Next::Report(self.report(channel, Status::Fault(fault), now, now)),
-                None => Next::Discharge(self.sensor_plan(channel)),
+                Some(fault) => return Next::Report(self.report(channel, Status::Fault(fault), now, now)),
+                None => self.sensor_plan(channel),
             },
-            Step::Calibrate(kind) => Next::Discharge(self.calibration_plan(kind)),
-            Step::Hold => Next::Discharge(self.held_plan()),
-            Step::Start => Next::Discharge(self.calibration_plan(CalibrationKind::First)),
+            Step::Calibrate(kind, last) => self.calibration_plan(kind, last),
+            Step::Hold => self.held_plan(),
+            Step::Start => self.calibration_plan(CalibrationKind::First, self.settings.last()),
+        };
+        self.b_is_kept = plan.charge.together > Nanos::ZERO;
+        if self.b_is_kept {
+            self.b_charged = Some(now);
         }
+        self.planned = plan.drain + plan.charge.time() + plan.settle;
+        Next::Discharge(plan)
     }
 
     /// Takes a discharge as a tape has it, whatever would be next here; answers a reading when it was a sensor's. One whose
@@ -184,7 +206,7 @@ impl Cycle {
         self.step = match (record.through.channel(), record.calibration_kind()) {
             (Some(channel), _) => Step::Sensor(channel),
             (None, _) if is_held => Step::Hold,
-            (None, Some(kind)) => Step::Calibrate(kind),
+            (None, Some(kind)) => Step::Calibrate(kind, self.settings.last()),
             (None, None) => return None,
         };
         match record.through.channel() {
@@ -218,17 +240,19 @@ impl Cycle {
     /// The calibration discharge that follows `last` in this cycle, or the first sensor.
     fn next_calibration(&self, last: Option<CalibrationKind>) -> Step {
         let next = if self.estimator.tracker().is_some() {
-            let may = self.calibrations < CALIBRATIONS_PER_CYCLE;
+            // More would take longer than the readings that they improve.
+            let may = (self.calibrations as usize) < self.settings.channels.len();
             self.wanted().filter(|_| may)
         } else {
-            match last {
+            let kind = match last {
                 None => Some(CalibrationKind::First),
                 Some(CalibrationKind::First) => Some(CalibrationKind::Second),
                 Some(CalibrationKind::Second) if self.is_split_due() => Some(CalibrationKind::Split),
                 Some(CalibrationKind::Second | CalibrationKind::Split) => None,
-            }
+            };
+            kind.map(|kind| (kind, self.settings.last()))
         };
-        next.map_or(Step::Sensor(0), Step::Calibrate)
+        next.map_or(Step::Sensor(0), |(kind, last)| Step::Calibrate(kind, last))
     }
 
     /// The next cycle, or before it, from time to time, the look for a leak: where no reading waits for it.
@@ -250,14 +274,15 @@ impl Cycle {
     /// Takes the outcome of the discharge that [`Cycle::next`] asked for, `now` being the time; answers a reading when
     /// it was a sensor's.
     pub fn done(&mut self, outcome: &Outcome, now: Nanos) -> Option<Reading> {
+        self.learn_overhead(outcome, now);
         self.ended_early = outcome.result.map_or(true, |record| record.waited_ns.is_some());
-        let is_plain = matches!(self.step, Step::Calibrate(CalibrationKind::First | CalibrationKind::Second));
+        let is_plain = matches!(self.step, Step::Calibrate(CalibrationKind::First | CalibrationKind::Second, _));
         if let (true, Some(call)) = (is_plain, outcome.start_call) {
             self.calls.add(call);
         }
         match self.step {
-            Step::Calibrate(CalibrationKind::Split) if !self.settings.tracked => self.split_done(outcome),
-            Step::Calibrate(kind) => self.calibrated(kind, outcome),
+            Step::Calibrate(CalibrationKind::Split, _) if !self.settings.tracked => self.split_done(outcome),
+            Step::Calibrate(kind, last) => self.calibrated(kind, last, outcome),
             Step::Sensor(_) if outcome.result == Err(Fault::WideBracket) && self.retries < RETRIES => {
                 // It says nothing about the sensor, and has cost little more than its charge.
                 self.retries += 1;
@@ -270,15 +295,27 @@ impl Cycle {
         None
     }
 
-    fn calibrated(&mut self, kind: CalibrationKind, outcome: &Outcome) {
+    /// What a discharge takes beside what is planned of it: calls, waking, and the charge's own delays.
+    fn learn_overhead(&mut self, outcome: &Outcome, now: Nanos) {
+        let Ok(record) = outcome.result else { return };
+        let Some(ended_ns) = record.crossings().into_iter().flatten().reduce(f64::max) else { return };
+        let beside_ns = (now - self.asked - self.planned).as_ns() - ended_ns;
+        self.overhead_ns += OVERHEAD_STEP * (beside_ns.max(0.0) - self.overhead_ns);
+    }
+
+    fn calibrated(&mut self, kind: CalibrationKind, last: Node, outcome: &Outcome) {
         self.diagnosis.take(kind, outcome);
         if self.failed.is_none() {
             self.calibrate(kind, outcome);
         }
         // Lost already; the plain discharges tell whether it is a resistor's wire or a node.
         self.step = match (self.failed, kind) {
-            (Some(Fault::NoCalibration), CalibrationKind::Split) => Step::Calibrate(CalibrationKind::First),
-            (Some(Fault::NoCalibration), CalibrationKind::First) => Step::Calibrate(CalibrationKind::Second),
+            (Some(Fault::NoCalibration), CalibrationKind::Split) => {
+                Step::Calibrate(CalibrationKind::First, last)
+            }
+            (Some(Fault::NoCalibration), CalibrationKind::First) => {
+                Step::Calibrate(CalibrationKind::Second, last)
+            }
             (Some(_), _) => Step::Sensor(0),
             (None, _) => self.step,
         };
@@ -298,7 +335,7 @@ impl Cycle {
         if result.is_ok() || (is_spike && tracks) || (kind == CalibrationKind::Split && !tracks) {
             self.retries = 0;
             self.calibrations += 1;
-            self.idle_cycles = 0;
+            self.calibrated_at = Some(self.asked);
             self.step = self.next_calibration(Some(kind));
             return;
         }
@@ -384,7 +421,6 @@ impl Cycle {
             self.step = self.after_sensors(now);
             self.failed = None;
             self.stats.cycles += 1;
-            self.idle_cycles = self.idle_cycles.saturating_add(1);
         }
         reading
     }

@@ -92,12 +92,16 @@ impl Diagnosis {
             // The system was slow; the board is as it was.
             return;
         }
-        let crossings = outcome.result.ok().map(|record| record.crossings());
-        match kind {
-            CalibrationKind::First => self.known[0] = crossings,
-            CalibrationKind::Second => self.known[1] = crossings,
-            CalibrationKind::Split => {}
-        }
+        let known = match kind {
+            CalibrationKind::First => &mut self.known[0],
+            CalibrationKind::Second => &mut self.known[1],
+            CalibrationKind::Split => return,
+        };
+        *known = outcome.result.ok().map(|record| match (record.crossings(), record.waited_ns, *known) {
+            // Nobody waited for B.
+            ([a_ns, None], None, Some([_, before])) => [a_ns, before],
+            (crossings, _, _) => crossings,
+        });
     }
 
     /// Remembers a sensor's discharge.
@@ -122,9 +126,7 @@ impl Diagnosis {
 
     /// A sensor's discharge that a known resistor was to finish, and has not.
     fn unfinished(&self) -> Option<Suspect> {
-        let record = self
-            .sensor
-            .filter(|record| self.board.nodes.last().is_some_and(|last| record.crossing(*last).is_none()))?;
+        let record = self.sensor.filter(|record| record.ended(self.board.nodes.len()).is_none())?;
         Some(if record.switch?.to == Through::C1 { Suspect::FirstOpen } else { Suspect::SecondOpen })
     }
 }

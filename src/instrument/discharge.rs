@@ -21,7 +21,7 @@ use crate::reading::Fault;
 use crate::record::{Record, Switch, Through};
 use crate::units::Nanos;
 pub use lead::Lead;
-pub use plan::Plan;
+pub use plan::{Charge, Plan};
 pub use run::{Outcome, run, run_on};
 
 /// What is to be done next on the pins.
@@ -67,6 +67,9 @@ pub enum Event {
 enum Phase {
     Draining,
     Drained,
+    /// Through A alone, then through all chargers.
+    ChargingA,
+    ChargedA,
     Charging,
     Charged,
     Floating,
@@ -126,11 +129,10 @@ pub struct Discharge {
 impl Discharge {
     /// A discharge to be done; the first action is to drain or to charge.
     pub fn new(plan: Plan, lead: Nanos) -> (Discharge, Action) {
-        let drains = plan.drain > Nanos::ZERO;
-        let discharge = Discharge {
+        let mut discharge = Discharge {
             plan,
             lead,
-            phase: if drains { Phase::Draining } else { Phase::Charging },
+            phase: Phase::Draining,
             floating: Nanos::ZERO,
             start: Bracket::default(),
             switch: None,
@@ -144,7 +146,18 @@ impl Discharge {
             charged: None,
             fault: None,
         };
-        (discharge, Action::Drive(if drains { Drives::C1 } else { plan.chargers }))
+        let drains = plan.drain > Nanos::ZERO;
+        let first = if drains { Action::Drive(Drives::C1) } else { discharge.charge() };
+        (discharge, first)
+    }
+
+    fn charge(&mut self) -> Action {
+        if self.plan.charge.alone > Nanos::ZERO {
+            self.phase = Phase::ChargingA;
+            return Action::Drive(Drives::CHARGE_A);
+        }
+        self.phase = Phase::Charging;
+        Action::Drive(self.plan.chargers)
     }
 
     /// Takes what came of the last action, and answers the next one.
@@ -157,15 +170,20 @@ impl Discharge {
                 self.phase = Phase::Drained;
                 Action::Rest(bracket.after + self.plan.drain)
             }
-            (Phase::Drained, Event::Slept) => {
+            (Phase::Drained, Event::Slept) => self.charge(),
+            (Phase::ChargingA, Event::Drove(bracket)) => {
+                self.phase = Phase::ChargedA;
+                Action::Rest(bracket.after + self.plan.charge.alone)
+            }
+            (Phase::ChargedA, Event::Slept) if self.plan.charge.together > Nanos::ZERO => {
                 self.phase = Phase::Charging;
                 Action::Drive(self.plan.chargers)
             }
             (Phase::Charging, Event::Drove(bracket)) => {
                 self.phase = Phase::Charged;
-                Action::Rest(bracket.after + self.plan.charge)
+                Action::Rest(bracket.after + self.plan.charge.together)
             }
-            (Phase::Charged, Event::Slept) => {
+            (Phase::ChargedA | Phase::Charged, Event::Slept) => {
                 self.phase = Phase::Floating;
                 Action::Drive(Drives::NONE)
             }

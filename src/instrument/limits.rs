@@ -35,24 +35,39 @@ pub const ROUNDS: usize = 64;
 pub const WINDOW: usize = 8 * ROUNDS;
 /// Once the offset is known well enough, one cycle in so many has a split discharge.
 pub const FOLLOW_EVERY: u64 = 8;
-/// Calibration discharges in one cycle of a tracked calibration at the most: more would take longer than the readings
-/// that they improve.
-pub const CALIBRATIONS_PER_CYCLE: u32 = 1;
+/// For so long node B may float while nobody waits for it: at 1 Mohm beside it a sixth of its charge is gone then.
+pub const B_LEFT_ALONE: Nanos = Nanos(250_000_000);
+/// A charge of B that is older is made anew where B is waited for.
+pub const B_FORGOTTEN: Nanos = Nanos(50_000_000);
 
 // The plan of the next discharge.
 /// The branch that is not in use must promise so much less variance, or the one in use stays: no chatter.
 pub const HYSTERESIS: f64 = 0.8;
-/// A calibration discharge pays when the calibration makes more than this share of a reading's variance.
-pub const CALIBRATION_SHARE: f64 = 0.15;
+/// A calibration discharge pays when what it takes off the variance, relative, times how long that lasts is so many times what
+/// the discharge takes. In the steady state P of the calibration goes with the root of the time between discharges, so that
+/// half of what the last one brings is what less frequent ones would cost.
+pub const CALIBRATION_PAYS: f64 = 2.0;
 /// A split discharge pays in each cycle while the offset makes more than this share of a switched reading's variance. Its
 /// error is the same in all readings: it is a tenth of the noise of one, and as much as the noise of a mean of a hundred.
 pub const OFFSET_SHARE: f64 = 0.01;
-/// So many cycles without a calibration discharge are too many: a drift would not be seen.
-pub const LONGEST_IDLE: u32 = 16;
+/// So long without a calibration discharge is too long: a drift would not be seen.
+pub const LONGEST_IDLE: Nanos = Nanos(400_000_000);
 /// So many outliers in a row are no spikes: the calibration may be wrong, and is looked at in each cycle.
 pub const OUTLIERS_OF_DOUBT: u32 = 2;
 /// Where a switch is considered, as fractions of the time in which the last node crosses.
-pub const SWITCH_FRACTIONS: [f64; 6] = [0.2, 0.35, 0.5, 0.65, 0.8, 0.9];
+pub const SWITCH_FRACTIONS: [f64; 9] = [0.2, 0.35, 0.5, 0.65, 0.75, 0.85, 0.9, 0.95, 0.98];
+/// What is left after a switch at the least, ns: longer than the calls that make it take.
+pub const SHORTEST_TAIL_NS: f64 = 20_000.0;
+/// A switch keeps so far clear of the interrupt that A's crossing makes, ns.
+pub const CLEAR_NS: f64 = 30_000.0;
+/// A sensor may be so many times farther from its last reading than it was from the one before.
+pub const RESTLESS: f64 = 3.0;
+/// What remains of that from reading to reading.
+pub const RESTLESS_KEEPS: f64 = 0.7;
+/// How much one discharge changes what is known of the time that calls take.
+pub const OVERHEAD_STEP: f64 = 1.0 / 16.0;
+/// A switch that has met an interrupt comes earlier by this part when the discharge is taken again.
+pub const RETRY_EARLIER: f64 = 0.1;
 
 // Calls that switch lines.
 /// Calls whose median is the first value.

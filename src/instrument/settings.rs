@@ -2,6 +2,7 @@
 
 use crate::circuit::{Kind, Node};
 use crate::instrument::diagnosis::Board;
+use crate::instrument::discharge::Charge;
 use crate::pins::Drives;
 use crate::reading::Method;
 use crate::record::Through;
@@ -30,6 +31,24 @@ impl FromStr for OffsetSource {
     }
 }
 
+/// How to charge, by what the discharge waits for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Charges {
+    /// Node A: B may float wherever it is.
+    pub to_a: Charge,
+    /// Node B, which was charged not long ago.
+    pub to_b: Charge,
+    /// Node B, of which nothing is known.
+    pub anew: Charge,
+}
+
+impl Charges {
+    /// The same for every discharge.
+    pub fn alike(charge: Charge) -> Charges {
+        Charges { to_a: charge, to_b: charge, anew: charge }
+    }
+}
+
 /// Everything that the measuring thread needs to know.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Settings {
@@ -43,8 +62,8 @@ pub struct Settings {
     pub nominal: Nanos,
     /// Length of what goes before the charge after a discharge that ended before its time.
     pub drain: Nanos,
-    /// Length of a charge.
-    pub charge: Nanos,
+    /// How to charge.
+    pub charge: Charges,
     /// Pause between charge and discharge.
     pub settle: Nanos,
     /// The longest discharge through a sensor.

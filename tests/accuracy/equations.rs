@@ -7,7 +7,7 @@ use crate::common::chance::{sd_of, sigmas};
 use crate::common::seed;
 use cermd::circuit::Node;
 use cermd::estimate::method::{Switched, Times, cerm, tcdic, tpcm};
-use cermd::instrument::discharge::{Plan, run};
+use cermd::instrument::discharge::{Charge, Plan, run};
 use cermd::pins::sim::{Scene, Sensor, SimPins};
 use cermd::reading::Measured;
 use cermd::record::{Record, Through};
@@ -47,7 +47,7 @@ fn with_c_b(mut scene: Scene, c_b: f64) -> Scene {
 fn discharge(pins: &mut SimPins, through: Through, switch_ns: Option<f64>) -> Record {
     let plan = Plan {
         switch: switch_ns.map(|ns| (Nanos(ns as i64), Through::C2)),
-        ..Plan::full(through, Node::B, Nanos(163_840), Nanos(100_000_000))
+        ..Plan::full(through, Node::B, Charge::together(Nanos(163_840)), Nanos(100_000_000))
     };
     run(pins, plan).unwrap().result.unwrap()
 }

@@ -6,7 +6,7 @@
 mod circuits;
 
 use crate::common::seed;
-use cermd::circuit::Network;
+use cermd::circuit::{Chargers, Network};
 use cermd::ctl::replay::Replay;
 use cermd::estimate::Estimator;
 use cermd::estimate::offset::Offset;
@@ -114,7 +114,7 @@ fn error_of_unfinished_charge(r_x: f64, residual: f64) -> f64 {
         r_charge: Ohm(220.0),
         r_o: Ohm(40.0),
     };
-    let charge = nominal.charge_tau().0 * (2f64.sqrt() / residual).ln();
+    let charge = nominal.charge_tau(Chargers::All).0 * (2f64.sqrt() / residual).ln();
     let mut estimator = Estimator::new(Method::Tcdic, r1, r2, 2, Offset::default());
     let (mut voltages, mut r_ohm) = ([0.0; 2], f64::NAN);
     for through in [Through::C1, Through::C2, Through::X(0)].repeat(4) {

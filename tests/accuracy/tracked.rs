@@ -52,7 +52,7 @@ fn figure(method: Method, r_ohm: f64, measure: &str) -> (Figure, f64, Figure) {
             if let Some(record) = record {
                 let estimator = instrument.cycle().estimator();
                 let predicted =
-                    estimator.predict_tracked(r_ohm, record.switch, record.u_switch_ns.unwrap_or(0.0));
+                    estimator.predict_tracked(r_ohm, record.switch, record.u_switch_ns.unwrap_or(0.0), if record.b_ns.is_some() { cermd::circuit::Node::B } else { cermd::circuit::Node::A });
                 bounds.extend(predicted.map(|predicted| predicted.bound));
             }
         }

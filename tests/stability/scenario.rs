@@ -4,7 +4,7 @@ use crate::common::chance::{Figure, Verdict, share_below, share_is_in};
 use crate::common::{self, Bench, Errors, file_for, kind_of};
 use crate::paper::{Parts, Times};
 use cermd::circuit::Node;
-use cermd::instrument::discharge::{Plan, run};
+use cermd::instrument::discharge::{Charge, Plan, run};
 use cermd::instrument::{Instrument, Message};
 use cermd::pins::sim::{Kind, Scene, Sensor, SimPins};
 use cermd::pins::{Bracket, Drives, Pins};
@@ -289,7 +289,7 @@ impl<P: Pins> ByHand<P> {
             switch: switch.map(|s| (Nanos::from_seconds(s), Through::C2)),
             settle: if through.channel().is_some() { self.pause } else { SETTLE },
             single_call: Some(SINGLE_CALL),
-            ..Plan::full(through, Node::B, self.charge, Nanos(400_000_000))
+            ..Plan::full(through, Node::B, Charge::together(self.charge), Nanos(400_000_000))
         };
         let record = run(&mut self.pins, plan).unwrap().result.ok()?;
         // The equations know a single instant of the switch; between release and sink nothing moves.

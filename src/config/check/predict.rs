@@ -24,7 +24,8 @@ pub fn check(config: &Config, findings: &mut Findings) {
 }
 
 fn charge_time(config: &Config, findings: &mut Findings) {
-    let (charge, shortest) = (Seconds::from(config.charge_time()), config.shortest_charge());
+    let (chargers, charge) = config.usual_chargers();
+    let shortest = config.shortest_charge(chargers);
     if charge.0 < SHORT_CHARGE * shortest.0 {
         findings.warning(
             "measure.charge-time",
@@ -36,8 +37,9 @@ fn charge_time(config: &Config, findings: &mut Findings) {
 
 /// How complete a charge is, and what follows from it.
 fn remembers(config: &Config) -> String {
-    let taus = config.charge_time().as_seconds() / config.circuit.charge_tau().0;
-    let Remembered { at, sigmas } = config.remembered(taus);
+    let (chargers, charge) = config.usual_chargers();
+    let taus = charge.0 / config.circuit.charge_tau(chargers).0;
+    let Remembered { at, sigmas } = config.remembered(chargers, taus);
     format!(
         "is {taus:.1} time constants: the discharge before changes a reading by up to {sigmas:.2} of its u (at {at:.2})"
     )

@@ -56,7 +56,7 @@ pub fn wake_ups() -> Vec<f64> {
 pub fn stamps<P: Pins + ?Sized>(pins: &mut P, config: &Config) -> Result<Vec<f64>, PinsError> {
     let plan = Plan {
         settle: config.settle_time(),
-        ..Plan::full(Through::C1, config.last_node(), config.charge_time(), config.deadline())
+        ..Plan::full(Through::C1, config.last_node(), config.charges().anew, config.deadline())
     };
     let mut times_us = Vec::with_capacity(DISCHARGES);
     for _ in 0..DISCHARGES {

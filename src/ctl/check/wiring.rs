@@ -114,7 +114,7 @@ impl Bench<'_> {
 
     /// Whether every node is high after a charge.
     fn charges(&mut self) -> Result<bool, PinsError> {
-        let time = self.config.charge_time();
+        let time = self.config.charges().anew.time();
         let charging = self.pins.drive(Drives::CHARGE)?;
         self.pins.sleep_until(charging.after + time)?;
         self.pins.drive(Drives::NONE)?;
@@ -183,7 +183,7 @@ impl Bench<'_> {
     fn discharge(&mut self, through: Through, timeout: Nanos, hold: Nanos) -> Taken {
         let plan = Plan {
             settle: self.config.settle_time() + hold,
-            ..Plan::full(through, self.board.kind.last(), self.config.charge_time(), timeout)
+            ..Plan::full(through, self.board.kind.last(), self.config.charges().anew, timeout)
         };
         Ok(discharge::run(self.pins, plan)?.result)
     }

@@ -75,18 +75,18 @@ pub fn solve(tracker: &Tracker, observed: &Observed) -> Result<Solution, Fault> 
     solve().ok_or(Fault::Implausible)
 }
 
-/// The variance to be expected of a sensor of `r_ohm`, switched (or not) as given; `None` if that cannot be.
+/// The variance to be expected of a sensor of `r_ohm` in a discharge that waits for `last`, switched (or not) as given; `None`
+/// if that cannot be.
 pub fn predict(
     tracker: &Tracker,
     r_ohm: f64,
     switch: Option<(Switch, f64)>,
     u_switch_ns: f64,
+    last: Node,
 ) -> Option<Solution> {
     let route = Route { first_ohm: r_ohm, switch };
-    let crossings = [0, 1].map(|node| {
-        let is_there = node < tracker.nodes();
-        is_there.then(|| route.crossing(tracker.state(), node).ns)
-    });
+    let crossings =
+        [0, 1].map(|node| (node <= last.index()).then(|| route.crossing(tracker.state(), node).ns));
     Fit::new(tracker, &Observed { crossings, switch, u_switch_ns })?.solution(tracker.state()[R_O])
 }
 

@@ -11,7 +11,7 @@ const TRIGGER: f64 = 4e-4;
 fn learned(seed: u64, count: usize, spikes: bool) -> Noise {
     let mut rng = crate::seed::rng(seed);
     let mut normal = move || -> f64 { StandardNormal.sample(&mut rng) };
-    let mut noise = Noise::new(1.0);
+    let mut noise = Noise::new(2, 1.0);
     for round in 0..count {
         let drift = 1.0 + 1e-6 * round as f64;
         let mut crossings = |times: [f64; 2]| {
@@ -20,8 +20,8 @@ fn learned(seed: u64, count: usize, spikes: bool) -> Noise {
             times.map(|t| t * drift + start + LATENCY * normal() + TRIGGER * t * normal() + spike)
         };
         let (c1, c2) = (crossings([1.1e6, 1.3e6]), crossings([6.2e6, 7.4e6]));
-        let _ = noise.add(CalibrationKind::First, c1, [0.0; 2]);
-        let _ = noise.add(CalibrationKind::Second, c2, [0.0; 2]);
+        let _ = noise.add(CalibrationKind::First, c1.map(Some), [0.0; 2]);
+        let _ = noise.add(CalibrationKind::Second, c2.map(Some), [0.0; 2]);
     }
     noise
 }
@@ -57,20 +57,20 @@ fn nothing_is_said_before_the_warm_up() {
 fn a_spike_is_an_outlier_and_a_step_is_followed() {
     let mut noise = learned(3, 100, false);
     let away = [1.1e6 + 60_000.0, 1.3e6 + 60_000.0];
-    assert_eq!(noise.add(CalibrationKind::First, away, [0.0; 2]), Err(Fault::LatencyOutlier));
-    assert_eq!(noise.add(CalibrationKind::First, [1.1e6 * 1.0001, 1.3e6 * 1.0001], [0.0; 2]), Ok(()));
-    assert_eq!(noise.add(CalibrationKind::First, away, [0.0; 2]), Err(Fault::LatencyOutlier));
-    assert_eq!(noise.add(CalibrationKind::First, away, [0.0; 2]), Err(Fault::LatencyOutlier));
-    assert_eq!(noise.add(CalibrationKind::First, away, [0.0; 2]), Ok(()));
-    assert_eq!(noise.add(CalibrationKind::First, away, [0.0; 2]), Ok(()));
+    assert_eq!(noise.add(CalibrationKind::First, away.map(Some), [0.0; 2]), Err(Fault::LatencyOutlier));
+    assert_eq!(noise.add(CalibrationKind::First, [1.1e6 * 1.0001, 1.3e6 * 1.0001].map(Some), [0.0; 2]), Ok(()));
+    assert_eq!(noise.add(CalibrationKind::First, away.map(Some), [0.0; 2]), Err(Fault::LatencyOutlier));
+    assert_eq!(noise.add(CalibrationKind::First, away.map(Some), [0.0; 2]), Err(Fault::LatencyOutlier));
+    assert_eq!(noise.add(CalibrationKind::First, away.map(Some), [0.0; 2]), Ok(()));
+    assert_eq!(noise.add(CalibrationKind::First, away.map(Some), [0.0; 2]), Ok(()));
 }
 
 #[test]
 fn a_silent_circuit_still_has_the_rounding_of_stamps() {
-    let mut noise = Noise::new(1.0);
+    let mut noise = Noise::new(2, 1.0);
     for _ in 0..50 {
-        let _ = noise.add(CalibrationKind::First, [1e6, 1.2e6], [0.0; 2]);
-        let _ = noise.add(CalibrationKind::Second, [6e6, 7e6], [0.0; 2]);
+        let _ = noise.add(CalibrationKind::First, [1e6, 1.2e6].map(Some), [0.0; 2]);
+        let _ = noise.add(CalibrationKind::Second, [6e6, 7e6].map(Some), [0.0; 2]);
     }
     let found = noise.covariance([1e5, 2e5]).unwrap();
     assert!((found.aa - 1.0 / 12.0).abs() < 1e-12 && found.ab == 0.0, "{found:?}");
@@ -84,14 +84,14 @@ const C2: [f64; 2] = [6.2e6, 7.4e6];
 fn with_shared(seed: u64, count: usize, own_ns: f64, own: f64, start_ns: f64, charge: f64) -> Noise {
     let mut rng = crate::seed::rng(seed);
     let mut normal = move || -> f64 { StandardNormal.sample(&mut rng) };
-    let mut noise = Noise::new(1.0);
+    let mut noise = Noise::new(2, 1.0);
     let mut crossings = |times: [f64; 2]| {
         let (start, charge) = (start_ns * normal(), charge * normal());
         times.map(|t| t * (1.0 + charge + own * normal()) + start + own_ns * normal())
     };
     for _ in 0..count {
-        let _ = noise.add(CalibrationKind::First, crossings(C1), [0.0; 2]);
-        let _ = noise.add(CalibrationKind::Second, crossings(C2), [0.0; 2]);
+        let _ = noise.add(CalibrationKind::First, crossings(C1).map(Some), [0.0; 2]);
+        let _ = noise.add(CalibrationKind::Second, crossings(C2).map(Some), [0.0; 2]);
     }
     noise
 }

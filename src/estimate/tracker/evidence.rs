@@ -2,11 +2,12 @@
 //! whether discharges of different kinds tell the same.
 
 use super::gain::Gain;
-use super::{Tracker, bilinear, quadratic};
-use crate::estimate::law::{D, R_O, Route, State, UNKNOWNS};
+use super::Tracker;
+use crate::estimate::law::{D, R_O, State, UNKNOWNS};
 use crate::estimate::limits::{
     FASTEST_WALK, LEARN_WALK, MISFIT_OF, MISFIT_SHOWS, SLOWEST_WALK, TREND_OF, WALK_CALM,
 };
+use crate::estimate::noise::Covariance;
 use crate::record::CalibrationKind;
 
 impl Tracker {
@@ -33,9 +34,17 @@ impl Tracker {
     }
 
     /// A state that is right leaves nothing over on average, whatever the kind of discharge.
-    pub(super) fn learn_misfit(&mut self, kind: CalibrationKind, gain: &Gain, innovation: [f64; 2]) {
-        for (node, mean) in self.means[kind as usize].iter_mut().enumerate().take(self.nodes) {
-            *mean += (gain.sigmas(node, innovation) - *mean) / MISFIT_OF;
+    pub(super) fn learn_misfit(
+        &mut self,
+        kind: CalibrationKind,
+        gain: &Gain,
+        innovation: [f64; 2],
+        seen: [bool; 2],
+    ) {
+        for (node, mean) in self.means[kind as usize].iter_mut().enumerate() {
+            if seen[node] {
+                *mean += (gain.sigmas(node, innovation) - *mean) / MISFIT_OF;
+            }
         }
     }
 
@@ -49,18 +58,16 @@ impl Tracker {
         if per_crossing > MISFIT_SHOWS { per_crossing } else { 1.0 }
     }
 
-    /// How late the switch seems to have been by both nodes, and how well they would tell it if it never scattered.
-    pub(super) fn learn_scatter(&mut self, route: &Route, innovation: [f64; 2]) {
-        let rows = [0, 1].map(|node| route.crossing(&self.state, node));
-        let by = rows.map(|row| row.by_switch);
-        let steady = self.observation_of(route, 0.0).and_then(|mut steady| {
-            let p = &self.covariance;
-            steady.aa += quadratic(p, &rows[0].by_state);
-            steady.bb += quadratic(p, &rows[1].by_state);
-            steady.ab += bilinear(p, &rows[0].by_state, &rows[1].by_state);
-            steady.inverse(self.seen())
-        });
-        let Some(inverse) = steady.filter(|_| by[0] != 0.0) else { return };
+    /// How late the switch seems to have been by the nodes that were seen, and how well they would tell it if it never
+    /// scattered; `steady`: the innovation's covariance then.
+    pub(super) fn learn_scatter(
+        &mut self,
+        by: [f64; 2],
+        steady: &Covariance,
+        innovation: [f64; 2],
+        seen: [bool; 2],
+    ) {
+        let Some(inverse) = steady.inverse(seen).filter(|_| by[0] != 0.0) else { return };
         let (weights, information) = (inverse.times(by), inverse.of(by[0], by[1]));
         let late_ns = (weights[0] * innovation[0] + weights[1] * innovation[1]) / information;
         self.scatter.add(late_ns, 1.0 / information);

@@ -10,8 +10,9 @@ pub struct Gain {
     pub of: [[f64; 2]; UNKNOWNS],
     /// Rows of the observation times the covariance.
     hp: [State; 2],
-    /// The innovation's variances, and the inverse of its covariance.
-    variances: [f64; 2],
+    /// What the state's uncertainty makes of the innovation's covariance, all of that, and its inverse.
+    pub by_state: Covariance,
+    all: Covariance,
     inverse: Covariance,
 }
 
@@ -27,11 +28,15 @@ impl Gain {
             product
         });
         let dot = |a: &State, b: &State| (0..UNKNOWNS).map(|i| a[i] * b[i]).sum::<f64>();
-        let (aa, bb) = (dot(&hp[0], &rows[0]) + noise.aa, dot(&hp[1], &rows[1]) + noise.bb);
-        let ab = dot(&hp[0], &rows[1]) + noise.ab;
-        let inverse = Covariance { aa, bb, ab }.inverse(seen)?;
+        let by_state = Covariance {
+            aa: dot(&hp[0], &rows[0]),
+            bb: dot(&hp[1], &rows[1]),
+            ab: dot(&hp[0], &rows[1]),
+        };
+        let all = by_state.plus(noise);
+        let inverse = all.inverse(seen)?;
         let of = std::array::from_fn(|i| inverse.times([hp[0][i], hp[1][i]]));
-        Some(Gain { of, hp, variances: [aa, bb], inverse })
+        Some(Gain { of, hp, by_state, all, inverse })
     }
 
     /// The normalised square of an innovation.
@@ -41,7 +46,7 @@ impl Gain {
 
     /// An innovation of one observation, in sigma.
     pub fn sigmas(&self, which: usize, v: [f64; 2]) -> f64 {
-        v[which] / self.variances[which].sqrt()
+        v[which] / self.all.node(which).sqrt()
     }
 
     /// An innovation in the direction that moves the observations by `by`, in sigma.

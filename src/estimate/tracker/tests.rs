@@ -72,7 +72,7 @@ fn the_truth_lies_within_the_stated_covariance() {
         let (_, tracker) = tracked(seed, FIRST_ROUNDS + 30);
         for (index, pulls) in pulls.iter_mut().enumerate() {
             let away = tracker.state()[index] - TRUTH[index];
-            pulls.push(away / tracker.covariance()[index][index].sqrt());
+            pulls.push(away / tracker.covariance[index][index].sqrt());
         }
     }
     // The walk that the truth does not make leaves some room below.
@@ -112,7 +112,7 @@ fn after_a_step_the_filter_begins_anew() {
     (0..FIRST_ROUNDS + 10).for_each(|_| plant.round(&mut tracker));
     assert_eq!((tracker.counts().steps, tracker.is_ready()), (1, true));
     for (index, truth) in plant.state.into_iter().enumerate() {
-        let u = tracker.covariance()[index][index].sqrt();
+        let u = tracker.covariance[index][index].sqrt();
         assert!(
             (tracker.state()[index] - truth).abs() < sigmas() * u,
             "{index}: {:?}, u {u}",
@@ -135,7 +135,7 @@ fn the_walk_becomes_as_fast_as_the_drift() {
         (
             tracker.walk[1],
             (tracker.state()[0] / plant.state[0] - 1.0)
-                / (tracker.covariance()[0][0].sqrt() / plant.state[0]),
+                / (tracker.covariance[0][0].sqrt() / plant.state[0]),
         )
     };
     let still: Vec<f64> = (0..PLANTS).map(|seed| walk(seed, 0.0).0).collect();

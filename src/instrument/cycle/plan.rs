@@ -1,16 +1,20 @@
 //! What the next discharge is planned to do: full or switched, and when; which calibration discharge pays.
 
+use super::choice::{self, Choice, Terms};
 use super::{Branch, CalibrationKind, Cycle, Estimator, Fault, Plan, Record, Status, Through};
+use crate::circuit::Node;
 use crate::estimate::Predicted;
-use crate::estimate::law::{R_O, State};
+use crate::estimate::law::State;
 use crate::estimate::limits::{LEAK_HELD_AT, LEAK_HOLD, SPLIT_FRACTION};
 use crate::estimate::method::Switching;
 use crate::estimate::motion::Motion;
 use crate::estimate::scatter::expected_ns;
+use crate::instrument::discharge::Charge;
 use crate::instrument::limits::{
-    CALIBRATION_SHARE, HYSTERESIS, LONGEST_IDLE, OFFSET_SHARE, OUTLIERS_OF_DOUBT, SWITCH_FRACTIONS,
+    B_FORGOTTEN, B_LEFT_ALONE, CALIBRATION_PAYS, HYSTERESIS, LONGEST_IDLE, OFFSET_SHARE, OUTLIERS_OF_DOUBT,
+    RESTLESS_KEEPS, RETRY_EARLIER,
 };
-use crate::record::Switch;
+use crate::instrument::settings::Charges;
 use crate::units::Nanos;
 
 /// What is remembered of a channel for the plan of its next discharge.
@@ -28,6 +32,10 @@ pub struct Memory {
     pub(super) motion: Motion,
     /// How the last estimate depends on the tracked state, and its variance but for that, ohm².
     dependence: Option<(State, f64)>,
+    /// What its discharges are like.
+    choice: Option<Choice>,
+    /// How far it has gone from reading to reading lately, relative.
+    restless: f64,
 }
 
 impl Memory {
@@ -50,9 +58,11 @@ impl Memory {
         match status {
             Status::Ok { branch, r_ohm, .. } => {
                 self.inferred = *branch == Branch::Inferred;
-                self.r_ohm = Some(r_ohm.value + zero_ohm);
+                self.moved_to(r_ohm.value + zero_ohm);
                 let switch = record.and_then(|record| record.switch).filter(|_| self.inferred);
-                let predicted = estimator.predict_tracked(r_ohm.value + zero_ohm, switch, self.u_switch_ns);
+                let last = if record.is_some_and(|record| record.b_ns.is_some()) { Node::B } else { Node::A };
+                let predicted =
+                    estimator.predict_tracked(r_ohm.value + zero_ohm, switch, self.u_switch_ns, last);
                 self.dependence = predicted.zip(estimator.tracker()).map(|(predicted, tracker)| {
                     let part = tracker.variance(&predicted.by_state);
                     (predicted.by_state, (predicted.variance - part).max(0.0))
@@ -66,6 +76,7 @@ impl Memory {
             }
             // Where it is by now is known well enough for a plan.
             Status::Fault(Fault::Unsettled) => {
+                self.restless = 1.0;
                 self.r_ohm = self.motion.last_ohm().map(|r_ohm| r_ohm - estimator.offset().r_o());
             }
             // One spike says nothing about the sensor.
@@ -75,9 +86,13 @@ impl Memory {
             }
         }
     }
-}
 
-impl Memory {
+    fn moved_to(&mut self, r_ohm: f64) {
+        let away = self.r_ohm.map_or(1.0, |before| (r_ohm / before).ln().abs());
+        self.restless = away.max(RESTLESS_KEEPS * self.restless);
+        self.r_ohm = Some(r_ohm);
+    }
+
     /// Lets the estimator know by how much the reading before this one was beside its neighbours; `switched`: what the instant
     /// of the switch does to it, ohm/ns, and its variance but for that, as a time, ns².
     fn steadiness(&mut self, r_ohm: f64, switched: Option<(f64, f64)>, estimator: &mut Estimator) {
@@ -90,14 +105,14 @@ impl Memory {
 }
 
 impl Cycle {
-    pub(super) fn calibration_plan(&self, kind: CalibrationKind) -> Plan {
+    pub(super) fn calibration_plan(&self, kind: CalibrationKind, last: Node) -> Plan {
         let second = self.settings.second();
         let (through, switch) = match kind {
             CalibrationKind::First => (Through::C1, None),
             CalibrationKind::Second => (second, None),
             CalibrationKind::Split => (Through::C1, self.split_time().map(|after| (after, second))),
         };
-        Plan { expected: self.expected(kind), ..self.plan(through, switch, None) }
+        Plan { expected: self.expected(kind), ..self.plan(through, switch, last) }
     }
 
     /// When a plain calibration discharge crosses: as the last one did.
@@ -115,41 +130,71 @@ impl Cycle {
     pub(super) fn held_plan(&self) -> Plan {
         let at = self.estimator.calibration().map(|(_, c2)| Nanos((LEAK_HELD_AT * c2[0]) as i64));
         let second = self.settings.second();
-        Plan { hold: LEAK_HOLD, ..self.plan(second, at.map(|at| (at, second)), None) }
+        Plan { hold: LEAK_HOLD, ..self.plan(second, at.map(|at| (at, second)), Node::A) }
     }
 
-    pub(super) fn sensor_plan(&self, channel: usize) -> Plan {
+    pub(super) fn sensor_plan(&mut self, channel: usize) -> Plan {
+        let rules = self.settings.method.rules();
+        let best = if rules.switching == Switching::WhereBest { self.best(channel) } else { None };
         let settings = &self.settings;
-        let rules = settings.method.rules();
+        let last = best.map_or(settings.last(), |choice| choice.last);
+        let limit = match rules.switching {
+            Switching::WhereBest => self.estimator.tracker().map(|_| Through::C1),
+            _ => None,
+        };
+        let to_second = |after: Nanos| (after, settings.second());
         let switch = match rules.switching {
             Switching::Never => None,
-            Switching::AtFraction => self.switch_time(channel),
-            Switching::WhereBest => self.best_switch(channel),
+            Switching::AtFraction => self.switch_time(channel).map(to_second),
+            Switching::WhereBest => best.and_then(|choice| choice.planned()),
         };
+        // What an interrupt has met it would meet again at the same instant.
+        let earlier = 1.0 - RETRY_EARLIER * f64::from(self.retries);
+        let switch = switch.map(|(after, to)| (Nanos((earlier * after.as_ns()) as i64), to));
         // A switch must not make a discharge longer than the deadline does.
-        let switch = switch.filter(|after| *after < settings.deadline);
-        let is_limited = rules.switching == Switching::WhereBest && self.estimator.tracker().is_some();
-        let limit = is_limited.then_some(Through::C1);
-        self.plan(rules.sensor(channel), switch.map(|after| (after, settings.second())), limit)
+        let switch = switch.filter(|(after, _)| *after < settings.deadline);
+        let plan = self.plan(rules.sensor(channel), switch, last);
+        Plan { limit, ..plan }
     }
 
-    fn plan(&self, through: Through, switch: Option<(Nanos, Through)>, limit: Option<Through>) -> Plan {
+    fn plan(&self, through: Through, switch: Option<(Nanos, Through)>, last: Node) -> Plan {
         let settings = &self.settings;
         Plan {
             through,
             switch,
             hold: Nanos::ZERO,
-            limit,
+            limit: None,
             chargers: settings.chargers(),
-            last: settings.last(),
+            last,
             drain: if self.ended_early { settings.drain } else { Nanos::ZERO },
-            charge: settings.charge,
+            charge: self.charge(last),
             settle: settings.settle,
             expected: [None; 2],
             timeout: settings.deadline,
             widest_bracket: self.calls.widest(through.drives().count()),
             single_call: self.calls.single(),
         }
+    }
+
+    /// B is put back as long as somebody waits for it: at once after another discharge that did so, else from anywhere.
+    fn charge(&self, last: Node) -> Charge {
+        let Charges { to_a, to_b, anew } = self.settings.charge;
+        let is_wanted = last == Node::B || self.waits_for_b();
+        let is_within = |time: Nanos| self.b_charged.is_some_and(|at| self.asked - at < time);
+        match is_wanted {
+            _ if self.settings.kind.last() == Node::A => to_a,
+            true if self.b_is_kept && is_within(B_FORGOTTEN) => to_b,
+            false if is_within(B_LEFT_ALONE) => to_a,
+            _ => anew,
+        }
+    }
+
+    /// Whether the sensors' discharges wait for B.
+    fn waits_for_b(&self) -> bool {
+        let settings = &self.settings;
+        let is_planned = settings.method.is_tracked() && self.estimator.tracker().is_some();
+        let mut choices = self.memory.iter().filter_map(|memory| memory.choice);
+        if is_planned { choices.any(|choice| choice.last == Node::B) } else { settings.last() == Node::B }
     }
 
     /// Before A crosses, however large d is: by the difference of crossings, in which d cancels, and without Ro, which would
@@ -202,54 +247,54 @@ impl Cycle {
         })
     }
 
-    /// The switch that promises the least variance; `None` if a full discharge does.
-    fn best_switch(&self, channel: usize) -> Option<Nanos> {
+    /// The x discharge that pays best.
+    fn best(&mut self, channel: usize) -> Option<Choice> {
         let memory = &self.memory[channel];
-        let (r_ohm, tracker) = (memory.r_ohm?, self.estimator.tracker()?);
-        let last = self.settings.nodes() - 1;
-        let full_ns = tracker.state()[last] * (r_ohm + tracker.state()[R_O]);
-        let deadline_ns = self.settings.deadline.as_ns();
-        let limit = Switch { at_ns: deadline_ns, on_ns: deadline_ns, to: Through::C1 };
-        let limit = (full_ns > deadline_ns).then_some(limit);
-        let full = self.estimator.predict_tracked(r_ohm, limit, memory.u_switch_ns)?.variance;
-        let at = |fraction: f64| {
-            let at_ns = fraction * full_ns.min(deadline_ns);
-            let switch = Switch { at_ns, on_ns: at_ns, to: self.settings.second() };
-            Some((at_ns, self.estimator.predict_tracked(r_ohm, Some(switch), memory.u_switch_ns)?.variance))
+        let terms = Terms {
+            r_ohm: memory.r_ohm?,
+            restless: memory.restless,
+            u_switch_ns: memory.u_switch_ns,
+            before_ns: self.before_ns(),
+            deadline_ns: self.settings.deadline.as_ns(),
+            mean_ns: 0.0,
+            second: self.settings.second(),
+            nodes: self.settings.nodes(),
         };
-        let (at_ns, inferred) =
-            SWITCH_FRACTIONS.into_iter().filter_map(at).min_by(|a, b| a.1.total_cmp(&b.1))?;
-        (prefers_inferred(memory.inferred, full, inferred) && at_ns >= 1.0).then_some(Nanos(at_ns as i64))
+        let choice = choice::best(&self.estimator, &terms, memory.choice);
+        self.memory[channel].choice = choice;
+        choice
     }
 
-    /// The calibration discharge that lowers the variance most for its time, if any pays.
-    pub(super) fn wanted(&self) -> Option<CalibrationKind> {
+    /// What goes before a discharge that waits for A, and for B, ns.
+    fn before_ns(&self) -> [f64; 2] {
+        let Charges { to_a, to_b, .. } = self.settings.charge;
+        [to_a, to_b].map(|charge| (charge.time() + self.settings.settle).as_ns() + self.overhead_ns)
+    }
+
+    /// The calibration discharge that lowers the variance of what is published most for its time, if any pays.
+    pub(super) fn wanted(&self) -> Option<(CalibrationKind, Node)> {
         let tracker = self.estimator.tracker()?;
-        let share = |(by_state, rest): &(State, f64)| {
-            let part = tracker.variance(by_state);
-            part / (part + rest)
+        let dependences = || self.memory.iter().filter_map(|memory| memory.dependence);
+        let all = CalibrationKind::ALL.into_iter().flat_map(|kind| {
+            Node::BOTH[..self.settings.nodes()].iter().map(move |last| (kind, *last))
+        });
+        let value = |(kind, last): (CalibrationKind, Node)| {
+            let relative = |(by_state, own): (State, f64)| {
+                let common = tracker.variance(&by_state);
+                let lasts_ns = 1e9 * common / tracker.growth(&by_state);
+                tracker.benefit(kind, last, &by_state).unwrap_or(0.0) / (own + common) * lasts_ns
+            };
+            let takes_ns = tracker.planned(kind).crossing(tracker.state(), last.index()).ns;
+            let channels = self.memory.len() as f64;
+            dependences().map(relative).sum::<f64>() / channels / (self.before_ns()[last.index()] + takes_ns)
         };
-        let worst = self
-            .memory
-            .iter()
-            .filter_map(|memory| memory.dependence)
-            .max_by(|a, b| share(a).total_cmp(&share(b)));
-        let (by_state, is_due) = match worst {
-            Some(worst) => (worst.0, share(&worst) > CALIBRATION_SHARE),
-            None => (self.estimator.predict_tracked(self.settings.r_ohm()[0], None, 0.0)?.by_state, false),
-        };
+        let (best, pays) = all
+            .map(|discharge| (discharge, value(discharge)))
+            .max_by(|a, b| a.1.total_cmp(&b.1))?;
         let is_doubted =
             tracker.is_doubted() || self.memory.iter().any(|memory| memory.outliers >= OUTLIERS_OF_DOUBT);
-        if !is_due && !is_doubted && self.idle_cycles < LONGEST_IDLE {
-            return None;
-        }
-        let value = |kind: CalibrationKind| {
-            let route = tracker.planned(kind);
-            let discharge_ns = route.crossing(tracker.state(), self.settings.nodes() - 1).ns;
-            let cost_ns = (self.settings.charge + self.settings.settle).as_ns() + discharge_ns;
-            tracker.benefit(kind, &by_state).unwrap_or(0.0) / cost_ns
-        };
-        CalibrationKind::ALL.into_iter().max_by(|a, b| value(*a).total_cmp(&value(*b)))
+        let is_old = self.calibrated_at.is_none_or(|at| self.asked - at > LONGEST_IDLE);
+        (pays > CALIBRATION_PAYS || is_doubted || is_old).then_some(best)
     }
 }
 

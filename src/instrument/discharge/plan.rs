@@ -5,6 +5,36 @@ use crate::pins::Drives;
 use crate::record::Through;
 use crate::units::Nanos;
 
+/// How capacitors are charged.
+///
+/// A discharge takes the same charge out of both capacitors, which are in series. Charging through A alone puts it back into
+/// both, with the time constant Rp C_T; all chargers together need Rp C_A and more, and are there for what B has lost
+/// otherwise.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Charge {
+    /// How long through A alone, every other node floating.
+    pub alone: Nanos,
+    /// How long after that through all chargers of the circuit.
+    pub together: Nanos,
+}
+
+impl Charge {
+    /// Through A alone.
+    pub const fn alone(time: Nanos) -> Charge {
+        Charge { alone: time, together: Nanos::ZERO }
+    }
+
+    /// Through all chargers.
+    pub const fn together(time: Nanos) -> Charge {
+        Charge { alone: Nanos::ZERO, together: time }
+    }
+
+    /// All of it.
+    pub fn time(self) -> Nanos {
+        self.alone + self.together
+    }
+}
+
 /// What one discharge is to do.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Plan {
@@ -21,8 +51,8 @@ pub struct Plan {
     /// How long to sink through R_1 before the charge; 0: not at all. A discharge that ended before its time leaves the
     /// capacitors as no other does, and an incomplete charge would remember it.
     pub drain: Nanos,
-    /// How long to charge.
-    pub charge: Nanos,
+    /// How to charge.
+    pub charge: Charge,
     /// How long to leave everything floating between charge and start; at least as long as arming takes.
     pub settle: Nanos,
     /// When each node crosses, since the start, where that is known before: the system may rest until then. `None`: it is
@@ -40,7 +70,7 @@ pub struct Plan {
 
 impl Plan {
     /// A full discharge after a charge, started at once: nothing is known of the calls or of when it ends.
-    pub const fn full(through: Through, last: Node, charge: Nanos, timeout: Nanos) -> Plan {
+    pub const fn full(through: Through, last: Node, charge: Charge, timeout: Nanos) -> Plan {
         Plan {
             through,
             switch: None,

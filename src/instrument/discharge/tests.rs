@@ -108,7 +108,7 @@ fn plan(switch: Option<(Nanos, Through)>) -> Plan {
         switch,
         settle: Nanos(100_000),
         widest_bracket: Nanos(3000),
-        ..Plan::full(Through::X(2), Node::B, Nanos(1_000_000), Nanos(5_000_000))
+        ..Plan::full(Through::X(2), Node::B, Charge::together(Nanos(1_000_000)), Nanos(5_000_000))
     }
 }
 

@@ -2,7 +2,7 @@
 
 use crate::common::chance::{Figure, mean_of};
 use crate::common::{Bench, Errors, quiet, seed, settle};
-use cermd::circuit::Node;
+use cermd::circuit::{Chargers, Node};
 use cermd::config::Config;
 use cermd::instrument::{Instrument, Message};
 use cermd::pins::sim::{Sensor, SimPins};
@@ -97,7 +97,7 @@ impl Board {
     }
 
     pub fn tau(self) -> Seconds {
-        self.config("").circuit.charge_tau()
+        self.config("").circuit.charge_tau(Chargers::All)
     }
 
     pub fn automatic_taus(self) -> f64 {
@@ -157,7 +157,7 @@ impl Board {
         let g_of = |node: &Node| circuit.g(*node).unwrap().0;
         let (mut memory, mut g) = (0.0, 0.0);
         for node in nodes {
-            memory += g_of(node) * circuit.charge_memory(*node)?;
+            memory += g_of(node) * circuit.charge_memory(*node, Chargers::All)?;
             g += g_of(node);
         }
         let with_r_o = |r: Ohm| r.0 + circuit.r_o.0;

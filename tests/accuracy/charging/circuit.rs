@@ -1,8 +1,7 @@
 //! The closed form against the simulated network, which knows neither progress nor modes; and discharges that end early.
 
-use cermd::circuit::Node;
-use cermd::circuit::{Circuit, NOMINAL_R_CHARGE, Network};
-use cermd::instrument::discharge::{Plan, run};
+use cermd::circuit::{Chargers, Circuit, NOMINAL_R_CHARGE, Network, Node};
+use cermd::instrument::discharge::{Charge, Plan, run};
 use cermd::pins::Drives;
 use cermd::pins::sim::{Kind, Scene, Sensor, SimPins, network};
 use cermd::record::{Record, Through};
@@ -46,9 +45,9 @@ fn what_a_charge_remembers_is_what_the_network_does() {
         let nodes = if circuit.has_b() { &Node::BOTH[..] } else { &[Node::A] };
         for node in nodes {
             for (taus, tolerance) in [(4.0, 0.05), (7.0, 0.005), (10.0, 0.001)] {
-                let seconds = taus * nominal.charge_tau().0;
+                let seconds = taus * nominal.charge_tau(Chargers::All).0;
                 let [shallow, deep] = [0.8, 1.0].map(|depth| crossing(&circuit, *node, depth, seconds));
-                let predicted = 0.2 * nominal.charge_memory(*node).unwrap() * (-taus).exp();
+                let predicted = 0.2 * nominal.charge_memory(*node, Chargers::All).unwrap() * (-taus).exp();
                 let full = nominal.crossing(*node, nominal.r_c2).unwrap().0;
                 let found = (deep - shallow) / full;
                 assert!(
@@ -68,12 +67,12 @@ fn a_discharge_that_timed_out_is_drained_before_the_charge() {
     let mut pins = SimPins::new(&scene, Some(crate::common::seed::seed(1)));
     let nominal = nominal(network::Capacitors::Two { c_a: 2.2e-6, c_b: 680e-9 }, 1.3);
     let taus = 6.0;
-    let charge = Nanos::from_seconds(taus * nominal.charge_tau().0);
+    let charge = Nanos::from_seconds(taus * nominal.charge_tau(Chargers::All).0);
     let mut take = |through, drain_s: f64| -> Record {
         let plan = Plan {
             drain: Nanos::from_seconds(drain_s),
             settle: Nanos(20_000),
-            ..Plan::full(through, Node::B, charge, Nanos(50_000_000))
+            ..Plan::full(through, Node::B, Charge::together(charge), Nanos(50_000_000))
         };
         run(&mut pins, plan).unwrap().result.unwrap()
     };
@@ -90,7 +89,7 @@ fn a_discharge_that_timed_out_is_drained_before_the_charge() {
     let depth = 1.0 - (-0.05 / (10e6 + 40.0) / nominal.c_total().0).exp();
     let left = nominal.left_at_crossing(Node::B).unwrap();
     let predicted =
-        |depth: f64| nominal.charge_memory(Node::B).unwrap() * (depth - (1.0 - left)) * (-taus).exp();
+        |depth: f64| nominal.charge_memory(Node::B, Chargers::All).unwrap() * (depth - (1.0 - left)) * (-taus).exp();
     let (undrained, drained) =
         (after_none(0.0), after_none(1.2 * nominal.crossing(Node::B, nominal.r_c1).unwrap().0));
     println!("relative change of B: {undrained:e} undrained, {drained:e} drained");

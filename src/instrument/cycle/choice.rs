@@ -1,0 +1,128 @@
+//! Which x discharge lowers the variance of what is published most for its time: one rule, whatever the resistance.
+//!
+//! Considered are full discharges and switched ones: where they are switched, to R_2 or to R_1, and whether they wait for A or
+//! for B. Each is priced by variance times time. For single readings that is the whole variance; of a mean over a time W, what
+//! discharges have in common does not average, so that it is `own T + common W` there.
+
+use crate::circuit::Node;
+use crate::estimate::Estimator;
+use crate::estimate::law::{D, Route, d_ns};
+use crate::estimate::method::tracked::Solution;
+use crate::instrument::limits::{CLEAR_NS, HYSTERESIS, RESTLESS, SHORTEST_TAIL_NS, SWITCH_FRACTIONS};
+use crate::record::{Switch, Through};
+use crate::units::Nanos;
+
+/// What is given for a choice. Times in ns.
+#[derive(Debug, Clone, Copy)]
+pub struct Terms {
+    /// The resistance to be expected, zero included, ohm.
+    pub r_ohm: f64,
+    /// By how much it may be another, relative.
+    pub restless: f64,
+    /// 1 sigma of a switch by the length of calls.
+    pub u_switch_ns: f64,
+    /// What goes before a discharge that waits for A, or for B; calls and waking included.
+    pub before_ns: [f64; 2],
+    /// The longest discharge through the sensor.
+    pub deadline_ns: f64,
+    /// What is published is the mean over this time; 0: each reading.
+    pub mean_ns: f64,
+    /// What R_2 discharges through.
+    pub second: Through,
+    /// The nodes there are.
+    pub nodes: usize,
+}
+
+/// An x discharge.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Choice {
+    /// When it is switched, ns, and to what; `None`: never.
+    pub switch: Option<(f64, Through)>,
+    /// The node that it waits for.
+    pub last: Node,
+    /// Where in the list of what is considered it stands.
+    index: usize,
+    /// Variance times time, ohm² ns.
+    pub price: f64,
+}
+
+impl Choice {
+    /// After how long to switch, and to what.
+    pub fn planned(&self) -> Option<(Nanos, Through)> {
+        self.switch.filter(|(at_ns, _)| *at_ns >= 1.0).map(|(at_ns, to)| (Nanos(at_ns as i64), to))
+    }
+}
+
+/// The best for what is given; that which is `in_use` stays while another is hardly better. `None` without a tracked state.
+pub fn best(estimator: &Estimator, terms: &Terms, in_use: Option<Choice>) -> Option<Choice> {
+    let mut best: Option<Choice> = None;
+    for choice in considered(terms).filter_map(|choice| priced(estimator, terms, choice)) {
+        let is_in_use = in_use.is_some_and(|used| used.index == choice.index);
+        let factor = |is: bool| if is { HYSTERESIS } else { 1.0 };
+        let is_better = best.is_none_or(|best| {
+            let best_in_use = in_use.is_some_and(|used| used.index == best.index);
+            factor(is_in_use) * choice.price < factor(best_in_use) * best.price
+        });
+        if is_better {
+            best = Some(choice);
+        }
+    }
+    best
+}
+
+/// Everything that could be done: switches as a fraction of the time in which the last node crosses.
+fn considered(terms: &Terms) -> impl Iterator<Item = (usize, Node, Option<(f64, Through)>)> {
+    let resistors = [terms.second, Through::C1];
+    let ends = &Node::BOTH[..terms.nodes];
+    let switches = resistors.into_iter().flat_map(|to| SWITCH_FRACTIONS.map(|fraction| Some((fraction, to))));
+    let each = std::iter::once(None).chain(switches);
+    ends.iter().flat_map(move |last| each.clone().map(move |switch| (*last, switch))).enumerate().map(
+        |(index, (last, switch))| (index, last, switch),
+    )
+}
+
+fn priced(
+    estimator: &Estimator,
+    terms: &Terms,
+    (index, last, switch): (usize, Node, Option<(f64, Through)>),
+) -> Option<Choice> {
+    let tracker = estimator.tracker()?;
+    let (state, node) = (tracker.state(), last.index());
+    let crosses = |node: usize, switch| {
+        let route = Route { first_ohm: terms.r_ohm, switch };
+        route.crossing(state, node).ns - d_ns(state, node)
+    };
+    let full_ns = crosses(node, None);
+    let planned = match switch {
+        // Finished through R_1 when the deadline has come.
+        None if full_ns > terms.deadline_ns => Some((terms.deadline_ns, Through::C1)),
+        None => None,
+        Some((fraction, to)) => Some(((fraction * full_ns).min(fraction * terms.deadline_ns), to)),
+    };
+    let made = planned.map(|(at_ns, to)| {
+        let switch = Switch { at_ns, on_ns: at_ns, to };
+        (switch, estimator.ohm_after(switch))
+    });
+    let takes_ns = crosses(node, made);
+    if let Some((at_ns, _)) = planned {
+        let is_early_enough = at_ns <= (1.0 - RESTLESS * terms.restless) * full_ns;
+        // The interrupt of A's crossing delays a call that comes then.
+        let a_ns = crosses(0, None);
+        let doubt_ns = CLEAR_NS + RESTLESS * terms.restless * a_ns;
+        let is_clear = last == Node::A || !(a_ns - doubt_ns..=a_ns + state[D] + doubt_ns).contains(&at_ns);
+        if !is_early_enough || !is_clear || takes_ns - at_ns < SHORTEST_TAIL_NS {
+            return None;
+        }
+    }
+    let switch_made = made.map(|(switch, _)| switch);
+    let found = estimator.predict_tracked(terms.r_ohm, switch_made, terms.u_switch_ns, last)?;
+    let takes_ns = terms.before_ns[node] + takes_ns;
+    let switch = switch.and(planned);
+    Some(Choice { switch, last, index, price: price(&found, takes_ns, terms.mean_ns) })
+}
+
+/// Variance times time.
+fn price(found: &Solution, takes_ns: f64, mean_ns: f64) -> f64 {
+    let common = (found.variance - found.bound).max(0.0);
+    found.bound * takes_ns + common * takes_ns.max(mean_ns)
+}
