@@ -101,12 +101,11 @@ impl Method {
         }
     }
 
-    /// The best method with a calibration for each reading that a circuit allows.
+    /// The best method that a circuit allows.
     pub fn best(kind: Kind) -> Method {
         match kind {
-            Kind::TwoCapacitor => Method::Cerm,
+            Kind::TwoCapacitor | Kind::OneCapacitor => Method::Tracked,
             Kind::SeriesCalibration => Method::Qerm,
-            Kind::OneCapacitor => Method::Tpcm,
         }
     }
 

@@ -16,7 +16,7 @@ pub struct ConfigFile(Table);
 pub fn config(change: impl FnOnce(&mut ConfigFile) -> &mut ConfigFile) -> ConfigFile {
     let mut file = ConfigFile(Table::new());
     file.set("circuit.kind", "two-capacitor").set("circuit.c-a", "2.2 uF").set("circuit.c-b", "680 nF");
-    file.set("circuit.r-c1", "2.32 kohm").set("circuit.r-c2", "12.7 kohm");
+    file.set("circuit.r-c1", "470 ohm").set("circuit.r-c2", "12.7 kohm");
     change(&mut file);
     file
 }

@@ -35,9 +35,9 @@ pub fn kind_of(method: Method) -> Kind {
 pub fn circuit_of(name: &str, kind: Kind) -> &'static str {
     match (name, kind) {
         ("fpga-paper", Kind::TwoCapacitor) => {
-            "c-a = \"330 nF\"\nc-b = \"22 nF\"\nv-th = \"1.4 V\"\nr-charge = \"120 ohm\""
+            "c-a = \"330 nF\"\nc-b = \"22 nF\"\nr-c1 = \"2.32 kohm\"\nv-th = \"1.4 V\"\nr-charge = \"120 ohm\""
         }
-        ("fpga-paper", _) => "c = \"20 nF\"\nv-th = \"1.4 V\"",
+        ("fpga-paper", _) => "c = \"20 nF\"\nr-c1 = \"2.32 kohm\"\nv-th = \"1.4 V\"",
         (_, Kind::TwoCapacitor) => "c-a = \"2.2 uF\"\nc-b = \"680 nF\"\nv-th = \"1.1 V\"",
         _ => "c = \"470 nF\"\nv-th = \"1.1 V\"",
     }
