@@ -83,7 +83,7 @@ named! {
         WideBracket = "wide-bracket",
         /// A crossing is later than the other node's crossing allows.
         LatencyOutlier = "latency-outlier",
-        /// The sensor has changed too much during the discharge.
+        /// The sensor has changed so much during the discharge that the error may be as large as the value.
         Unsettled = "unsettled",
         /// A calibration discharge did not end in time.
         NoCalibration = "no-calibration",
@@ -217,6 +217,8 @@ pub enum Status {
         r_ohm: Measured,
         /// Newton; `None` for a channel without force calibration.
         f_n: Option<MeasuredForce>,
+        /// The sensor changed while it was read, and u contains that: it is more than all else.
+        is_moving: bool,
     },
     /// The resistance is above what the deadline resolves.
     Open {

@@ -4,7 +4,7 @@
 
 use super::limits::{BAR_COLUMNS, BAR_OHM, FULL_N, HISTORY, HISTORY_COLUMNS, RATE_WINDOW_NS};
 use super::text::{bar, sparkline};
-use crate::stream::wire::{ChannelInfo, ReadingLine, StatusName, Unit};
+use crate::stream::wire::{ChannelInfo, ReadingLine, StateLine, StatusName, Unit};
 use crate::units::{measured, rough};
 use console::{Alignment, Style, measure_text_width, pad_str, style, truncate_str};
 use std::collections::VecDeque;
@@ -151,9 +151,7 @@ impl Row {
             StatusName::Ok => {
                 let force = value(reading.state.f_n, reading.state.f_u_n, "N");
                 let ohms = value(reading.state.r_ohm, reading.state.r_u_ohm, "ohm");
-                // Of the force; the ohms are as good as any.
-                let is_beyond = reading.state.extrapolated;
-                ([force, ohms], if is_beyond { "extrapolated" } else { "ok" }, style.green())
+                ([force, ohms], mark(&reading.state), style.green())
             }
             StatusName::Open => {
                 let force = bound("<", reading.state.f_max_n, "N");
@@ -209,6 +207,16 @@ impl Row {
     }
 }
 
+/// What is to be known of a number before it is used: the most that u is about to change by first.
+fn mark(state: &StateLine) -> &'static str {
+    match state {
+        StateLine { moving: true, .. } => "moving",
+        // Of the force; the ohms are as good as any.
+        StateLine { extrapolated: true, .. } => "extrapolated",
+        _ => "ok",
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -228,6 +236,7 @@ mod tests {
     const FULL: &str = r#""status":"ok","r_ohm":1334.6,"r_u_ohm":2.5,"f_n":10.0,"f_u_n":0.02"#;
     const HALF: &str = r#""status":"ok","r_ohm":2669.2,"r_u_ohm":2.5,"f_n":5.0,"f_u_n":0.01"#;
     const BEYOND: &str = r#""status":"ok","r_ohm":889.8,"r_u_ohm":2.5,"f_n":15.0,"f_u_n":1.3,"f_repeat_u_n":0.042,"extrapolated":true"#;
+    const MOVING: &str = r#""status":"ok","r_ohm":889.8,"r_u_ohm":32.0,"f_n":15.0,"f_u_n":1.4,"extrapolated":true,"moving":true"#;
     const OPEN: &str = r#""status":"open","r_min_ohm":63000.0,"f_max_n":0.21"#;
     const FAULT: &str = r#""status":"fault","fault":"missed-edge""#;
 
@@ -247,6 +256,7 @@ mod tests {
         is(plain(HALF), "03:40:00.123  thumb  5.000 ± 0.010 N  2669.2 ± 2.5 ohm  ok");
         is(plain(OPEN), "03:40:00.123  thumb  < 0.210 N  > 63000 ohm  open");
         is(plain(BEYOND), "03:40:00.123  thumb  15.0 ± 1.3 N  889.8 ± 2.5 ohm  extrapolated");
+        is(plain(MOVING), "03:40:00.123  thumb  15.0 ± 1.4 N  890 ± 32 ohm  moving");
         is(plain(FAULT), "03:40:00.123  thumb  missed-edge  fault");
         is(
             plain(HINTED),

@@ -125,6 +125,7 @@ pub fn stats(known: &Known, config: &Config, uptime: Nanos) -> InstrumentStats {
         cycles: stats.cycles,
         readings: stats.readings,
         ok: stats.ok,
+        moving: stats.moving,
         open: stats.open,
         short: stats.short,
         faults: faults.into(),

@@ -69,9 +69,10 @@ pub const GATE_WIDEST: f64 = 4.0;
 // Motion of the sensor; found with tests/accuracy, dynamic.
 /// Readings that are remembered.
 pub const MOTION_POINTS: usize = 6;
-/// A reading whose predicted error is a larger share of it is no number.
-pub const UNSETTLED: f64 = 0.01;
-/// A predicted error below so many sigma is stated all the same: the number is hardly worse for it.
+/// A sensor whose readings have a larger predicted error, relative, moves fast: crossings that contradict each other are its
+/// own then.
+pub const FAST: f64 = 0.01;
+/// A predicted error below so many sigma may be noise.
 pub const STATED: f64 = 3.0;
 /// What is so many times faster than everything before it was not to be expected.
 pub const SUDDEN: f64 = 3.0;

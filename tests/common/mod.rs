@@ -179,6 +179,8 @@ pub struct Errors {
     pub us: Vec<f64>,
     pub inferred: usize,
     pub without_u: usize,
+    /// Of each error, whether its reading says that the sensor moves.
+    pub moving: Vec<bool>,
     /// States, of faults their names.
     pub not_ok: Vec<&'static str>,
     /// Where the errors of each board begin.
@@ -196,6 +198,7 @@ impl Errors {
         self.next_board();
         self.errors.extend(board.errors);
         self.us.extend(board.us);
+        self.moving.extend(board.moving);
         self.not_ok.extend(board.not_ok);
         self.inferred += board.inferred;
         self.without_u += board.without_u;
@@ -248,18 +251,38 @@ impl Errors {
 
     pub fn add(&mut self, reading: &Reading, truth: f64) {
         match reading.status {
-            Status::Ok { branch, r_ohm, .. } => {
+            Status::Ok { branch, r_ohm, is_moving, .. } => {
                 let Some(u) = r_ohm.u else {
                     self.without_u += 1;
                     return;
                 };
                 self.errors.push(r_ohm.value - truth);
                 self.us.push(u);
+                self.moving.push(is_moving);
                 self.inferred += usize::from(branch == cermd::reading::Branch::Inferred);
             }
             Status::Fault(fault) => self.not_ok.push(fault.as_str()),
             status => self.not_ok.push(status.as_str()),
         }
+    }
+
+    /// Without the readings that say that the sensor moves: these are counted as states.
+    pub fn at_rest(&self) -> Errors {
+        let mut rest = Errors { not_ok: self.not_ok.clone(), ..Errors::default() };
+        let starts = self.boards.iter().copied();
+        for (start, end) in starts.zip(self.boards.iter().skip(1).copied().chain([self.count()])) {
+            rest.next_board();
+            for index in start..end {
+                if self.moving[index] {
+                    rest.not_ok.push("moving");
+                    continue;
+                }
+                rest.errors.push(self.errors[index]);
+                rest.us.push(self.us[index]);
+                rest.moving.push(false);
+            }
+        }
+        rest
     }
 
     pub fn count(&self) -> usize {

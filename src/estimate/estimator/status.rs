@@ -99,10 +99,10 @@ impl Estimator {
         let r_o_ohm = self.offset().r_o();
         let moved = u.map(|u| motion.judge(record.start, [value, u], r_o_ohm, &evidence)).transpose();
         let moved = match moved {
-            Ok(moved) => moved.unwrap_or(0.0),
+            Ok(moved) => moved,
             Err(fault) => return Status::Fault(fault),
         };
-        let measured = Measured { value, u: u.map(|u| u.hypot(moved)) };
+        let measured = Measured { value, u: u.map(|u| u.hypot(moved.map_or(0.0, |moved| moved.u_ohm))) };
         let Some(r_ohm) = self.with_leak(measured) else {
             // The leak only ever makes it read lower; so far up it is the reciprocal that is known to +-u.
             let Measured { value, u } = measured;
@@ -123,6 +123,7 @@ impl Estimator {
             _ => Status::Ok {
                 branch: estimate.branch,
                 r_ohm,
+                is_moving: moved.is_some_and(|moved| moved.is_moving),
                 f_n: force.and_then(|force| force.at(r_ohm, known)),
             },
         }

@@ -56,7 +56,7 @@ impl Memory {
         let is_outlier = matches!(status, Status::Fault(Fault::LatencyOutlier | Fault::Unsettled));
         self.outliers = if is_outlier { self.outliers.saturating_add(1) } else { 0 };
         match status {
-            Status::Ok { branch, r_ohm, .. } => {
+            Status::Ok { branch, r_ohm, is_moving, .. } => {
                 self.inferred = *branch == Branch::Inferred;
                 self.moved_to(r_ohm.value + zero_ohm);
                 let switch = record.and_then(|record| record.switch).filter(|_| self.inferred);
@@ -67,7 +67,8 @@ impl Memory {
                     let part = tracker.variance(&predicted.by_state);
                     (predicted.by_state, (predicted.variance - part).max(0.0))
                 });
-                let switched = predicted.filter(|_| switch.is_some()).map(|predicted| {
+                let is_steady = switch.is_some() && !is_moving;
+                let switched = predicted.filter(|_| is_steady).map(|predicted| {
                     let steady = predicted.bound / predicted.by_switch.powi(2);
                     let u_ns = estimator.offset().scatter.u_ns(self.u_switch_ns);
                     (predicted.by_switch, (steady - u_ns * u_ns).max(0.0))

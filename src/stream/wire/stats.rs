@@ -37,6 +37,9 @@ pub struct InstrumentStats {
     pub readings: u64,
     /// Readings with a number.
     pub ok: u64,
+    /// Those of a sensor that changed while it was read.
+    #[serde(default)]
+    pub moving: u64,
     /// Readings above what the deadline resolves.
     pub open: u64,
     /// Readings that cannot be told from a short circuit.
