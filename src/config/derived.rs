@@ -72,6 +72,18 @@ impl Config {
             .unwrap_or_else(|| Nanos::from_seconds(DEADLINE * self.discharge(self.circuit.r_second()).0))
     }
 
+    /// From one cycle to the next, where the rate is to be no higher than wanted.
+    pub fn period(&self) -> Option<Nanos> {
+        let period = self.measure.rate_hz.map(|hertz| Nanos::from_seconds(1.0 / hertz));
+        period.filter(|_| self.measure.idle || self.measure.average.is_some())
+    }
+
+    /// The time over which what is published is the mean: as given, or all that the wanted rate leaves.
+    pub fn average(&self) -> Option<Nanos> {
+        let all = self.measure.rate_hz.filter(|_| !self.measure.idle);
+        self.measure.average.or(all.map(|hertz| Nanos::from_seconds(1.0 / hertz)))
+    }
+
     /// The latency offset.
     pub fn offset(&self) -> OffsetSource {
         let default =

@@ -68,11 +68,16 @@ pub struct Config {
 #[derive(Debug, Clone, PartialEq, Default, Deserialize)]
 #[serde(rename_all = "kebab-case", deny_unknown_fields, default)]
 pub struct Measure {
-    /// The method. Default: the best that the circuit allows, `cerm`, `qerm` or `tpcm`.
+    /// The method. Default: `tracked`, or `qerm` with series calibration.
     pub method: Option<Method>,
-    /// Readings of each channel per second, hertz, above 0. Default: as fast as the circuit allows.
+    /// Readings of each channel per second, hertz, above 0; each of them is the mean over the time since the one before.
+    /// Default: as fast as the circuit allows.
     #[serde(deserialize_with = "number::optional")]
     pub rate_hz: Option<f64>,
+    /// What is published is the mean over this time, up to 1 min. Default: each reading, or what `rate-hz` leaves.
+    pub average: Option<Nanos>,
+    /// With `rate-hz`: no more discharges than that needs. Default: spare time goes into accuracy.
+    pub idle: bool,
     /// How long the capacitors are charged before each discharge, above 0 up to 1 min. Default: the shortest
     /// charge whose being incomplete (most of which cancels) changes a reading by no more than a tenth of its uncertainty: 4 to
     /// 8 time constants of the slowest charge with two capacitors, 10 with one.
@@ -125,6 +130,8 @@ pub struct ChannelTable {
     /// What the instrument reads with a short circuit in the sensor's place, ohm; subtracted. Default: 0.
     #[serde(default, deserialize_with = "number::number")]
     pub zero_ohm: f64,
+    /// It is read in every so manieth cycle, 1 to 1000. Default: in each.
+    pub every: Option<u32>,
     /// How resistance becomes force. Default: not at all, the channel gives ohm only.
     pub force: Option<Characteristic>,
 }

@@ -3,6 +3,7 @@
 use crate::circuit::Node;
 use crate::estimate::method::tracked::{self, Observed, Solution};
 use crate::estimate::method::{Scale, Switched, Switching, Times, dual};
+use crate::estimate::mean::Basis;
 use crate::estimate::motion::Evidence;
 use crate::estimate::noise::{Covariance, Noise};
 use crate::estimate::offset::Offset;
@@ -17,6 +18,8 @@ mod covariances;
 mod leakage;
 mod status;
 
+pub use status::Judged;
+
 /// An estimate of R_x, before the sensor's own zero is taken off.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Estimate {
@@ -24,6 +27,8 @@ pub struct Estimate {
     pub branch: Branch,
     /// Ohm, with 1 sigma.
     pub r_ohm: Measured,
+    /// What that is made of; nothing where it is not known.
+    pub basis: Basis,
 }
 
 /// Variances of the [ratio](crate::estimate::method) to be expected.
@@ -198,17 +203,25 @@ impl Estimator {
         if let Some(tracker) = self.state() {
             let solution = tracked::solve(tracker, &self.observed(record)?)?;
             let r_ohm = Measured { value: solution.r_ohm, u: Some(solution.variance.sqrt()) };
-            return Ok((Estimate { branch: solution.branch, r_ohm }, solution.evidence));
+            let own = (solution.variance - tracker.variance(&solution.by_state)).max(0.0);
+            let by_switch = (solution.branch == Branch::Inferred).then_some(solution.by_switch);
+            let basis = Basis { own, by_state: Some(solution.by_state), by_switch };
+            return Ok((Estimate { branch: solution.branch, r_ohm, basis }, solution.evidence));
         }
         let (times, branch) = self.times(record)?;
-        let (ratio, evidence) =
+        let (ratio, basis, evidence) =
             self.ratio(&times, branch, self.u_switch_ns(record, branch)).ok_or(Fault::MissedEdge)?;
         let span = self.r2_ohm - self.r1_ohm;
         let r_ohm = self.r1_ohm + ratio.value * span;
         let u = ratio.u.map(|u| u * span);
         let sound = r_ohm.is_finite() && u.is_none_or(f64::is_finite);
         if sound {
-            Ok((Estimate { branch, r_ohm: Measured { value: r_ohm, u } }, evidence))
+            let basis = Basis {
+                own: span * span * basis.own,
+                by_state: basis.by_state.map(|by| by.map(|by| span * by)),
+                by_switch: basis.by_switch.map(|by| span * by),
+            };
+            Ok((Estimate { branch, r_ohm: Measured { value: r_ohm, u }, basis }, evidence))
         } else {
             Err(Fault::Implausible)
         }
@@ -281,13 +294,13 @@ impl Estimator {
         [a, b.filter(|_| self.nodes == 2)]
     }
 
-    /// The ratio and what it rests on; `None` if a time was not seen that the equation needs.
+    /// The ratio, what its variance is made of, and what it rests on; `None` if a time was not seen that the equation needs.
     fn ratio(
         &self,
         times: &Times<f64>,
         branch: Branch,
         u_switch_ns: Option<f64>,
-    ) -> Option<(Measured, Evidence)> {
+    ) -> Option<(Measured, Basis, Evidence)> {
         let late = match branch {
             Branch::Direct => times.x,
             Branch::Inferred => times.c2,
@@ -299,7 +312,9 @@ impl Estimator {
         let ratio = (rules.ratio)(&variables, branch)?;
         let scale = Scale { r_ohm: [self.r1_ohm, self.r2_ohm], u: &u };
         let evidence = (rules.evidence)(&variables, branch, &scale)?;
-        Some((Measured { value: ratio.value, u: u(&ratio) }, evidence))
+        let by_switch = (branch == Branch::Inferred).then_some(ratio.by.switch);
+        let basis = covariances.as_ref().map(|covariances| Basis { by_switch, ..covariances.basis(&ratio.by) });
+        Some((Measured { value: ratio.value, u: u(&ratio) }, basis.unwrap_or_default(), evidence))
     }
 
     /// The covariances of all times; `late` are the crossings that a discharge only through the resistor that ran last

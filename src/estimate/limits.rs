@@ -81,6 +81,12 @@ pub const OPEN_LN: f64 = 0.7;
 /// Stretches that differ by a smaller share of the longer one tell no slope.
 pub const APART: f64 = 0.2;
 
+// Means of readings.
+/// Steps from reading to reading that are believed, at the least.
+pub const STEPS_OF_A_MEAN: f64 = 16.0;
+/// Readings scatter by more than they say when their steps show it with so many sigma.
+pub const STEPS_SHOW: f64 = 4.0;
+
 // Split calibration.
 /// The split comes after this part of node A's time through R_1: late, since the difference grows with it, and before any
 /// node crosses.

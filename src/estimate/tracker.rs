@@ -70,6 +70,8 @@ pub struct Tracker {
     rounds: Vec<[Record; 3]>,
     round: [Option<Record>; 3],
     ready: bool,
+    /// Gain and rows of the last correction.
+    last: ([[f64; 2]; UNKNOWNS], [State; 2]),
 }
 
 impl Tracker {
@@ -105,6 +107,7 @@ impl Tracker {
             rounds,
             round: [None; 3],
             ready: false,
+            last: Default::default(),
         }
     }
 
@@ -255,6 +258,18 @@ impl Tracker {
         self.misfit() * quadratic(&self.covariance, v)
     }
 
+    /// The covariance of v times the state with the state, but for [`Tracker::misfit`].
+    pub fn with_state(&self, v: &State) -> State {
+        self.covariance.map(|row| row.iter().zip(v).map(|(p, v)| p * v).sum())
+    }
+
+    /// What a covariance with the state has become by the last calibration discharge: c - K H c.
+    pub fn after_correction(&self, c: &State) -> State {
+        let (gain, rows) = &self.last;
+        let seen = rows.map(|row| row.iter().zip(c).map(|(h, c)| h * c).sum::<f64>());
+        std::array::from_fn(|i| c[i] - gain[i][0] * seen[0] - gain[i][1] * seen[1])
+    }
+
     /// The covariance of u and of v times the state.
     pub fn covariance_of(&self, u: &State, v: &State) -> f64 {
         self.misfit() * bilinear(&self.covariance, u, v)
@@ -337,6 +352,7 @@ impl Tracker {
             self.state[index] += gain.of[index][0] * innovation[0] + gain.of[index][1] * innovation[1];
         }
         self.covariance = gain.posterior(&self.covariance);
+        self.last = (gain.of, states);
         true
     }
 

@@ -2,12 +2,24 @@
 
 use super::Estimator;
 use crate::estimate::limits::{BEYOND_NOISE, COVERAGE};
+use crate::estimate::mean::Basis;
 use crate::estimate::method::tracked;
 use crate::estimate::motion::Motion;
 use crate::reading::{Fault, Measured, Status};
 use crate::record::Record;
 use crate::sensor::Force;
 use crate::units::Nanos;
+
+/// What an x discharge has told.
+#[derive(Debug, Clone, Copy)]
+pub struct Judged {
+    /// Of the sensor.
+    pub status: Status,
+    /// When it was so, ns since the start: the middle of its part of the discharge where nothing tells better.
+    pub at_ns: f64,
+    /// What the variance of the number is made of, before motion and leaks.
+    pub basis: Basis,
+}
 
 impl Estimator {
     /// The lowest resistance that leaves the last node above its threshold for `waited_ns`, ohm.
@@ -38,37 +50,37 @@ impl Estimator {
     /// What is known about the sensor after an x discharge alone.
     pub fn status(&self, record: &Record, zero_ohm: f64, force: Option<&Force>) -> Status {
         let motion = &mut Motion::default();
-        self.status_in_motion(record, zero_ohm, force, motion).0
+        self.judge(record, zero_ohm, force, motion).status
     }
 
-    /// What is known about the sensor after an x discharge, and since the start of the discharge when, ns: the middle of its
-    /// part of it where nothing tells better.
-    pub fn status_in_motion(
+    /// What is known about the sensor after an x discharge.
+    pub fn judge(
         &self,
         record: &Record,
         zero_ohm: f64,
         force: Option<&Force>,
         motion: &mut Motion,
-    ) -> (Status, f64) {
-        let mut at_ns = middle_ns(record);
-        let status = self.judged(record, zero_ohm, force, motion, &mut at_ns);
-        match status {
+    ) -> Judged {
+        let at_ns = middle_ns(record);
+        let mut judged = Judged { status: Status::Fault(Fault::Implausible), at_ns, basis: Basis::default() };
+        judged.status = self.status_of(record, zero_ohm, force, motion, &mut judged);
+        match judged.status {
             Status::Open { r_min_ohm, .. } => {
-                motion.is_open(record.start + Nanos(at_ns as i64), r_min_ohm + zero_ohm);
+                motion.is_open(record.start + Nanos(judged.at_ns as i64), r_min_ohm + zero_ohm);
             }
             Status::Short { .. } => motion.forget(),
             Status::Ok { .. } | Status::Fault(_) => {}
         }
-        (status, at_ns)
+        judged
     }
 
-    fn judged(
+    fn status_of(
         &self,
         record: &Record,
         zero_ohm: f64,
         force: Option<&Force>,
         motion: &mut Motion,
-        at_ns: &mut f64,
+        judged: &mut Judged,
     ) -> Status {
         if let Err(fault) = self.check_paths() {
             return Status::Fault(fault);
@@ -94,7 +106,7 @@ impl Estimator {
             Ok(found) => found,
             Err(fault) => return Status::Fault(fault),
         };
-        *at_ns = evidence.at_ns;
+        (judged.at_ns, judged.basis) = (evidence.at_ns, estimate.basis);
         let Measured { value, u } = estimate.r_ohm;
         let r_o_ohm = self.offset().r_o();
         let moved = u.map(|u| motion.judge(record.start, [value, u], r_o_ohm, &evidence)).transpose();

@@ -50,7 +50,7 @@ impl Tracker {
 
     /// By how much more the state is uncertain than its covariance says, since discharges of different kinds contradict each
     /// other (Birge's ratio): whatever it is that no state explains, readings have it too.
-    pub(super) fn misfit(&self) -> f64 {
+    pub fn misfit(&self) -> f64 {
         // The variance of such a running mean of values of variance 1.
         let chance = 1.0 / (2.0 * MISFIT_OF - 1.0);
         let squares: f64 = self.means.iter().flatten().map(|mean| mean * mean / chance).sum();
