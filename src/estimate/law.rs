@@ -13,9 +13,9 @@
 use crate::record::Switch;
 
 /// How many things a calibration has to know.
-pub const UNKNOWNS: usize = 5;
-/// What it has to know: progress g of A and B at the threshold (ns/ohm), Ro (ohm), d of A, and how much later B is stamped
-/// (ns).
+pub const UNKNOWNS: usize = 7;
+/// What it has to know: progress g of A and B at the threshold (ns/ohm), Ro (ohm), d of A, how much later B is stamped (ns), and
+/// how fast either g changes (1/s).
 pub type State = [f64; UNKNOWNS];
 /// The index of Ro in a [`State`].
 pub const R_O: usize = 2;
@@ -23,6 +23,9 @@ pub const R_O: usize = 2;
 pub const D: usize = 3;
 /// The index of what node B's d is greater by.
 pub const D_B: usize = 4;
+
+/// The index of how fast A's g changes in a [`State`]; that of B's comes after it.
+pub const RATE: usize = 5;
 
 /// The latency offset of a node, ns.
 pub fn d_ns(state: &State, node: usize) -> f64 {

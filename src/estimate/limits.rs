@@ -116,15 +116,22 @@ pub const REJECTED_OF_A_STEP: u32 = 3;
 /// How slowly d, g and Ro walk, per root second: d in parts of its jitter, for what makes the latency jitter makes its mean
 /// wander; g relative, never slower than a drift by 1 % in a minute takes it in a second, since a walk that was learned in
 /// quiet times lags behind a drift that begins; Ro in ohm, for the temperature of a board changes in minutes.
-pub const SLOWEST_WALK: [f64; 3] = [0.02, 2e-4, 0.02];
+pub const SLOWEST_WALK: [f64; 3] = [0.01, 2e-5, 0.005];
+/// How fast either g may change at first, 1/s: 1 % in a minute.
+pub const RATE_AT_FIRST: f64 = 2e-4;
+/// How fast that itself walks, per root second.
+pub const RATE_WALK: f64 = 1e-5;
+/// For so long at the most the state goes on as it went, s.
+pub const LONGEST_AHEAD_S: f64 = 60.0;
 /// How fast they may walk.
 pub const FASTEST_WALK: [f64; 3] = [2.0, 2e-3, 5.0];
 /// How much one innovation changes the speed of a walk.
 pub const LEARN_WALK: f64 = 0.3;
-/// Innovations that a trend is the mean of.
-pub const TREND_OF: f64 = 8.0;
-/// Where nothing speaks for a faster walk it becomes slower by so much, in the square of a sigma.
-pub const WALK_CALM: f64 = 0.1;
+/// Innovations that a trend is the mean of, at the least and at the most.
+pub const TREND_OF: [f64; 2] = [8.0, 512.0];
+/// Where nothing speaks for a faster walk it becomes slower by so much in as many innovations as a trend is the mean of, in the
+/// square of a sigma.
+pub const WALK_CALM: f64 = 0.8;
 /// Discharges of a kind that its mean innovation is taken over.
 pub const MISFIT_OF: f64 = 64.0;
 /// Mean innovations contradict the state when their mean square is so many times what chance makes it: of six it is more

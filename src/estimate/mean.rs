@@ -15,6 +15,7 @@ use crate::estimate::law::{State, UNKNOWNS};
 use crate::estimate::limits::{STEPS_OF_A_MEAN, STEPS_SHOW};
 use crate::estimate::tracker::Tracker;
 use crate::reading::Measured;
+use crate::units::Nanos;
 
 /// What the uncertainty of a reading is made of, ohm².
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
@@ -42,6 +43,7 @@ pub struct Mean {
     /// Var S and c.
     shared: f64,
     with_state: State,
+    with_state_at: Nanos,
     /// A reading has come without an uncertainty.
     is_unknown: bool,
 }
@@ -65,6 +67,7 @@ impl Mean {
         let mut by_state = 0.0;
         if let (Some(v), Some(tracker)) = (basis.by_state, tracker) {
             by_state = tracker.variance(&v);
+            self.carry(tracker);
             let with_state = tracker.with_state(&v);
             let dot = |u: &State| (0..UNKNOWNS).map(|i| v[i] * u[i]).sum::<f64>();
             self.shared += 2.0 * dot(&self.with_state) + dot(&with_state);
@@ -80,7 +83,13 @@ impl Mean {
 
     /// After a calibration discharge that the tracked state has taken in.
     pub fn calibrated(&mut self, tracker: &Tracker) {
+        self.carry(tracker);
         self.with_state = tracker.after_correction(&self.with_state);
+    }
+
+    fn carry(&mut self, tracker: &Tracker) {
+        self.with_state = tracker.carried(self.with_state, self.with_state_at);
+        self.with_state_at = tracker.at();
     }
 
     /// The mean; `None` of none. `tracker`: as it is now.

@@ -27,10 +27,13 @@ impl Tracker {
         }
         let by = rows.map(|row| (0..UNKNOWNS).map(|i| row[i] * direction[i]).sum::<f64>());
         let away = gain.along(by, innovation);
+        // A walk that lags shows in as many innovations as the state is the mean of.
+        let remembered = gain.remembered(by).clamp(TREND_OF[0], TREND_OF[1]);
         let (walk, trend) = (&mut self.walk[kind as usize], &mut self.trend[kind as usize]);
-        let faster = (LEARN_WALK * (away * *trend - WALK_CALM)).clamp(-4.0 * LEARN_WALK, 4.0 * LEARN_WALK);
-        *walk = (*walk * faster.exp()).clamp(SLOWEST_WALK[kind as usize], FASTEST_WALK[kind as usize]);
-        *trend += (away - *trend) / TREND_OF;
+        let faster = LEARN_WALK * (away * *trend - WALK_CALM / remembered);
+        *walk = (*walk * faster.clamp(-4.0 * LEARN_WALK, 4.0 * LEARN_WALK).exp())
+            .clamp(SLOWEST_WALK[kind as usize], FASTEST_WALK[kind as usize]);
+        *trend += (away - *trend) / remembered;
     }
 
     /// A state that is right leaves nothing over on average, whatever the kind of discharge.

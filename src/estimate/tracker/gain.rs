@@ -56,6 +56,14 @@ impl Gain {
         if information > 0.0 { (by[0] * a + by[1] * b) / information.sqrt() } else { 0.0 }
     }
 
+    /// How many such observations the state is the mean of, in the direction that moves them by `by`.
+    pub fn remembered(&self, by: [f64; 2]) -> f64 {
+        let [a, b] = self.inverse.times(by);
+        // The share of an innovation's variance, in that direction, that is the state's.
+        let (all, state) = (a * by[0] + b * by[1], self.by_state.of(a, b));
+        if state > 0.0 { all / state } else { f64::INFINITY }
+    }
+
     /// The state's covariance once the observations are taken in.
     pub fn posterior(&self, p: &Matrix) -> Matrix {
         let taken = |i: usize, j: usize| self.of[i][0] * self.hp[0][j] + self.of[i][1] * self.hp[1][j];
