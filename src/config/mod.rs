@@ -78,9 +78,9 @@ pub struct Measure {
     pub average: Option<Nanos>,
     /// With `rate-hz`: no more discharges than that needs. Default: spare time goes into accuracy.
     pub idle: bool,
-    /// How long the capacitors are charged before each discharge, above 0 up to 1 min. Default: the shortest
-    /// charge whose being incomplete (most of which cancels) changes a reading by no more than a tenth of its uncertainty: 4 to
-    /// 8 time constants of the slowest charge with two capacitors, 10 with one.
+    /// How long node A is charged before each discharge, above 0 up to 1 min; B's charger follows for half of its time
+    /// constant where B is waited for. Default: the shortest charge whose being incomplete (most of which cancels) changes a
+    /// reading by no more than a tenth of its uncertainty: 7 to 10 time constants.
     pub charge_time: Option<Nanos>,
     /// The pause between the end of the charge and the start of the discharge, 0 to 1 min. Default: what the calls between
     /// them take.

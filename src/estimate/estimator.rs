@@ -1,9 +1,9 @@
 //! The estimator: the calibration that is in force, uncertainty by propagation, and the states of a reading.
 
 use crate::circuit::Node;
+use crate::estimate::mean::Basis;
 use crate::estimate::method::tracked::{self, Observed, Solution};
 use crate::estimate::method::{Scale, Switched, Switching, Times, dual};
-use crate::estimate::mean::Basis;
 use crate::estimate::motion::Evidence;
 use crate::estimate::noise::{Covariance, Noise};
 use crate::estimate::offset::Offset;
@@ -313,7 +313,8 @@ impl Estimator {
         let scale = Scale { r_ohm: [self.r1_ohm, self.r2_ohm], u: &u };
         let evidence = (rules.evidence)(&variables, branch, &scale)?;
         let by_switch = (branch == Branch::Inferred).then_some(ratio.by.switch);
-        let basis = covariances.as_ref().map(|covariances| Basis { by_switch, ..covariances.basis(&ratio.by) });
+        let basis =
+            covariances.as_ref().map(|covariances| Basis { by_switch, ..covariances.basis(&ratio.by) });
         Some((Measured { value: ratio.value, u: u(&ratio) }, basis.unwrap_or_default(), evidence))
     }
 

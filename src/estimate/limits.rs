@@ -114,13 +114,13 @@ pub const INNOVATION_GATE: f64 = 4.0;
 /// So many rejections in a row are a step.
 pub const REJECTED_OF_A_STEP: u32 = 3;
 /// How slowly d, g and Ro walk, per root second: d in parts of its jitter, for what makes the latency jitter makes its mean
-/// wander; g relative, never slower than a drift by 1 % in a minute takes it in a second, since a walk that was learned in
-/// quiet times lags behind a drift that begins; Ro in ohm, for the temperature of a board changes in minutes.
-pub const SLOWEST_WALK: [f64; 3] = [0.01, 2e-5, 0.005];
+/// wander; g relative, beside how fast it drifts, which is part of the state; Ro in ohm, for the temperature of a board changes
+/// in minutes.
+pub const SLOWEST_WALK: [f64; 3] = [0.01, 2e-5, 0.01];
 /// How fast either g may change at first, 1/s: 1 % in a minute.
 pub const RATE_AT_FIRST: f64 = 2e-4;
 /// How fast that itself walks, per root second.
-pub const RATE_WALK: f64 = 1e-5;
+pub const RATE_WALK: f64 = 3e-6;
 /// For so long at the most the state goes on as it went, s.
 pub const LONGEST_AHEAD_S: f64 = 60.0;
 /// How fast they may walk.

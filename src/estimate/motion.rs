@@ -211,6 +211,14 @@ impl Motion {
         self.sound().zip(self.sound().skip(1)).map(|(point, next)| point.speed_to(next))
     }
 
+    /// The same as far as they are more than noise.
+    fn certain_speeds(&self) -> impl Iterator<Item = f64> {
+        self.sound().zip(self.sound().skip(1)).map(|(point, next)| {
+            let seconds = (next.at - point.at).as_seconds().max(1e-6);
+            (point.speed_to(next).abs() - COVERAGE * point.u.hypot(next.u) / seconds).max(0.0)
+        })
+    }
+
     /// Whether a slope inside of a discharge is one that the neighbours have, too.
     fn explains(&self, point: &Point) -> bool {
         let (Some([slope, _]), Some(last)) = (point.slope, self.points().last()) else { return false };
@@ -253,7 +261,7 @@ impl Motion {
             return change > OPEN_LN + BEYOND_NOISE * point.u;
         }
         let slopes = self.slopes().map(|[slope, u]| slope.abs() - 3.0 * u);
-        let speed = second_greatest(self.speeds().map(f64::abs)).max(second_greatest(slopes));
+        let speed = second_greatest(self.certain_speeds()).max(second_greatest(slopes));
         let noise = BEYOND_NOISE * point.u.hypot(last.u);
         change > SUDDEN * speed * (point.at - last.at).as_seconds() + noise
     }

@@ -211,9 +211,8 @@ impl Spread {
     /// Half the mean square of successive differences, which has two degrees of freedom for three of them. With few of
     /// them, as much more as makes 2 sigma the 95 % limit of Student's distribution (to 2 % from 8 degrees on).
     fn covariance(&self) -> Covariance {
-        let [a, b] = [0, 1].map(|node| {
-            0.5 * (1.0 + 1.3 / self.freedom(node)).powi(2) / self.weight[node].max(1.0)
-        });
+        let [a, b] =
+            [0, 1].map(|node| 0.5 * (1.0 + 1.3 / self.freedom(node)).powi(2) / self.weight[node].max(1.0));
         Covariance { aa: a * self.sum.aa, bb: b * self.sum.bb, ab: b * self.sum.ab }
     }
 

@@ -18,11 +18,11 @@ mod plan;
 mod window;
 
 use crate::circuit::Node;
-use crate::estimate::estimator::Judged;
-use crate::estimate::mean::Basis;
 use crate::estimate::Estimator;
+use crate::estimate::estimator::Judged;
 use crate::estimate::leak::LeakTest;
 use crate::estimate::limits::UNKNOWN_JITTER_NS;
+use crate::estimate::mean::Basis;
 use crate::estimate::offset::{Offset, SplitCalibration};
 use crate::instrument::diagnosis::Diagnosis;
 use crate::instrument::discharge::{Outcome, Plan};
@@ -292,7 +292,8 @@ impl Cycle {
     pub fn done(&mut self, outcome: &Outcome, now: Nanos) -> Option<Reading> {
         self.learn_overhead(outcome, now);
         self.ended_early = outcome.result.map_or(true, |record| record.waited_ns.is_some());
-        let is_plain = matches!(self.step, Step::Calibrate(CalibrationKind::First | CalibrationKind::Second, _));
+        let is_plain =
+            matches!(self.step, Step::Calibrate(CalibrationKind::First | CalibrationKind::Second, _));
         if let (true, Some(call)) = (is_plain, outcome.start_call) {
             self.calls.add(call);
         }

@@ -2,7 +2,7 @@
 //!
 //! Runs only for a valid circuit, an available method, and settings that are right in themselves.
 
-use crate::circuit::Node;
+use crate::circuit::{Chargers, Node};
 use crate::config::Config;
 use crate::config::Findings;
 use crate::config::charge::{Noise, Prediction, Remembered};
@@ -24,8 +24,8 @@ pub fn check(config: &Config, findings: &mut Findings) {
 }
 
 fn charge_time(config: &Config, findings: &mut Findings) {
-    let (chargers, charge) = config.usual_chargers();
-    let shortest = config.shortest_charge(chargers);
+    let charge = Seconds::from(config.charge_time());
+    let shortest = config.shortest_charge(Chargers::OfA);
     if charge.0 < SHORT_CHARGE * shortest.0 {
         findings.warning(
             "measure.charge-time",
@@ -37,9 +37,9 @@ fn charge_time(config: &Config, findings: &mut Findings) {
 
 /// How complete a charge is, and what follows from it.
 fn remembers(config: &Config) -> String {
-    let (chargers, charge) = config.usual_chargers();
-    let taus = charge.0 / config.circuit.charge_tau(chargers).0;
-    let Remembered { at, sigmas } = config.remembered(chargers, taus);
+    let charge = Seconds::from(config.charge_time());
+    let taus = charge.0 / config.circuit.charge_tau(Chargers::OfA).0;
+    let Remembered { at, sigmas } = config.remembered(Chargers::OfA, taus);
     format!(
         "is {taus:.1} time constants: the discharge before changes a reading by up to {sigmas:.2} of its u (at {at:.2})"
     )

@@ -1,8 +1,8 @@
 //! What calibration discharges say of the filter's own assumptions: how fast the state walks, how much switches scatter, and
 //! whether discharges of different kinds tell the same.
 
-use super::gain::Gain;
 use super::Tracker;
+use super::gain::Gain;
 use crate::estimate::law::{D, R_O, State, UNKNOWNS};
 use crate::estimate::limits::{
     FASTEST_WALK, LEARN_WALK, MISFIT_OF, MISFIT_SHOWS, SLOWEST_WALK, TREND_OF, WALK_CALM,

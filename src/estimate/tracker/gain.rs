@@ -28,11 +28,8 @@ impl Gain {
             product
         });
         let dot = |a: &State, b: &State| (0..UNKNOWNS).map(|i| a[i] * b[i]).sum::<f64>();
-        let by_state = Covariance {
-            aa: dot(&hp[0], &rows[0]),
-            bb: dot(&hp[1], &rows[1]),
-            ab: dot(&hp[0], &rows[1]),
-        };
+        let by_state =
+            Covariance { aa: dot(&hp[0], &rows[0]), bb: dot(&hp[1], &rows[1]), ab: dot(&hp[0], &rows[1]) };
         let all = by_state.plus(noise);
         let inverse = all.inverse(seen)?;
         let of = std::array::from_fn(|i| inverse.times([hp[0][i], hp[1][i]]));

@@ -134,8 +134,7 @@ fn the_walk_becomes_as_fast_as_the_drift() {
         assert_eq!(tracker.counts().steps, 0);
         (
             tracker.walk[1],
-            (tracker.state()[0] / plant.state[0] - 1.0)
-                / (tracker.covariance[0][0].sqrt() / plant.state[0]),
+            (tracker.state()[0] / plant.state[0] - 1.0) / (tracker.covariance[0][0].sqrt() / plant.state[0]),
         )
     };
     let still: Vec<f64> = (0..PLANTS).map(|seed| walk(seed, 0.0).0).collect();

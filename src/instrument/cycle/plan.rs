@@ -273,9 +273,9 @@ impl Cycle {
         let dependences = || self.memory.iter().filter_map(|memory| memory.dependence);
         // Of a mean, what each reading has of its own is less.
         let readings = self.settings.average.map_or(1.0, |time| (time.as_ns() / self.cycle_ns).max(1.0));
-        let all = CalibrationKind::ALL.into_iter().flat_map(|kind| {
-            Node::BOTH[..self.settings.nodes()].iter().map(move |last| (kind, *last))
-        });
+        let all = CalibrationKind::ALL
+            .into_iter()
+            .flat_map(|kind| Node::BOTH[..self.settings.nodes()].iter().map(move |last| (kind, *last)));
         let value = |(kind, last): (CalibrationKind, Node)| {
             let relative = |(by_state, own): (State, f64)| {
                 let common = tracker.variance(&by_state);
@@ -286,9 +286,8 @@ impl Cycle {
             let channels = self.memory.len() as f64;
             dependences().map(relative).sum::<f64>() / channels / (self.before_ns()[last.index()] + takes_ns)
         };
-        let (best, pays) = all
-            .map(|discharge| (discharge, value(discharge)))
-            .max_by(|a, b| a.1.total_cmp(&b.1))?;
+        let (best, pays) =
+            all.map(|discharge| (discharge, value(discharge))).max_by(|a, b| a.1.total_cmp(&b.1))?;
         let is_doubted =
             tracker.is_doubted() || self.memory.iter().any(|memory| memory.outliers >= OUTLIERS_OF_DOUBT);
         let is_old = self.calibrated_at.is_none_or(|at| self.asked - at > LONGEST_IDLE);

@@ -88,8 +88,9 @@ fn a_discharge_that_timed_out_is_drained_before_the_charge() {
     // The open discharge has taken 50 ms / 10 Mohm of progress from full capacitors.
     let depth = 1.0 - (-0.05 / (10e6 + 40.0) / nominal.c_total().0).exp();
     let left = nominal.left_at_crossing(Node::B).unwrap();
-    let predicted =
-        |depth: f64| nominal.charge_memory(Node::B, Chargers::All).unwrap() * (depth - (1.0 - left)) * (-taus).exp();
+    let predicted = |depth: f64| {
+        nominal.charge_memory(Node::B, Chargers::All).unwrap() * (depth - (1.0 - left)) * (-taus).exp()
+    };
     let (undrained, drained) =
         (after_none(0.0), after_none(1.2 * nominal.crossing(Node::B, nominal.r_c1).unwrap().0));
     println!("relative change of B: {undrained:e} undrained, {drained:e} drained");

@@ -85,7 +85,7 @@ fn what_an_earlier_charge_has_left_does_not_pass_for_chargers() {
     let config = config();
     let mut pins = SimPins::new(&Scene::builtin("ideal").unwrap(), None);
     let charging = pins.drive(Drives::CHARGE).unwrap();
-    pins.sleep_until(charging.after + config.charge_time()).unwrap();
+    pins.sleep_until(charging.after + config.charges().anew.time()).unwrap();
     pins.drive(Drives::NONE).unwrap();
     let mut findings = Findings::default();
     test(&mut Cut(pins, Drives::CHARGE), &config, &mut findings).unwrap();
