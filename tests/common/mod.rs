@@ -3,6 +3,7 @@
 
 pub mod chance;
 pub mod config;
+pub mod decorated;
 pub mod faulty;
 pub mod seed;
 
