@@ -136,32 +136,25 @@ pub struct Table {
     pairs: Vec<(f64, f64)>,
 }
 
-/// What is wrong with a force table.
+/// What is wrong with a force table, and what to do.
 #[derive(Debug, thiserror::Error)]
-pub enum TableError {
-    /// Too few pairs.
-    #[error("the force table has {0} pair(s); it takes at least 2")]
-    Few(usize),
-    /// Not monotone.
-    #[error(
-        "the force table is not monotone: at {r_ohm} ohm the force does not fall while the resistance rises; take that pair out or measure it again"
-    )]
-    NotMonotone {
-        /// The resistance of the offending pair.
-        r_ohm: f64,
-    },
-}
+#[error("the force table {0}")]
+pub struct TableError(String);
 
 impl TryFrom<Vec<(f64, f64)>> for Table {
     type Error = TableError;
     /// From pairs (ohm, newton) of positive finite numbers, in any order.
     fn try_from(mut pairs: Vec<(f64, f64)>) -> Result<Table, TableError> {
         if pairs.len() < 2 {
-            return Err(TableError::Few(pairs.len()));
+            return Err(TableError(format!("has {} pair(s); it takes at least 2", pairs.len())));
         }
         pairs.sort_by(|a, b| a.0.total_cmp(&b.0));
         if let Some(pair) = pairs.windows(2).find(|pair| pair[1].0 <= pair[0].0 || pair[1].1 >= pair[0].1) {
-            return Err(TableError::NotMonotone { r_ohm: pair[1].0 });
+            return Err(TableError(format!(
+                "is not monotone: at {} ohm the force does not fall while the resistance rises; take that pair out or \
+                 measure it again",
+                pair[1].0
+            )));
         }
         Ok(Table { pairs })
     }

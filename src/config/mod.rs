@@ -172,28 +172,10 @@ pub struct Mock {
     pub seed: Option<u64>,
 }
 
-/// A configuration that cannot be read. Values that cannot work are [findings](Finding) instead.
+/// A configuration that cannot be read: the file, with line and caret, and what to do. Values that cannot work are [findings](Finding) instead.
 #[derive(Debug, thiserror::Error)]
-pub enum ConfigError {
-    /// The file could not be read.
-    #[error("{}: {source}; {hint}", path.display())]
-    Read {
-        /// The file.
-        path: PathBuf,
-        /// What the system answered.
-        source: std::io::Error,
-        /// What to do.
-        hint: &'static str,
-    },
-    /// The text is not TOML, or has keys, types or units that do not belong there.
-    #[error("{origin}: {source}")]
-    Toml {
-        /// Where the text comes from.
-        origin: String,
-        /// With line and caret.
-        source: toml::de::Error,
-    },
-}
+#[error("{0}")]
+pub struct ConfigError(String);
 
 impl Config {
     /// Reads a file.
@@ -201,14 +183,14 @@ impl Config {
     /// # Errors
     /// When it cannot be read or parsed.
     pub fn load(path: &Path) -> Result<Config, ConfigError> {
-        let text = std::fs::read_to_string(path).map_err(|source| {
-            let hint = match source.kind() {
+        let text = std::fs::read_to_string(path).map_err(|error| {
+            let hint = match error.kind() {
                 std::io::ErrorKind::NotFound => "name a file with --config, or try `cermctl demo`",
                 std::io::ErrorKind::PermissionDenied => "run as the daemon's user, or make the file readable",
                 std::io::ErrorKind::InvalidData => "the file must be UTF-8 text",
                 _ => "is it a regular file?",
             };
-            ConfigError::Read { path: path.to_owned(), source, hint }
+            ConfigError(format!("{}: {error}; {hint}", path.display()))
         })?;
         let mut config = Config::parse(&text, &path.display().to_string())?;
         config.base = path.parent().map(Path::to_owned).unwrap_or_default();
@@ -220,7 +202,7 @@ impl Config {
     /// # Errors
     /// When it cannot be parsed.
     pub fn parse(text: &str, origin: &str) -> Result<Config, ConfigError> {
-        toml::from_str(text).map_err(|source| ConfigError::Toml { origin: origin.to_owned(), source })
+        toml::from_str(text).map_err(|error| ConfigError(format!("{origin}: {error}")))
     }
 
     /// A file that the configuration names, relative to the configuration file.

@@ -112,7 +112,7 @@ fn wait_for<T>(
 fn ask(question: &str) -> Result<bool, CtlError> {
     eprint!("{question}");
     let mut answer = String::new();
-    io::stdin().lock().read_line(&mut answer).map_err(|error| CtlError::System("standard input", error))?;
+    io::stdin().lock().read_line(&mut answer).map_err(CtlError::system("standard input"))?;
     if !io::stdin().is_terminal() {
         eprintln!();
     }
