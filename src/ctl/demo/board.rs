@@ -2,14 +2,14 @@
 //! can know.
 
 use super::super::CtlError;
-use crate::circuit::{Circuit, NOMINAL_R_CHARGE, Network};
+use crate::circuit::{Circuit, NOMINAL_R_CHARGE};
 use crate::config::{ChannelTable, Config, Gpio, Measure, Mock, Mode, Server};
 use crate::ctl::cli;
 use crate::pins::Drives;
 use crate::pins::sim::network::line_index;
 use crate::pins::sim::{Kind, Scene, Sensor, SimPins};
 use crate::sensor::Law;
-use crate::units::{Farad, Newton, NewtonOhm, Ohm, Seconds};
+use crate::units::{Newton, NewtonOhm, Ohm, Seconds};
 use std::path::{Path, PathBuf};
 
 /// The channels, as far as a hand has fingers.
@@ -91,16 +91,9 @@ fn config(scene: &Scene, arguments: &cli::Demo, socket: &Path) -> Config {
 /// The nominal values that somebody with this board would write into the configuration.
 fn circuit(scene: &Scene) -> Circuit {
     let circuit = &scene.circuit;
-    // A missing capacitor has been refused with the scene.
-    let farad = |c: Option<Farad>| c.unwrap_or(Farad(f64::NAN));
-    let network = match circuit.kind {
-        Kind::TwoCapacitor => Network::TwoCapacitor { c_a: farad(circuit.c_a), c_b: farad(circuit.c_b) },
-        Kind::OneCapacitor => Network::OneCapacitor { c: farad(circuit.c) },
-        Kind::SeriesCalibration => Network::SeriesCalibration { c: farad(circuit.c) },
-    };
     let r_charge = circuit.r_p.map_or(0.0, |r_p| r_p.0) + circuit.r_o.0;
     Circuit {
-        network,
+        network: scene.network().network,
         r_c1: circuit.r_c1,
         r_c2: circuit.r_c2,
         v_dd: circuit.v_dd,

@@ -2,7 +2,7 @@
 //! at which a sense input falls.
 
 use super::latency::whole_ns;
-use super::network::{Capacitors, Flow, SimCircuit, line_index};
+use super::network::{Flow, SimCircuit, line_index};
 use super::scene::{DriftScene, NoiseScene, Scene, WalkScene};
 use super::sensor::Source;
 use crate::circuit::Node;
@@ -67,10 +67,8 @@ impl Drift {
         let rate = self.rates.c_per_minute;
         // Linear in time, applied bit by bit to what may have been altered in between.
         let factor = (1.0 + rate * now_minutes) / (1.0 + rate * self.applied_minutes);
-        match &mut circuit.capacitors {
-            Capacitors::One { c } | Capacitors::Series { c } => *c *= factor,
-            Capacitors::Two { c_a, c_b } => (*c_a, *c_b) = (*c_a * factor, *c_b * factor),
-        }
+        let (first, second) = circuit.network.capacitors();
+        [first].into_iter().chain(second).for_each(|c| c.0 *= factor);
         circuit.v_dd += self.rates.v_dd_per_minute.map_or(0.0, |rate| rate.0 * minutes);
         let v_th = self.rates.v_th_per_minute.map_or(0.0, |rate| rate.0 * minutes);
         for sense in &mut circuit.sense {

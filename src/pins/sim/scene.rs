@@ -2,7 +2,7 @@
 
 use super::network::LINES;
 use super::sensor::Sensor;
-use crate::circuit::Kind;
+use crate::circuit::{Kind, Network};
 use crate::pins::Drives;
 use crate::pins::limits::SAMPLE_SECONDS;
 use crate::units::{Ampere, Farad, Hertz, Ohm, Seconds, Volt};
@@ -115,6 +115,13 @@ pub struct CircuitScene {
     /// What else there is at node B.
     #[serde(default)]
     pub node_b: NodeScene,
+}
+
+impl CircuitScene {
+    /// Its capacitors; `None` where one is missing.
+    pub fn network(&self) -> Option<Network> {
+        Network::new(self.kind, self.c_a, self.c_b, self.c)
+    }
 }
 
 /// What each capacitor absorbs, by its key in the network: nothing where no branch is named.

@@ -1,12 +1,12 @@
 //! Random circuits, and the discharges that Kirchhoff's laws give for them.
 
-use cermd::circuit::Node;
+use cermd::circuit::{Network, Node};
 use cermd::pins::sim::SimCircuit;
-use cermd::pins::sim::network::{Capacitors, LINES, Sense};
+use cermd::pins::sim::network::{LINES, Sense};
 use cermd::pins::{Drives, MAX_CHANNELS};
 use cermd::reading::{Branch, Method};
 use cermd::record::{Record, Switch, Through};
-use cermd::units::Nanos;
+use cermd::units::{Farad, Nanos};
 use proptest::prelude::*;
 
 /// What a sensor is read by: a method and the line of its equation, in a circuit with one or two nodes.
@@ -65,17 +65,20 @@ pub fn cases() -> impl Strategy<Value = Case> {
         |(way, (c_a, b_share), (v_dd, th_share), (r_c1, r_c2_by, r_x, r_o), timing)| {
             let (d_ns, switch_share, gap_ns, charge_taus) = timing;
             let v_th = v_dd * th_share;
-            let capacitors = match (way.method, way.nodes) {
-                (Method::Qerm, _) => Capacitors::Series { c: c_a },
-                (_, 1) => Capacitors::One { c: c_a },
+            let network = match (way.method, way.nodes) {
+                (Method::Qerm, _) => Network::SeriesCalibration { c: Farad(c_a) },
+                (_, 1) => Network::OneCapacitor { c: Farad(c_a) },
                 // Node B crosses as long as C_B (V_DD - V_Th) < C_A V_Th.
-                _ => Capacitors::Two { c_a, c_b: b_share * c_a * v_th / (v_dd - v_th) },
+                _ => {
+                    let c_b = b_share * c_a * v_th / (v_dd - v_th);
+                    Network::TwoCapacitor { c_a: Farad(c_a), c_b: Farad(c_b) }
+                }
             };
             let r_p = 180.0;
             let mut r_x_of = [f64::INFINITY; MAX_CHANNELS];
             r_x_of[0] = r_x;
             let circuit = SimCircuit {
-                capacitors,
+                network,
                 absorption: Default::default(),
                 v_dd,
                 r_c1,

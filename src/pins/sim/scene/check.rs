@@ -132,15 +132,11 @@ impl Sensor {
 
 impl CircuitScene {
     fn check(&self) -> Result<(), String> {
-        let wanted = match self.kind {
-            Kind::TwoCapacitor => &[("c-a", self.c_a), ("c-b", self.c_b)][..],
-            Kind::OneCapacitor | Kind::SeriesCalibration => &[("c", self.c)],
-        };
-        for (key, capacitor) in wanted {
-            let otherwise = "is missing: this kind of circuit has it";
-            demand(capacitor.is_some(), format!("circuit.{key}"), otherwise)?;
-            all(POSITIVE, "circuit", &[(key, capacitor)])?;
-        }
+        let capacitors: &[Row] = &[("c-a", &self.c_a), ("c-b", &self.c_b), ("c", &self.c)];
+        all(POSITIVE, "circuit", capacitors)?;
+        let wanted = if self.kind == Kind::TwoCapacitor { "c-a and c-b" } else { "c" };
+        let missing = format!("has to have {wanted}: {} is its kind", self.kind);
+        demand(self.network().is_some(), "circuit", missing)?;
         let values: &[Row] =
             &[("v-dd", &self.v_dd), ("r-c1", &self.r_c1), ("r-c2", &self.r_c2), ("r-o", &self.r_o)];
         all(POSITIVE, "circuit", values)?;

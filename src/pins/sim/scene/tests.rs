@@ -42,7 +42,7 @@ fn errors_name_the_key_and_the_remedy() {
             "falling = \"1.3 V\", rising = \"1 V\"",
             "circuit.threshold.rising: must not",
         ),
-        ("c-b = \"680 nF\"", "", "circuit.c-b: is missing"),
+        ("c-b = \"680 nF\"", "", "circuit: has to have c-a and c-b"),
         ("40 ohm", "-40 ohm", "circuit.r-o: has to be above 0"),
         ("constant = \"1 kohm\"", "constant = \"-1 ohm\"", "sensor 0: must not be negative"),
         (
