@@ -4,7 +4,6 @@ use super::network::LINES;
 use super::sensor::Sensor;
 use crate::circuit::{Kind, Network};
 use crate::pins::Drives;
-use crate::pins::limits::SAMPLE_SECONDS;
 use crate::units::{Ampere, Farad, Hertz, Ohm, Seconds, Volt};
 use serde::Deserialize;
 use std::collections::BTreeMap;
@@ -45,9 +44,6 @@ pub struct Scene {
     /// What is connected to the channels, from channel 0 on; the others are open.
     #[serde(default, rename = "sensor")]
     pub sensors: Vec<Sensor>,
-    /// How long a sensor that changes with time is held constant.
-    #[serde(default = "default_sample_interval")]
-    pub sample_interval: Seconds,
     /// A clock that everything is quantised by: crossings are seen and lines switched at its edges.
     pub clock_period: Option<Seconds>,
     /// Calls that switch lines.
@@ -73,10 +69,6 @@ pub struct Scene {
 
 fn default_seed() -> u64 {
     1
-}
-
-fn default_sample_interval() -> Seconds {
-    Seconds(SAMPLE_SECONDS)
 }
 
 /// The network: `c-a` and `c-b` serve the two-capacitor circuit, `c` the others.

@@ -164,9 +164,6 @@ impl Scene {
         for (channel, sensor) in self.sensors.iter().enumerate() {
             sensor.check(&format!("sensor {channel}"))?;
         }
-        // At least half a nanosecond, so that it rounds to one.
-        let is_long_enough = (POSITIVE.0)(self.sample_interval.0 - 0.5e-9);
-        demand(is_long_enough, "sample-interval", POSITIVE.1)?;
         self.check_clock()?;
         self.check_latencies()?;
         self.check_effects()
