@@ -135,31 +135,23 @@ pub struct ChannelTable {
 pub struct Server {
     /// Path, at most 107 bytes. Default: `/run/cermd/cermd.sock`.
     pub socket: PathBuf,
-    /// Permissions of the socket. Default: `"0660"`, owner and group.
-    pub mode: Mode,
+    /// Permissions of the socket, written as octal digits in a string. Default: `"0660"`, owner and group.
+    #[serde(deserialize_with = "permissions")]
+    pub mode: u32,
 }
 
 impl Default for Server {
     fn default() -> Server {
-        Server { socket: PathBuf::from("/run/cermd/cermd.sock"), mode: Mode(0o660) }
+        Server { socket: PathBuf::from("/run/cermd/cermd.sock"), mode: 0o660 }
     }
 }
 
-/// Permissions, written as octal digits in a string: `"0660"`.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Mode(pub u32);
-
-impl<'de> Deserialize<'de> for Mode {
-    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Mode, D::Error> {
-        let text = String::deserialize(deserializer)?;
-        u32::from_str_radix(&text, 8)
-            .ok()
-            .filter(|mode| *mode <= 0o777 && !text.starts_with('+'))
-            .map(Mode)
-            .ok_or_else(|| {
-                de::Error::custom(format!("expected octal permissions such as \"0660\", got \"{text}\""))
-            })
-    }
+fn permissions<'de, D: Deserializer<'de>>(deserializer: D) -> Result<u32, D::Error> {
+    let text = String::deserialize(deserializer)?;
+    let mode = u32::from_str_radix(&text, 8).ok().filter(|mode| *mode <= 0o777 && !text.starts_with('+'));
+    mode.ok_or_else(|| {
+        de::Error::custom(format!("expected octal permissions such as \"0660\", got \"{text}\""))
+    })
 }
 
 /// `[mock]`: the simulated circuit.

@@ -150,7 +150,7 @@ impl Daemon {
             Some(listener) => (listener, "the socket passed by systemd".to_owned()),
             None => {
                 let path = &config.server.socket;
-                (Listener::bind(path, config.server.mode.0)?, path.display().to_string())
+                (Listener::bind(path, config.server.mode)?, path.display().to_string())
             }
         };
         let mut server = Server::new(listener, &publish::channels(&loaded.settings), Limits::default())

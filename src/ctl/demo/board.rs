@@ -3,7 +3,7 @@
 
 use super::super::CtlError;
 use crate::circuit::{Circuit, NOMINAL_R_CHARGE};
-use crate::config::{ChannelTable, Config, Gpio, Measure, Mock, Mode, Server};
+use crate::config::{ChannelTable, Config, Gpio, Measure, Mock, Server};
 use crate::ctl::cli;
 use crate::pins::Drives;
 use crate::pins::sim::network::line_index;
@@ -82,7 +82,7 @@ fn config(scene: &Scene, arguments: &cli::Demo, socket: &Path) -> Config {
         measure: Measure { method: arguments.method, ..Measure::default() },
         channels: (0..scene.sensors.len().max(1)).map(channel).collect(),
         realtime: Default::default(),
-        server: Server { socket: socket.to_owned(), mode: Mode(0o600) },
+        server: Server { socket: socket.to_owned(), mode: 0o600 },
         mock: Some(Mock { scene: arguments.scene.clone(), seed: arguments.seed }),
         base: PathBuf::new(),
     }

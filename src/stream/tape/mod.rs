@@ -135,18 +135,15 @@ pub struct SwitchLine {
 
 /// What a discharge runs through.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
 pub enum Resistor {
     /// Rc1.
-    #[serde(rename = "c1")]
     C1,
     /// Rc2.
-    #[serde(rename = "c2")]
     C2,
     /// Rc1 and Rc2 in series.
-    #[serde(rename = "c12")]
     C12,
     /// The sensor.
-    #[serde(rename = "x")]
     X,
     /// The sensor, and Rc1 and Rc2 in series, at once.
     #[serde(rename = "x+c12")]
