@@ -236,18 +236,6 @@ pub enum Status {
     Fault(Fault),
 }
 
-impl Status {
-    /// The name in the stream.
-    pub fn as_str(&self) -> &'static str {
-        match self {
-            Status::Ok { .. } => "ok",
-            Status::Open { .. } => "open",
-            Status::Short { .. } => "short",
-            Status::Fault(_) => "fault",
-        }
-    }
-}
-
 /// One reading of one channel.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Reading {

@@ -75,11 +75,6 @@ pub struct CheckReport {
 }
 
 impl CheckReport {
-    /// What was found in a file that could be read.
-    pub fn findings(&self) -> &Findings {
-        &self.findings
-    }
-
     /// Whether the instrument would start: no error, warnings allowed. Decides the exit status.
     pub fn is_usable(&self) -> bool {
         self.config.is_ok() && !self.findings.has_errors()

@@ -6,7 +6,7 @@
 mod page;
 
 use crate::common::chance::{Figure, WITHIN_2U, mean_of, share_is_in};
-use crate::common::{self, Bench, check_page, read, rest, settle};
+use crate::common::{self, Bench, check_page, name_of, read, rest, settle};
 use cermd::pins::Pins;
 use cermd::pins::sim::Sensor;
 use cermd::pins::sim::scene::DelayScene;
@@ -49,7 +49,7 @@ impl Seen {
                 Ok((r_ohm.value - truth) / u)
             }
             Status::Fault(fault) => Err(fault.as_str()),
-            status => Err(status.as_str()),
+            status => Err(name_of(&status)),
         });
     }
 

@@ -25,6 +25,16 @@ pub struct Bench {
     pub seed: u64,
 }
 
+/// The name of a status in the stream.
+pub fn name_of(status: &Status) -> &'static str {
+    match status {
+        Status::Ok { .. } => "ok",
+        Status::Open { .. } => "open",
+        Status::Short { .. } => "short",
+        Status::Fault(_) => "fault",
+    }
+}
+
 pub fn kind_of(method: Method) -> Kind {
     match method {
         Method::Qerm => Kind::SeriesCalibration,
@@ -259,7 +269,7 @@ impl Errors {
                 self.inferred += usize::from(branch == cermd::reading::Branch::Inferred);
             }
             Status::Fault(fault) => self.not_ok.push(fault.as_str()),
-            status => self.not_ok.push(status.as_str()),
+            status => self.not_ok.push(name_of(&status)),
         }
     }
 

@@ -1,6 +1,6 @@
 //! Defects of the circuit, one at a time: they come while the instrument runs, stay, and go again.
 
-use crate::common::{Bench, kind_of};
+use crate::common::{Bench, kind_of, name_of};
 use cermd::circuit::Node;
 use cermd::instrument::cycle::longest_reading;
 use cermd::instrument::{Instrument, Message};
@@ -106,7 +106,7 @@ impl Said {
                     _ => truth <= 50.0,
                 };
                 self.wrong += usize::from(!sound);
-                if sound { status.as_str().to_owned() } else { format!("wrong {}", status.as_str()) }
+                if sound { name_of(&status).to_owned() } else { format!("wrong {}", name_of(&status)) }
             }
         };
         *self.names.entry(name).or_default() += 1;

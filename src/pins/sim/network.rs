@@ -32,7 +32,7 @@ pub fn line_index(line: Drives) -> usize {
 }
 
 /// What hangs on a sense node besides the circuit proper.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Sense {
     /// A high node becomes low here, volt.
     pub falling: f64,
@@ -44,13 +44,6 @@ pub struct Sense {
     pub to_ground: f64,
     /// Conductance to V_DD (pull-up), siemens.
     pub to_v_dd: f64,
-}
-
-impl Sense {
-    /// A node with one threshold and nothing else.
-    pub fn ideal(threshold: f64) -> Sense {
-        Sense { falling: threshold, rising: threshold, leakage: 0.0, to_ground: 0.0, to_v_dd: 0.0 }
-    }
 }
 
 /// A part of a capacitor's charge that comes and goes slowly: a capacitor beside it, through a resistor.
@@ -107,11 +100,6 @@ impl SimCircuit {
     /// Whether there is a node B.
     pub fn has_b(&self) -> bool {
         self.network.kind() == Kind::TwoCapacitor
-    }
-
-    /// The node voltages when charged for ever: both V_DD, so that C_A is empty.
-    pub fn charged(&self) -> [f64; 2] {
-        [self.v_dd, self.v_dd]
     }
 
     /// How the nodes go on from voltages `start`, which have been there for ever, while exactly the lines of `on` drive.

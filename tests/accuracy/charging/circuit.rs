@@ -11,6 +11,11 @@ use cermd::units::{Farad, Nanos, Ohm, Volt};
 const BOTH: [(f64, f64, f64); 4] =
     [(2.2e-6, 680e-9, 1.1), (10e-6, 680e-9, 1.3), (330e-9, 22e-9, 1.441), (1e-6, 600e-9, 1.6)];
 
+/// A node with one threshold and nothing else.
+fn ideal(v_th: f64) -> network::Sense {
+    network::Sense { falling: v_th, rising: v_th, ..Default::default() }
+}
+
 fn two(c_a: f64, c_b: f64) -> Network {
     Network::TwoCapacitor { c_a: Farad(c_a), c_b: Farad(c_b) }
 }
@@ -41,7 +46,7 @@ fn what_a_charge_remembers_is_what_the_network_does() {
         let nominal = nominal(wiring, v_th);
         let mut circuit = Scene::builtin("ideal").unwrap().network();
         circuit.network = wiring;
-        circuit.sense = [network::Sense::ideal(v_th); 2];
+        circuit.sense = [ideal(v_th); 2];
         let nodes = if circuit.has_b() { &Node::BOTH[..] } else { &[Node::A] };
         for node in nodes {
             for (taus, tolerance) in [(4.0, 0.05), (7.0, 0.005), (10.0, 0.001)] {

@@ -54,6 +54,11 @@ fn log_uniform(from: f64, to: f64) -> impl Strategy<Value = f64> {
     (from.ln()..to.ln()).prop_map(f64::exp)
 }
 
+/// A node with one threshold and nothing else.
+fn ideal(v_th: f64) -> Sense {
+    Sense { falling: v_th, rising: v_th, ..Default::default() }
+}
+
 /// Capacitors from 1 nF to 100 uF, Rc1 < Rc2, V_DD and V_Th such that node B crosses, R_x from 10 ohm to 1 Mohm, Ro from
 /// 0 to 100 ohm, d from 0 to 50 us, charged for ever or for 1 to 20 time constants from empty.
 pub fn cases() -> impl Strategy<Value = Case> {
@@ -86,7 +91,7 @@ pub fn cases() -> impl Strategy<Value = Case> {
                 r_p,
                 r_o: [r_o; LINES],
                 r_x: r_x_of,
-                sense: [Sense::ideal(v_th); 2],
+                sense: [ideal(v_th); 2],
             };
             let charge = charge_taus.map_or(Charge::Full, |taus| {
                 // Of the slower mode where C_A is much greater than C_B; the charge must lift both nodes.
@@ -155,7 +160,7 @@ impl Case {
 
     fn start(&self) -> [f64; 2] {
         match self.charge {
-            Charge::Full => self.circuit.charged(),
+            Charge::Full => [self.circuit.v_dd; 2],
             Charge::For(seconds) => self.circuit.flow([0.0; 2], Drives::CHARGE).after(seconds),
         }
     }

@@ -30,7 +30,7 @@ pub fn exact_discharge(
     switch: Option<(f64, Drives)>,
 ) -> Crossings {
     let start = match charge {
-        Charge::Full => circuit.charged(),
+        Charge::Full => [circuit.v_dd; 2],
         Charge::For(seconds) => circuit.flow([0.0, 0.0], Drives::CHARGE).after(seconds),
     };
     let first = circuit.flow(start, through);
@@ -53,6 +53,11 @@ pub fn exact_discharge(
 
 const X: Drives = Drives::x(0);
 
+/// A node with one threshold and nothing else.
+fn ideal(v_th: f64) -> Sense {
+    Sense { falling: v_th, rising: v_th, ..Default::default() }
+}
+
 fn circuit(network: Network) -> SimCircuit {
     SimCircuit {
         network,
@@ -63,7 +68,7 @@ fn circuit(network: Network) -> SimCircuit {
         r_p: 180.0,
         r_o: [40.0; LINES],
         r_x: [1000.0; MAX_CHANNELS],
-        sense: [Sense::ideal(1.3); 2],
+        sense: [ideal(1.3); 2],
     }
 }
 
@@ -253,12 +258,12 @@ proptest! {
     #[test]
     fn one_capacitor_is_eq_2(r in 10.0..1e6f64, c in 1e-9..1e-5f64, v_th in 0.1..3.2f64, r_o in 1.0..100.0f64) {
         let mut circuit = circuit(Network::OneCapacitor { c: Farad(c) });
-        (circuit.r_x[0], circuit.r_o, circuit.sense[0]) = (r, [r_o; LINES], Sense::ideal(v_th));
+        (circuit.r_x[0], circuit.r_o, circuit.sense[0]) = (r, [r_o; LINES], ideal(v_th));
         let found = exact_discharge(&circuit, Charge::Full, X, None);
         let wanted = (r + r_o) * c * (3.3 / v_th).ln();
         assert_close(found.a.unwrap(), wanted, 1e-13);
         prop_assert_eq!(found.b, None);
-        let v = circuit.flow(circuit.charged(), X).after(wanted / 3.0)[0];
+        let v = circuit.flow([circuit.v_dd; 2], X).after(wanted / 3.0)[0];
         assert_close(v, 3.3 * (-wanted / 3.0 / ((r + r_o) * c)).exp(), 1e-13);
     }
 
@@ -269,7 +274,7 @@ proptest! {
     ) {
         let c_b = c_a * ratio;
         let mut circuit = two(c_a, c_b);
-        (circuit.r_x[0], circuit.r_o, circuit.sense) = (r, [r_o; LINES], [Sense::ideal(v_th); 2]);
+        (circuit.r_x[0], circuit.r_o, circuit.sense) = (r, [r_o; LINES], [ideal(v_th); 2]);
         let c_t = c_a * c_b / (c_a + c_b);
         let found = exact_discharge(&circuit, Charge::Full, X, None);
         assert_close(found.a.unwrap(), (r + r_o) * c_t * (3.3 / v_th).ln(), 1e-12);
@@ -281,7 +286,7 @@ proptest! {
             prop_assert_eq!(found.b, None);
         }
         let t = r * c_t;
-        let [v_a, v_b] = circuit.flow(circuit.charged(), X).after(t);
+        let [v_a, v_b] = circuit.flow([circuit.v_dd; 2], X).after(t);
         assert_close(v_a, 3.3 * (-t / ((r + r_o) * c_t)).exp(), 1e-12);
         assert_close(v_b, (v_a * c_a + 3.3 * c_b) / (c_a + c_b), 1e-12);
     }
