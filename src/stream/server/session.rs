@@ -1,8 +1,7 @@
 //! One client's part of the conversation, without its socket: which line it gets next.
 
 use super::StatsSource;
-use super::hub::Hub;
-use super::published::{Content, Published};
+use super::hub::{Content, Hub, Published};
 use super::subscription::Subscription;
 use crate::stream::limits::serving::{KEPT_OUTPUT_BYTES, KEPT_QUEUE_LINES};
 use crate::stream::wire::{

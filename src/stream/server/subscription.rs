@@ -1,6 +1,6 @@
 //! What one client wants of the stream: the filters of WATCH.
 
-use super::published::Content;
+use super::hub::Content;
 use crate::stream::wire::Watch;
 use crate::units::Nanos;
 
