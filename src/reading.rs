@@ -30,6 +30,7 @@ pub struct MeasuredForce {
     pub is_extrapolated: bool,
 }
 
+#[cfg(test)]
 impl From<Measured> for MeasuredForce {
     /// By a characteristic that is exact everywhere.
     fn from(Measured { value, u }: Measured) -> MeasuredForce {

@@ -51,6 +51,7 @@ const FORCES_N: RangeInclusive<f64> = 1e-9..=1e9;
 /// No sensor has another exponent.
 const EXPONENTS: RangeInclusive<f64> = 0.01..=100.0;
 
+#[cfg(test)]
 impl From<Law> for Force {
     fn from(law: Law) -> Force {
         Force { law, u: None, range_n: None }

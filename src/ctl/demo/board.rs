@@ -3,7 +3,7 @@
 
 use super::super::CtlError;
 use crate::circuit::{Circuit, NOMINAL_R_CHARGE};
-use crate::config::{ChannelTable, Config, Gpio, Measure, Mock, Server};
+use crate::config::{ChannelTable, Characteristic, Config, Gpio, Measure, Mock, Server, Source};
 use crate::ctl::cli;
 use crate::pins::Drives;
 use crate::pins::sim::network::line_index;
@@ -28,11 +28,8 @@ pub struct Board {
 impl Board {
     /// As the command line wants it; `socket`: where it is to be served.
     pub fn new(arguments: &cli::Demo, socket: &Path) -> Result<Board, CtlError> {
-        let scene = if is_file(&arguments.scene) {
-            Scene::load(Path::new(&arguments.scene))?
-        } else {
-            Scene::builtin(&arguments.scene)?.with_sensors(vec![hand()])?
-        };
+        let scene = Scene::named(&arguments.scene, Path::new(""))?;
+        let scene = if is_file(&arguments.scene) { scene } else { scene.with_sensors(vec![hand()])? };
         let circuits = arguments.method.map(|method| method.rules().circuits);
         let other = circuits.filter(|kinds| !kinds.contains(&scene.circuit.kind)).and_then(<[Kind]>::first);
         let scene = match other {
@@ -74,7 +71,11 @@ fn config(scene: &Scene, arguments: &cli::Demo, socket: &Path) -> Config {
         id: FINGERS.get(index).map_or_else(|| format!("x{index}"), |name| (*name).to_owned()),
         sink: None,
         zero_ohm: 0.0,
-        force: Some(Law::Alpha { alpha_n_ohm: FSR_402.0 }.into()),
+        force: Some(Characteristic {
+            law: Source::Given(Law::Alpha { alpha_n_ohm: FSR_402.0 }),
+            u: None,
+            range_n: None,
+        }),
     };
     Config {
         circuit: circuit(scene),

@@ -282,6 +282,11 @@ impl Scene {
         Scene::parse(text, Path::new(name))
     }
 
+    /// A scene from a file (`*.toml`, relative to a folder), or one that is part of the program.
+    pub fn named(name: &str, folder: &Path) -> Result<Scene, SceneError> {
+        if name.ends_with(".toml") { Scene::load(&folder.join(name)) } else { Scene::builtin(name) }
+    }
+
     /// A scene from a file.
     pub fn load(path: &Path) -> Result<Scene, SceneError> {
         Scene::parse(&read(path)?, path)
