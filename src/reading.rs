@@ -30,6 +30,7 @@ pub struct MeasuredForce {
     pub is_extrapolated: bool,
 }
 
+#[cfg(test)]
 impl From<Measured> for MeasuredForce {
     /// By a characteristic that is exact everywhere.
     fn from(Measured { value, u }: Measured) -> MeasuredForce {
@@ -236,18 +237,6 @@ pub enum Status {
     },
     /// Not known.
     Fault(Fault),
-}
-
-impl Status {
-    /// The name in the stream.
-    pub fn as_str(&self) -> &'static str {
-        match self {
-            Status::Ok { .. } => "ok",
-            Status::Open { .. } => "open",
-            Status::Short { .. } => "short",
-            Status::Fault(_) => "fault",
-        }
-    }
 }
 
 /// One reading of one channel.

@@ -7,7 +7,6 @@ use crate::pins::chardev::{self, Chardev, Wiring};
 use crate::pins::chardev_v1;
 use crate::pins::sim::{Scene, SceneError, SimPins};
 use crate::units::{Nanos, Seconds};
-use std::path::Path;
 
 /// What other programs see as the holder of the lines (gpioinfo).
 pub const CONSUMER: &str = "cermd";
@@ -93,12 +92,7 @@ pub fn wiring(config: &Config) -> Result<Wiring, OpenError> {
 /// The scene does not exist, or is wrong.
 pub fn scene(config: &Config) -> Result<Scene, OpenError> {
     let mock = config.mock.as_ref().ok_or(OpenError::NoScene)?;
-    let scene = if mock.scene.ends_with(".toml") {
-        Scene::load(&config.path(Path::new(&mock.scene)))?
-    } else {
-        Scene::builtin(&mock.scene)?
-    };
-    Ok(scene.with_kind(config.circuit.kind())?)
+    Ok(Scene::named(&mock.scene, &config.base)?.with_kind(config.circuit.kind())?)
 }
 
 /// The noise of the simulated circuit that a configuration names, without its rare long delays; `None` for hardware.

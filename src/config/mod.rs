@@ -142,31 +142,23 @@ pub struct ChannelTable {
 pub struct Server {
     /// Path, at most 107 bytes. Default: `/run/cermd/cermd.sock`.
     pub socket: PathBuf,
-    /// Permissions of the socket. Default: `"0660"`, owner and group.
-    pub mode: Mode,
+    /// Permissions of the socket, written as octal digits in a string. Default: `"0660"`, owner and group.
+    #[serde(deserialize_with = "permissions")]
+    pub mode: u32,
 }
 
 impl Default for Server {
     fn default() -> Server {
-        Server { socket: PathBuf::from("/run/cermd/cermd.sock"), mode: Mode(0o660) }
+        Server { socket: PathBuf::from("/run/cermd/cermd.sock"), mode: 0o660 }
     }
 }
 
-/// Permissions, written as octal digits in a string: `"0660"`.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Mode(pub u32);
-
-impl<'de> Deserialize<'de> for Mode {
-    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Mode, D::Error> {
-        let text = String::deserialize(deserializer)?;
-        u32::from_str_radix(&text, 8)
-            .ok()
-            .filter(|mode| *mode <= 0o777 && !text.starts_with('+'))
-            .map(Mode)
-            .ok_or_else(|| {
-                de::Error::custom(format!("expected octal permissions such as \"0660\", got \"{text}\""))
-            })
-    }
+fn permissions<'de, D: Deserializer<'de>>(deserializer: D) -> Result<u32, D::Error> {
+    let text = String::deserialize(deserializer)?;
+    let mode = u32::from_str_radix(&text, 8).ok().filter(|mode| *mode <= 0o777 && !text.starts_with('+'));
+    mode.ok_or_else(|| {
+        de::Error::custom(format!("expected octal permissions such as \"0660\", got \"{text}\""))
+    })
 }
 
 /// `[mock]`: the simulated circuit.
@@ -179,28 +171,10 @@ pub struct Mock {
     pub seed: Option<u64>,
 }
 
-/// A configuration that cannot be read. Values that cannot work are [findings](Finding) instead.
+/// A configuration that cannot be read: the file, with line and caret, and what to do. Values that cannot work are [findings](Finding) instead.
 #[derive(Debug, thiserror::Error)]
-pub enum ConfigError {
-    /// The file could not be read.
-    #[error("{}: {source}; {hint}", path.display())]
-    Read {
-        /// The file.
-        path: PathBuf,
-        /// What the system answered.
-        source: std::io::Error,
-        /// What to do.
-        hint: &'static str,
-    },
-    /// The text is not TOML, or has keys, types or units that do not belong there.
-    #[error("{origin}: {source}")]
-    Toml {
-        /// Where the text comes from.
-        origin: String,
-        /// With line and caret.
-        source: toml::de::Error,
-    },
-}
+#[error("{0}")]
+pub struct ConfigError(String);
 
 impl Config {
     /// Reads a file.
@@ -208,14 +182,14 @@ impl Config {
     /// # Errors
     /// When it cannot be read or parsed.
     pub fn load(path: &Path) -> Result<Config, ConfigError> {
-        let text = std::fs::read_to_string(path).map_err(|source| {
-            let hint = match source.kind() {
+        let text = std::fs::read_to_string(path).map_err(|error| {
+            let hint = match error.kind() {
                 std::io::ErrorKind::NotFound => "name a file with --config, or try `cermctl demo`",
                 std::io::ErrorKind::PermissionDenied => "run as the daemon's user, or make the file readable",
                 std::io::ErrorKind::InvalidData => "the file must be UTF-8 text",
                 _ => "is it a regular file?",
             };
-            ConfigError::Read { path: path.to_owned(), source, hint }
+            ConfigError(format!("{}: {error}; {hint}", path.display()))
         })?;
         let mut config = Config::parse(&text, &path.display().to_string())?;
         config.base = path.parent().map(Path::to_owned).unwrap_or_default();
@@ -227,7 +201,7 @@ impl Config {
     /// # Errors
     /// When it cannot be parsed.
     pub fn parse(text: &str, origin: &str) -> Result<Config, ConfigError> {
-        toml::from_str(text).map_err(|source| ConfigError::Toml { origin: origin.to_owned(), source })
+        toml::from_str(text).map_err(|error| ConfigError(format!("{origin}: {error}")))
     }
 
     /// A file that the configuration names, relative to the configuration file.

@@ -51,7 +51,7 @@ fn everything_can_be_said() {
         config.channels[1].force,
         Some(Characteristic { law: Source::File(PathBuf::from("index.csv")), u: None, range_n: None })
     );
-    assert_eq!(config.server, Server { socket: PathBuf::from("/tmp/s"), mode: Mode(0o600) });
+    assert_eq!(config.server, Server { socket: PathBuf::from("/tmp/s"), mode: 0o600 });
     assert_eq!(config.mock, Some(Mock { scene: "pi4".to_owned(), seed: Some(7) }));
 }
 
@@ -66,7 +66,7 @@ fn silence_has_defaults() {
     assert_eq!(config.settle_time(), Nanos::ZERO);
     assert_eq!(config.switch_fraction(), 0.9);
     assert_eq!(config.server.socket, Path::new("/run/cermd/cermd.sock"));
-    assert_eq!(config.server.mode, Mode(0o660));
+    assert_eq!(config.server.mode, 0o660);
     assert_eq!((config.channels.len(), config.mock.is_none()), (0, true));
 }
 
@@ -154,11 +154,7 @@ fn refusals_name_the_line_and_the_choice() {
         (text("[server]\nmode = \"1777\""), 9, "expected octal permissions"),
         (text("[[channel]]\nsink = 1"), 8, "missing field `id`"),
         (text("[[channel]]\nid = \"a\"\nforce = { fc1 = \"1 N\" }"), 10, "force takes one of"),
-        (
-            text("[measure]\nrate-hz = \"10 Hz\""),
-            9,
-            "invalid type: string \"10 Hz\", expected a number, without a unit",
-        ),
+        (text("[measure]\nrate-hz = \"10 Hz\""), 9, "expected a number, without a unit"),
         (text("[[channel]]\nid = \"a\"\nzero-ohm = \"220 ohm\""), 10, "expected a number, without a unit"),
         (text("[[channel]]\nid = \"a\"\nforce = 5"), 10, "integer `5`, expected one of { fc1, fc2 }"),
         (

@@ -5,6 +5,9 @@ use super::{CtlError, cli, print};
 use crate::config::backend::{self, OpenError};
 use crate::config::check::predict::readings;
 use crate::config::{Backend, Config, ConfigError, Findings, Noise, SettingsError, Severity};
+use crate::instrument::discharge::Plan;
+use crate::record::Through;
+use crate::units::Nanos;
 use std::fmt;
 use std::path::Path;
 
@@ -33,6 +36,12 @@ pub fn check(path: &Path) -> CheckReport {
         named_files(config, &mut report.findings);
     }
     report
+}
+
+/// A full discharge of the configured circuit, up to its last node, whether the method times it or not.
+fn full_plan(config: &Config, through: Through, timeout: Nanos) -> Plan {
+    let last = config.circuit.kind().last();
+    Plan { settle: config.settle_time(), ..Plan::full(through, last, config.charges().anew, timeout) }
 }
 
 /// Lines are tested where they may be touched.
@@ -66,11 +75,6 @@ pub struct CheckReport {
 }
 
 impl CheckReport {
-    /// What was found in a file that could be read.
-    pub fn findings(&self) -> &Findings {
-        &self.findings
-    }
-
     /// Whether the instrument would start: no error, warnings allowed. Decides the exit status.
     pub fn is_usable(&self) -> bool {
         self.config.is_ok() && !self.findings.has_errors()

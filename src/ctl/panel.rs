@@ -3,7 +3,6 @@
 //! Time is that of the readings.
 
 use super::limits::{BAR_COLUMNS, BAR_OHM, FULL_N, HISTORY, HISTORY_COLUMNS, RATE_WINDOW_NS};
-use super::text::{bar, sparkline};
 use crate::stream::wire::{ChannelInfo, ReadingLine, StateLine, StatusName, Unit};
 use crate::units::{measured, rough};
 use console::{Alignment, Style, measure_text_width, pad_str, style, truncate_str};
@@ -217,6 +216,25 @@ fn mark(state: &StateLine) -> &'static str {
     }
 }
 
+/// A bar of `width` columns, filled to a share of 0 to 1, to an eighth of a column: what is full, and what is empty.
+fn bar(share: f64, width: usize, unicode: bool) -> (String, String) {
+    const EIGHTHS: [&str; 8] = ["", "▏", "▎", "▍", "▌", "▋", "▊", "▉"];
+    let share = share.clamp(0.0, 1.0);
+    let eighths = (share * width as f64 * 8.0).round() as usize;
+    let (full, part) = if unicode { (eighths / 8, EIGHTHS[eighths % 8]) } else { ((eighths + 4) / 8, "") };
+    let filled = if unicode { "█" } else { "#" }.repeat(full) + part;
+    let empty = if unicode { "·" } else { "." }.repeat(width.saturating_sub(filled.chars().count()));
+    (filled, empty)
+}
+
+/// One column for each share of 0 to 1; `None`: a blank.
+fn sparkline(shares: impl Iterator<Item = Option<f64>>, unicode: bool) -> String {
+    const LEVELS: [[char; 8]; 2] =
+        [['_', '.', '-', '-', '=', '=', '#', '#'], ['▁', '▂', '▃', '▄', '▅', '▆', '▇', '█']];
+    let level = |share: f64| LEVELS[usize::from(unicode)][(share.clamp(0.0, 1.0) * 7.0).round() as usize];
+    shares.map(|share| share.map_or(' ', level)).collect()
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -288,5 +306,18 @@ mod tests {
         assert!(line(BEYOND, 90).contains("extrap. "));
         let hinted = line(HINTED, 100);
         assert!(hinted.contains("no-calibration  nothing falls in a discharge") && hinted.contains("fault"));
+    }
+
+    #[test]
+    fn bars_keep_their_width() {
+        for unicode in [true, false] {
+            for share in 0..=100 {
+                let (full, empty) = bar(f64::from(share) / 100.0, 9, unicode);
+                assert_eq!(full.chars().count() + empty.chars().count(), 9);
+            }
+        }
+        assert_eq!(bar(0.5, 3, true), ("█▌".to_owned(), "·".to_owned()));
+        assert_eq!(bar(2.0, 3, false), ("###".to_owned(), String::new()));
+        assert_eq!(sparkline([Some(0.0), None, Some(1.0)].into_iter(), true), "▁ █");
     }
 }

@@ -75,7 +75,9 @@ pub fn publish(server: &mut Server, known: &mut Known, loaded: &Loaded, update: 
     match update {
         Update::Message(Message::Reading(reading)) => {
             known.log_suspect(&reading);
-            server.publish_reading(&reading, wall_time(reading.at + to_wall));
+            // 64 bits of nanoseconds end in 2262, long before the calendar of jiff does.
+            let time = Timestamp::from_nanosecond((reading.at + to_wall).0.into()).unwrap_or_default();
+            server.publish_reading(&reading, time);
         }
         Update::Message(Message::Discharge { seq, record, is_held }) => {
             if server.wants_raw() {
@@ -103,11 +105,6 @@ pub fn publish(server: &mut Server, known: &mut Known, loaded: &Loaded, update: 
             log::info!("the GPIO lines work again");
         }
     }
-}
-
-/// An instant on `CLOCK_REALTIME`. 64 bits of nanoseconds end in 2262, long before the calendar of jiff does.
-fn wall_time(at: Nanos) -> Timestamp {
-    Timestamp::from_nanosecond(at.0.into()).unwrap_or_default()
 }
 
 /// The daemon's own fields of STATS.

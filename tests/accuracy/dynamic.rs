@@ -6,7 +6,7 @@
 mod changes;
 
 use crate::common::chance::{Figure, WITHIN_2U, mean_of};
-use crate::common::{self, Bench, check_page, read, rest, settle};
+use crate::common::{self, Bench, check_page, name_of, read, rest, settle};
 use cermd::pins::sim::{Kind, Sensor};
 use cermd::reading::{Method, Reading, Status};
 use cermd::units::{Hertz, Ohm};
@@ -52,7 +52,7 @@ impl Seen {
                 Ok(Number { error: (r_ohm.value - truth) / u, is_moving })
             }
             Status::Fault(fault) => Err(fault.as_str()),
-            status => Err(status.as_str()),
+            status => Err(name_of(&status)),
         });
     }
 

@@ -3,6 +3,7 @@
 
 pub mod chance;
 pub mod config;
+pub mod decorated;
 pub mod faulty;
 pub mod seed;
 
@@ -22,6 +23,16 @@ pub struct Bench {
     pub scene: Scene,
     pub config: ConfigFile,
     pub seed: u64,
+}
+
+/// The name of a status in the stream.
+pub fn name_of(status: &Status) -> &'static str {
+    match status {
+        Status::Ok { .. } => "ok",
+        Status::Open { .. } => "open",
+        Status::Short { .. } => "short",
+        Status::Fault(_) => "fault",
+    }
 }
 
 pub fn kind_of(method: Method) -> Kind {
@@ -262,7 +273,7 @@ impl Errors {
                 self.inferred += usize::from(branch == cermd::reading::Branch::Inferred);
             }
             Status::Fault(fault) => self.not_ok.push(fault.as_str()),
-            status => self.not_ok.push(status.as_str()),
+            status => self.not_ok.push(name_of(&status)),
         }
     }
 

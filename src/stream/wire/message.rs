@@ -32,13 +32,7 @@ pub enum ServerMessage {
 /// A line that is not of this protocol.
 #[derive(Debug, thiserror::Error)]
 #[error("the server sent what is not a line of this protocol ({0}); is it a cermd of this major version?")]
-pub struct UnreadableLine(String);
-
-impl UnreadableLine {
-    pub(crate) fn new(why: impl Into<String>) -> UnreadableLine {
-        UnreadableLine(why.into())
-    }
-}
+pub struct UnreadableLine(pub(crate) String);
 
 impl ServerMessage {
     /// Reads a line of the server.
@@ -47,7 +41,7 @@ impl ServerMessage {
     /// It is not a JSON object with a class, or a field has another type than this protocol says.
     pub fn parse(line: &[u8]) -> Result<ServerMessage, UnreadableLine> {
         fn read<T: DeserializeOwned>(line: &[u8]) -> Result<T, UnreadableLine> {
-            serde_json::from_slice(line).map_err(|error| UnreadableLine::new(error.to_string()))
+            serde_json::from_slice(line).map_err(|error| UnreadableLine(error.to_string()))
         }
         let Class { class } = read(line)?;
         Ok(match class.as_str() {

@@ -1,6 +1,6 @@
 //! STATS: what the server and the instrument behind it have counted and learned.
 
-use crate::stream::line::{is_unknown, seconds, uncertainty, value};
+use crate::stream::line::{is_unknown, time, uncertainty, value};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
@@ -29,7 +29,7 @@ pub struct InstrumentStats {
     /// Whether the GPIO lines can be used at present.
     pub gpio_works: bool,
     /// Since the daemon was started, s.
-    #[serde(serialize_with = "seconds")]
+    #[serde(serialize_with = "time")]
     pub uptime_s: f64,
     /// Cycles of the instrument.
     pub cycles: u64,
