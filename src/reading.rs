@@ -13,7 +13,7 @@ use std::fmt;
 pub struct Measured {
     /// The value; its unit is the field's.
     pub value: f64,
-    /// 1 sigma; `None` while too little has been seen to know the noise.
+    /// 1 sigma; `None` where it is not known.
     pub u: Option<f64>,
 }
 
@@ -220,6 +220,8 @@ pub enum Status {
         f_n: Option<MeasuredForce>,
         /// The sensor changed while it was read, and u contains that: it is more than all else.
         is_moving: bool,
+        /// u is still a prior, and wide: too little has been seen to know the noise, or what leaks.
+        is_settling: bool,
     },
     /// The resistance is above what the deadline resolves.
     Open {

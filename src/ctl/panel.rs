@@ -210,6 +210,7 @@ impl Row {
 fn mark(state: &StateLine) -> &'static str {
     match state {
         StateLine { moving: true, .. } => "moving",
+        StateLine { settling: true, .. } => "settling",
         // Of the force; the ohms are as good as any.
         StateLine { extrapolated: true, .. } => "extrapolated",
         _ => "ok",
@@ -255,6 +256,7 @@ mod tests {
     const HALF: &str = r#""status":"ok","r_ohm":2669.2,"r_u_ohm":2.5,"f_n":5.0,"f_u_n":0.01"#;
     const BEYOND: &str = r#""status":"ok","r_ohm":889.8,"r_u_ohm":2.5,"f_n":15.0,"f_u_n":1.3,"f_repeat_u_n":0.042,"extrapolated":true"#;
     const MOVING: &str = r#""status":"ok","r_ohm":889.8,"r_u_ohm":32.0,"f_n":15.0,"f_u_n":1.4,"extrapolated":true,"moving":true"#;
+    const SETTLING: &str = r#""status":"ok","r_ohm":2669.2,"r_u_ohm":74,"settling":true"#;
     const OPEN: &str = r#""status":"open","r_min_ohm":63000.0,"f_max_n":0.21"#;
     const FAULT: &str = r#""status":"fault","fault":"missed-edge""#;
 
@@ -275,6 +277,7 @@ mod tests {
         is(plain(OPEN), "03:40:00.123  thumb  < 0.210 N  > 63000 ohm  open");
         is(plain(BEYOND), "03:40:00.123  thumb  15.0 ± 1.3 N  889.8 ± 2.5 ohm  extrapolated");
         is(plain(MOVING), "03:40:00.123  thumb  15.0 ± 1.4 N  890 ± 32 ohm  moving");
+        is(plain(SETTLING), "03:40:00.123  thumb  2669 ± 74 ohm  settling");
         is(plain(FAULT), "03:40:00.123  thumb  missed-edge  fault");
         is(
             plain(HINTED),

@@ -18,8 +18,11 @@ pub const RESOLVED: f64 = 6.0;
 pub const HIGHEST_R_O_OHM: f64 = 200.0;
 /// No kernel stamps crossings later on average, ns.
 pub const LATEST_STAMP_NS: f64 = 100_000.0;
-/// The noise of crossings as long as it is not known, ns, 1 sigma.
+/// The noise of crossings as long as it is not known, ns, 1 sigma: kernels of boards were found to stamp within 7 us
+/// (hw/scenes).
 pub const UNKNOWN_JITTER_NS: f64 = 10_000.0;
+/// The part of it that is in proportion to the time, as a share of that: 3 mV at a threshold of 1 V.
+pub const UNKNOWN_NOISE: f64 = 3e-3;
 /// The calibration resistors may differ so much from what the configuration says, relative.
 pub const RESISTOR_TOLERANCE: f64 = 0.08;
 
@@ -99,6 +102,8 @@ pub const SCATTER_MEMORY: f64 = 4096.0;
 pub const SCATTER_DOUBT: f64 = 0.25;
 /// Readings that bound the scatter of switches, at the least and at the most.
 pub const READINGS_OF_SCATTER: [f64; 2] = [16.0, 64.0];
+/// The uncertainty of a switch of which neither its recorder nor any split discharge has told one, ns: that of a posted write.
+pub const UNTOLD_SWITCH_NS: f64 = 2000.0;
 /// The uncertainty of a switch of which nobody has told one, as on a tape, ns: that of a call of a microsecond.
 pub const UNKNOWN_SWITCH_NS: f64 = 400.0;
 

@@ -15,6 +15,7 @@ mod gate;
 
 use crate::estimate::limits::{
     BEYOND_NOISE, NOISE_MEMORY, NOISE_WARM_UP, OUTLIERS_OF_A_STEP, PROPORTIONAL_SHOWS, SHARED_VARIANCE,
+    UNKNOWN_JITTER_NS, UNKNOWN_NOISE,
 };
 use crate::estimate::scatter::{MEDIAN_DEVIATION, median};
 use crate::reading::Fault;
@@ -301,6 +302,12 @@ impl Noise {
     /// Whether enough discharges have been seen.
     pub fn is_known(&self) -> bool {
         self.learned.is_some()
+    }
+
+    /// What it may be of discharges whose nodes cross at `times` ns as long as nothing is known: wide for any board, ns².
+    pub fn prior(times: [f64; 2]) -> Covariance {
+        let [aa, bb] = times.map(|ns| UNKNOWN_JITTER_NS.powi(2) + (UNKNOWN_NOISE * ns).powi(2));
+        Covariance { aa, bb, ab: 0.0 }
     }
 
     /// The covariance of the crossings of a discharge whose nodes cross at `times` ns; `None` until known.

@@ -280,14 +280,14 @@ impl Errors {
     /// Without the readings that say that the sensor moves: these are counted as states.
     pub fn at_rest(&self) -> Errors {
         let mut rest = Errors { not_ok: self.not_ok.clone(), ..Errors::default() };
-        let starts = self.boards.iter().copied();
-        for (start, end) in starts.zip(self.boards.iter().skip(1).copied().chain([self.count()])) {
-            rest.next_board();
-            for index in start..end {
-                if self.moving[index] {
-                    rest.not_ok.push("moving");
-                    continue;
-                }
+        let mut boards = self.boards.iter().peekable();
+        for (index, is_moving) in self.moving.iter().enumerate() {
+            while boards.next_if(|first| **first <= index).is_some() {
+                rest.next_board();
+            }
+            if *is_moving {
+                rest.not_ok.push("moving");
+            } else {
                 rest.errors.push(self.errors[index]);
                 rest.us.push(self.us[index]);
                 rest.moving.push(false);

@@ -121,9 +121,12 @@ impl Estimator {
             return open(value / (1.0 + COVERAGE * u.unwrap_or(0.0) / value));
         };
         let r_ohm = Measured { value: r_ohm.value - zero_ohm, u: r_ohm.u };
+        let is_settling = self.is_settling(record, estimate.branch);
+        let is_resolved = r_ohm.u.is_none_or(|u| r_ohm.value > COVERAGE * u);
         match r_ohm.u {
             Some(u) if r_ohm.value < -BEYOND_NOISE * u => Status::Fault(Fault::Implausible),
-            Some(u) if r_ohm.value <= COVERAGE * u => {
+            // What a wide prior cannot tell from a short circuit is none yet.
+            Some(u) if !is_resolved && (!is_settling || r_ohm.value <= 0.0) => {
                 let r_max_ohm = r_ohm.value.max(0.0) + COVERAGE * u;
                 // What may as well be above R_1 is no short circuit: nothing is known.
                 if r_max_ohm > self.r1_ohm {
@@ -136,7 +139,9 @@ impl Estimator {
                 branch: estimate.branch,
                 r_ohm,
                 is_moving: moved.is_some_and(|moved| moved.is_moving),
-                f_n: force.and_then(|force| force.at(r_ohm, known)),
+                is_settling,
+                // The reciprocal of a resistance that may be 0 is anything.
+                f_n: force.filter(|_| is_resolved).and_then(|force| force.at(r_ohm, known)),
             },
         }
     }

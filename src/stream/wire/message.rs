@@ -168,6 +168,9 @@ pub struct StateLine {
     /// The sensor changed while it was read; `r_u_ohm` and what follows from it contain that.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub moving: bool,
+    /// `r_u_ohm` and what follows from it are still a prior, and wide.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub settling: bool,
     /// Open: lower bound, ohm.
     #[serde(serialize_with = "value", skip_serializing_if = "is_unknown")]
     pub r_min_ohm: Option<f64>,
@@ -213,14 +216,14 @@ impl StateLine {
     pub fn new(status: &Status, method: Method) -> StateLine {
         let mut line = StateLine::default();
         match *status {
-            Status::Ok { branch, r_ohm, f_n, is_moving } => {
+            Status::Ok { branch, r_ohm, f_n, is_moving, is_settling } => {
                 line.status = StatusName::Ok;
                 (line.r_ohm, line.r_u_ohm) = (Some(r_ohm.value), r_ohm.u);
                 line.f_n = f_n.map(|f_n| f_n.value);
                 line.f_u_n = f_n.and_then(|f_n| f_n.u);
                 line.f_repeat_u_n = f_n.and_then(|f_n| f_n.repeat_u);
                 line.extrapolated = f_n.is_some_and(|f_n| f_n.is_extrapolated);
-                line.moving = is_moving;
+                (line.moving, line.settling) = (is_moving, is_settling);
                 line.method = Some(method.to_string());
                 line.branch = Some(branch.to_string());
             }

@@ -79,6 +79,38 @@ pub static LINES: [Row; 8] = [
     },
 ];
 
+/// Beginning with the first reading after a start, whose uncertainty is a prior.
+const FIRST_READINGS: Row = Row {
+    seconds: [0.0, f64::INFINITY],
+    readings: 30,
+    least_numbers: 0.9,
+    cases: &[
+        (Tracked, &[100.0, 1000.0, 16_200.0]),
+        (Cerm, &[100.0, 1000.0, 16_200.0]),
+        (Tcdic, &[100.0, 1000.0, 16_200.0]),
+        (Tpcm, &[1000.0]),
+        (Qerm, &[1000.0]),
+    ],
+    ..ROW
+};
+
+pub static STARTS: [Row; 6] = [
+    Row { name: "the first readings", ..FIRST_READINGS },
+    Row { name: "the first readings: pi-zero", base: "pi-zero", ..FIRST_READINGS },
+    Row { name: "the first readings: pi5", base: "pi5", ..FIRST_READINGS },
+    Row {
+        name: "the first readings: stamps jitter by 5 us",
+        scene: "[stamps]\njitter = '5 us'\nmean = '20 us'",
+        ..FIRST_READINGS
+    },
+    Row { name: "the first readings: 2 mV of noise", scene: "[noise]\nvoltage = '2 mV'", ..FIRST_READINGS },
+    Row {
+        name: "the first readings: starts and switches scatter by 2 us",
+        scene: "[calls]\nfixed = '0 s'\nper-line = '1.15 us'\nmoves-at = [0.0, 6.0]",
+        ..FIRST_READINGS
+    },
+];
+
 pub static STAMPS: [Row; 6] = [
     Row { name: "B is stamped 3 us later than A", scene: "[events]\nb-later = '3 us'", cases: ALL, ..ROW },
     Row {

@@ -32,7 +32,7 @@ pub fn reading(channel: usize, seq: u64) -> Reading {
         channel,
         seq,
         at: Nanos(81_234_567_890 + seq as i64 * 10_000_000),
-        status: Status::Ok { branch: Branch::Direct, r_ohm, f_n, is_moving: false },
+        status: Status::Ok { branch: Branch::Direct, r_ohm, f_n, is_moving: false, is_settling: false },
         suspect: None,
         method: Method::Cerm,
         duration: Nanos(9_000_000),
