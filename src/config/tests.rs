@@ -3,7 +3,8 @@
 use super::*;
 use crate::circuit::{Chargers, Network};
 use crate::sensor::Law;
-use crate::units::{Farad, Ohm, Volt};
+use crate::instrument::settings::Charges;
+use crate::units::{Farad, Ohm, Seconds, Volt};
 use std::fs;
 
 const MINIMAL: &str = r#"
@@ -61,8 +62,7 @@ fn silence_has_defaults() {
     assert_eq!((config.circuit.v_dd, config.circuit.v_th), (Volt(3.3), Volt(1.3)));
     assert_eq!(config.gpio, Gpio::default());
     assert_eq!(config.gpio.backend, Backend::Mock);
-    assert_eq!(config.method(), Method::Cerm);
-    assert_eq!(config.offset(), OffsetSource::Auto);
+    assert_eq!(config.method(), Method::Tracked);
     assert_eq!(config.settle_time(), Nanos::ZERO);
     assert_eq!(config.switch_fraction(), 0.9);
     assert_eq!(config.server.socket, Path::new("/run/cermd/cermd.sock"));
@@ -73,8 +73,17 @@ fn silence_has_defaults() {
 #[test]
 fn derived_times_follow_the_circuit() {
     let config = parse(MINIMAL);
-    let (charge, deadline) = (config.charge_time().as_seconds(), config.deadline().as_seconds());
-    assert!((charge / config.circuit.charge_tau(Chargers::All).0 - 7.31).abs() < 0.01, "{charge}");
+    let (Charges { to_a, to_b, anew }, deadline) = (config.charges(), config.deadline().as_seconds());
+    let taus = |time: Nanos, tau: Seconds| time.as_seconds() / tau.0;
+    let [of_a, all] = [Chargers::OfA, Chargers::All].map(|chargers| config.circuit.charge_tau(chargers));
+    // What discharges leave to remember, they leave at A; B comes back while A's charge is remembered no more.
+    assert!((taus(to_a.alone, of_a) - 9.81).abs() < 0.01 && to_a.together == Nanos::ZERO, "{to_a:?}");
+    let b = config.circuit.charge_tau_b().unwrap();
+    assert!(to_b.alone == to_a.alone && (taus(to_b.together, b) - 0.5).abs() < 1e-3, "{to_b:?}");
+    assert!((taus(anew.together, all) - 7.49).abs() < 0.01 && anew.alone == Nanos::ZERO, "{anew:?}");
+    let given = parse(&format!("{MINIMAL}[measure]\ncharge-time = \"3 ms\"")).charges();
+    let given_ms = [given.to_a, given.to_b, given.anew].map(|charge| (charge.alone.0, charge.together.0));
+    assert_eq!(given_ms, [(3_000_000, 0), (0, 3_000_000), (0, 3_000_000)]);
     let t_c2b = (12_700.0 + 40.0) * config.circuit.g(crate::circuit::Node::B).unwrap().0;
     assert!((deadline - 5.0 * t_c2b).abs() < 1e-9, "{deadline}");
 }
@@ -87,13 +96,13 @@ fn the_method_follows_the_circuit() {
         );
         parse(&text)
     };
-    assert_eq!(one("one-capacitor", "").method(), Method::Tpcm);
-    assert_eq!(one("one-capacitor", "").offset(), OffsetSource::Given(0.0));
+    assert_eq!(one("one-capacitor", "").method(), Method::Tracked);
+    let tpcm = "[measure]\nmethod = \"tpcm\"";
+    assert_eq!(one("one-capacitor", tpcm).offset(), OffsetSource::Given(0.0));
     assert_eq!(one("series-calibration", "").method(), Method::Qerm);
     assert_eq!(one("series-calibration", "").offset(), OffsetSource::Auto);
-    assert_eq!(one("one-capacitor", "[measure]\nmethod = \"tracked\"").method(), Method::Tracked);
     // TPCM in the circuit with two capacitors times node A only, and so does its deadline.
-    let tpcm = parse(&format!("{MINIMAL}[measure]\nmethod = \"tpcm\""));
+    let tpcm = parse(&format!("{MINIMAL}{tpcm}"));
     assert_eq!(Some(tpcm.discharge(Ohm(1e3))), tpcm.circuit.crossing(crate::circuit::Node::A, Ohm(1e3)));
 }
 
@@ -221,8 +230,12 @@ fn the_shipped_comments_are_true() {
         (shown.circuit, &shown.server, &shown.channels),
         (silent.circuit, &silent.server, &silent.channels)
     );
-    assert_eq!((shown.settle_time(), shown.offset()), (silent.settle_time(), silent.offset()));
-    assert!(shown.measure.calibration.is_some() && !shown.is_tracked() && !silent.is_tracked());
+    assert_eq!((shown.settle_time(), shown.method()), (silent.settle_time(), silent.method()));
+    let as_cerm = |text: &str| parse(&text.replace("[measure]", "[measure]\nmethod = \"cerm\""));
+    let without = uncommented.replace("method = \"tracked\"\n", "");
+    let (shown_cerm, silent_cerm) = (as_cerm(&without), as_cerm(text));
+    assert_eq!(shown_cerm.offset(), silent_cerm.offset());
+    assert!(shown.measure.calibration.is_some() && !shown_cerm.is_tracked() && !silent_cerm.is_tracked());
     assert_eq!(shown.measure.resolution, Some(Nanos(1)));
     assert_eq!(shown.switch_fraction(), silent.switch_fraction());
     // What is shown under [realtime] are examples: the default is nothing.

@@ -168,6 +168,8 @@ impl Folder {
     fn file() -> ConfigFile {
         let mut file = config();
         file.set("mock.scene", "ideal").unset(&["channel"]).channel("thumb");
+        // Of the paper, as its F_c1 is.
+        file.set("circuit.r-c1", "2.32 kohm");
         file.lines("channel.thumb", "force = { alpha = \"13346 N ohm\" }");
         file
     }

@@ -205,7 +205,7 @@ fn the_demo_needs_nothing_and_leaves_nothing() {
     let summary = text.lines().filter(|line| !line.starts_with("simulated  "));
     assert!(summary.clone().all(|line| line.chars().count() <= 80), "wider than a terminal:\n{text}");
     for wanted in [
-        "board pi4, method cerm",
+        "board pi4, method tracked",
         " readings in ",
         "latency offset",
         "8.00 us true",

@@ -45,7 +45,7 @@ fn serves_readings_and_statistics() {
     let stats = stream.next_of("STATS");
     assert_eq!(
         (&stats["backend"], &stats["method"], &stats["clients"]),
-        (&json!("mock"), &json!("cerm"), &json!(1))
+        (&json!("mock"), &json!("tracked"), &json!(1))
     );
     assert_eq!(stats["lost"], 0);
 }

@@ -65,11 +65,11 @@ fn a_good_one_has_predictions_only() {
     let findings: Vec<String> = config(|c| c).check().0.iter().map(Finding::to_string).collect();
     insta::assert_snapshot!(findings.join("\n"), @r#"
     info: channel.thumb.force: it has no u: the data sheet of an FSR 402 stands in, 7.8 % (part to part 6 %, hysteresis 10 %); try `cermctl calibrate force`: it stores the residual of the sensor itself
-    info: circuit.r-c1: through Rc1, node A after 1.14 ms, node B after 1.93 ms
+    info: circuit.r-c1: through Rc1, node A after 247 us, node B after 418 us
     info: circuit.r-c2: through Rc2, node A after 6.16 ms, node B after 10.4 ms
-    info: measure.charge-time: 7.67 ms, automatic, is 7.3 time constants: the discharge before changes a reading by up to 0.10 of its u (at 64 kohm)
+    info: measure.charge-time: 1.36 ms, automatic, is 9.1 time constants: the discharge before changes a reading by up to 0.10 of its u (at 64 kohm)
     info: measure.deadline: 52.2 ms, enough for a sensor of 63.7 kohm
-    info: measure.rate-hz: a cycle takes 45.8 ms (21.8 Hz) with the sensor at Rc2, 87.6 ms at most
+    info: measure.rate-hz: a cycle takes 25.4 ms (39.4 Hz) with the sensor at Rc2, 67.1 ms at most
     "#);
 }
 
@@ -79,11 +79,11 @@ fn series_calibration_is_good_too() {
     let findings: Vec<String> = config.check().0.iter().map(Finding::to_string).collect();
     insta::assert_snapshot!(findings.join("\n"), @r#"
     info: channel.thumb.force: it has no u: the data sheet of an FSR 402 stands in, 7.8 % (part to part 6 %, hysteresis 10 %); try `cermctl calibrate force`: it stores the residual of the sensor itself
-    info: circuit.r-c1: through Rc1, node A after 2.2 ms
-    info: circuit.r-c2: through Rc1 + Rc2, node A after 14 ms
-    info: measure.charge-time: 2.14 ms, automatic, is 9.7 time constants: the discharge before changes a reading by up to 0.10 of its u (at 75 kohm)
-    info: measure.deadline: 70.1 ms, enough for a sensor of 75.3 kohm
-    info: measure.rate-hz: a cycle takes 36.7 ms (27.3 Hz) with the sensor at Rc1 + Rc2, 92.8 ms at most
+    info: circuit.r-c1: through Rc1, node A after 475 us
+    info: circuit.r-c2: through Rc1 + Rc2, node A after 12.3 ms
+    info: measure.charge-time: 2.13 ms, automatic, is 9.7 time constants: the discharge before changes a reading by up to 0.10 of its u (at 66 kohm)
+    info: measure.deadline: 61.5 ms, enough for a sensor of 66 kohm
+    info: measure.rate-hz: a cycle takes 31.5 ms (31.8 Hz) with the sensor at Rc1 + Rc2, 80.7 ms at most
     "#);
 }
 
@@ -106,7 +106,7 @@ fn circuit_values() {
     );
     one(|c| c.set("circuit.c-b", "1.43 uF"), "error: circuit.c-b: node B never falls below 1.3 V");
     one(|c| c.set("circuit.c-b", "1.4 uF"), "warning: circuit.c-b: node B ends at 1.28 V");
-    one(|c| c.set("circuit.r-c2", "3.3 kohm"), "warning: circuit.r-c2: calibration at");
+    one(|c| c.set("circuit.r-c2", "680 ohm"), "warning: circuit.r-c2: calibration at");
     one(
         |c| c.set("circuit.r-c1", "100 ohm"),
         "warning: circuit.r-c1: the discharge starts with 23.6 mA, above the 16 mA",
@@ -234,7 +234,7 @@ fn rates() {
     one_measure("rate-hz = 0", "error: measure.rate-hz: not above zero");
     one_measure("rate-hz = nan", "error: measure.rate-hz: not above zero");
     one_measure("rate-hz = 100", "error: measure.rate-hz: calibration and charging alone take");
-    one_measure("rate-hz = 24", "warning: measure.rate-hz: a cycle with the sensor at Rc2 takes");
+    one_measure("rate-hz = 45", "warning: measure.rate-hz: a cycle with the sensor at Rc2 takes");
     assert_eq!(complaints(&config(|c| c.set("measure.rate-hz", 10))), Vec::<String>::new());
 }
 
@@ -248,9 +248,9 @@ fn offsets_and_switches() {
             "error: measure.switch-fraction: not between 0 and 1.3",
         );
     }
-    // The paper's capacitors: B follows A closely.
+    // The paper's circuit: B follows A closely.
     fn paper(c: &mut ConfigFile) -> &mut ConfigFile {
-        c.set("circuit.c-a", "330 nF").set("circuit.c-b", "22 nF")
+        c.set("circuit.c-a", "330 nF").set("circuit.c-b", "22 nF").set("circuit.r-c1", "2.32 kohm")
     }
     one(
         |c| paper(c).set("measure.switch-fraction", 1.2).set("measure.offset", "8 us"),

@@ -11,7 +11,7 @@ fn config(kind: &str, method: &str) -> Config {
     let capacitors =
         if kind == "two-capacitor" { "c-a = \"2.2 uF\"\nc-b = \"680 nF\"" } else { "c = \"470 nF\"" };
     let text = format!(
-        "[circuit]\nkind = \"{kind}\"\n{capacitors}\nr-c1 = \"2.32 kohm\"\nr-c2 = \"12.7 kohm\"\n[measure]\n{method}\n\
+        "[circuit]\nkind = \"{kind}\"\n{capacitors}\nr-c1 = \"470 ohm\"\nr-c2 = \"12.7 kohm\"\n[measure]\n{method}\n\
          [[channel]]\nid = \"thumb\"\nzero-ohm = 1.5\nforce = {{ alpha = \"13346 N ohm\" }}\n[[channel]]\nid = \"index\"\n"
     );
     Config::parse(&text, "test").unwrap()
