@@ -10,6 +10,7 @@
 //! | `RESOLUTIONS` | 1 ns to 1 ms | ns | Linux counts in the first; the second is coarser than any clock | judgement |
 //! | `LARGEST_SWITCH_FRACTION` | 1.3 | T_xA | beyond it even a late node B has crossed | judgement |
 //! | `LONGEST_ID` | 64 | bytes | the first line of the stream has to hold all names | stream, 64 KiB a line |
+//! | `EVERY` | 1 to 1000 | cycles | a sensor that is read more rarely is not read | judgement |
 //! | `LARGEST_ZERO_OHM` | 500 | ohm | pins and a series resistor make up less | tests/programs/calibrate.rs |
 //! | `ABSURD_ZERO_OHM` | 1e6 | ohm | a slip | judgement |
 //! | `LONGEST_SOCKET` | 107 | bytes | `sun_path` has 108 with its final zero | include/uapi/linux/un.h |
@@ -43,6 +44,7 @@ pub const LONGEST_WAIT: Nanos = Nanos(60_000_000_000);
 pub const RESOLUTIONS: RangeInclusive<Nanos> = Nanos(1)..=Nanos(1_000_000);
 pub const LARGEST_SWITCH_FRACTION: f64 = 1.3;
 pub const LONGEST_ID: usize = 64;
+pub const EVERY: RangeInclusive<u32> = 1..=1000;
 /// Beyond this a zero is neither the difference of two pins nor a resistor that limits the current of the sensor, ohm.
 pub const LARGEST_ZERO_OHM: f64 = 500.0;
 pub const ABSURD_ZERO_OHM: f64 = 1e6;

@@ -19,7 +19,6 @@ mod number;
 pub(crate) mod pairs;
 mod settings;
 
-pub use charge::{Noise, Prediction};
 pub use finding::{Finding, Findings, Severity};
 pub use force::{Characteristic, Source};
 pub use gpio::{Backend, Gpio, LineName};
@@ -131,9 +130,15 @@ pub struct ChannelTable {
     #[serde(default, deserialize_with = "number::number")]
     pub zero_ohm: f64,
     /// It is read in every so manieth cycle, 1 to 1000. Default: in each.
-    pub every: Option<u32>,
+    #[serde(default = "each")]
+    pub every: u32,
     /// How resistance becomes force. Default: not at all, the channel gives ohm only.
     pub force: Option<Characteristic>,
+}
+
+/// In each cycle.
+fn each() -> u32 {
+    1
 }
 
 /// `[server]`: the socket that clients connect to.

@@ -57,7 +57,7 @@ impl Config {
             tracked: self.is_tracked(),
             t_l: self.measure.t_l,
             switch_fraction: self.switch_fraction(),
-            every: self.channels.iter().map(|channel| channel.every.unwrap_or(1)).collect(),
+            every: self.channels.iter().map(|channel| channel.every).collect(),
             channels: channels.collect::<Result<_, _>>()?,
         })
     }

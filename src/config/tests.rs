@@ -83,7 +83,8 @@ fn derived_times_follow_the_circuit() {
     assert!((taus(anew.together, all) - 7.49).abs() < 0.01 && anew.alone == Nanos::ZERO, "{anew:?}");
     let given = parse(&format!("{MINIMAL}[measure]\ncharge-time = \"3 ms\"")).charges();
     let given_ms = [given.to_a, given.to_b, given.anew].map(|charge| (charge.alone.0, charge.together.0));
-    assert_eq!(given_ms, [(3_000_000, 0), (0, 3_000_000), (0, 3_000_000)]);
+    let together = to_b.together.0;
+    assert_eq!(given_ms, [(3_000_000, 0), (3_000_000, together), (0, anew.together.0)]);
     let t_c2b = (12_700.0 + 40.0) * config.circuit.g(crate::circuit::Node::B).unwrap().0;
     assert!((deadline - 5.0 * t_c2b).abs() < 1e-9, "{deadline}");
 }

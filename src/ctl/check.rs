@@ -3,14 +3,14 @@
 
 use super::{CtlError, cli, print};
 use crate::config::backend::{self, OpenError};
-use crate::config::check::predict::readings;
-use crate::config::{Backend, Config, ConfigError, Findings, Noise, SettingsError, Severity};
+use crate::config::{Backend, Config, ConfigError, Findings, SettingsError, Severity};
 use crate::instrument::discharge::Plan;
 use crate::record::Through;
 use crate::units::Nanos;
 use std::fmt;
 use std::path::Path;
 
+pub mod expect;
 mod hardware;
 pub mod latency;
 pub mod wiring;
@@ -58,11 +58,7 @@ fn named_files(config: &Config, findings: &mut Findings) {
         Some(Ok(_)) | None => {}
     }
     if let (Ok(settings), false) = (&settings, findings.has_errors()) {
-        let (noise, how) = match backend::simulated_noise(config) {
-            Some(noise) => (noise, "the noise of the scene"),
-            None => (Noise::TYPICAL, "the noise of a usual board (jitter 1.5 us, 0.5 mV)"),
-        };
-        readings(config, settings, noise, how, findings);
+        expect::readings(config, settings, None, findings);
     }
 }
 

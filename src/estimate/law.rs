@@ -100,7 +100,7 @@ mod tests {
         #[test]
         fn progress_at_the_crossing_is_g_and_derivatives_are_slopes(
             state in (100.0..2000.0f64, 1.05..2.0f64, 10.0..100.0f64, 0.0..20_000.0f64)
-                .prop_map(|(g, factor, r_o, d)| [g, g * factor, r_o, d, 0.3 * d - 1000.0]),
+                .prop_map(|(g, factor, r_o, d)| [g, g * factor, r_o, d, 0.3 * d - 1000.0, 1e-4, 2e-4]),
             first_ohm in 10.0..1e5f64,
             next_ohm in 100.0..20_000.0f64,
             fraction in prop::option::of(0.01..0.95f64),

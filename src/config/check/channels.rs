@@ -1,7 +1,7 @@
 //! `[[channel]]`: names that clients can tell apart, and characteristics that are physical.
 
 use crate::config::Findings;
-use crate::config::limits::{ABSURD_ZERO_OHM, LARGEST_ZERO_OHM, LONGEST_ID};
+use crate::config::limits::{ABSURD_ZERO_OHM, EVERY, LARGEST_ZERO_OHM, LONGEST_ID};
 use crate::config::{ChannelTable, Characteristic, Severity, Source};
 use crate::pins::MAX_CHANNELS;
 use crate::sensor::{self, UNCALIBRATED_U};
@@ -39,6 +39,8 @@ pub fn check(channels: &[ChannelTable], findings: &mut Findings) {
     for (index, channel) in channels.iter().enumerate() {
         id(index, channels, findings);
         zero(index, channel, findings);
+        every(index, channel, findings);
+        every(index, channel, findings);
         if let Some(characteristic) = &channel.force {
             force(&key(index, channel, "force"), characteristic, findings);
         }
@@ -58,6 +60,13 @@ fn id(index: usize, channels: &[ChannelTable], findings: &mut Findings) {
         findings.error(key, format!("longer than {LONGEST_ID} bytes"), "a word such as \"thumb\"");
     } else if channels[..index].iter().any(|other| other.id == channel.id) {
         findings.error(key, "two channels have this id", "another id for one of them");
+    }
+}
+
+fn every(index: usize, channel: &ChannelTable, findings: &mut Findings) {
+    if !EVERY.contains(&channel.every) {
+        let reason = format!("not between {} and {}", EVERY.start(), EVERY.end());
+        findings.error(key(index, channel, "every"), reason, "10, or without it: in each cycle");
     }
 }
 

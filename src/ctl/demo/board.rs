@@ -71,7 +71,7 @@ fn config(scene: &Scene, arguments: &cli::Demo, socket: &Path) -> Config {
         id: FINGERS.get(index).map_or_else(|| format!("x{index}"), |name| (*name).to_owned()),
         sink: None,
         zero_ohm: 0.0,
-        every: None,
+        every: 1,
         force: Some(Characteristic {
             law: Source::Given(Law::Alpha { alpha_n_ohm: FSR_402.0 }),
             u: None,

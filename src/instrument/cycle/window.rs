@@ -10,9 +10,10 @@ use crate::units::Nanos;
 pub struct Window {
     began: Option<Nanos>,
     mean: Mean,
-    /// The last number, and whether the sensor moved in any.
+    /// The last number, and whether the sensor moved in any, or its u was a prior.
     number: Option<Status>,
     is_moving: bool,
+    is_settling: bool,
     /// The sum of when they were, since it began, ns.
     at_ns: f64,
     /// The last state, and how many were no numbers but bounds.
@@ -25,10 +26,11 @@ impl Window {
     pub fn add(&mut self, status: Status, basis: &Basis, [began, at]: [Nanos; 2], tracker: Option<&Tracker>) {
         let first = *self.began.get_or_insert(began);
         match status {
-            Status::Ok { r_ohm, is_moving, .. } => {
+            Status::Ok { r_ohm, is_moving, is_settling, .. } => {
                 self.mean.add(r_ohm, basis, tracker);
                 self.at_ns += (at - first).as_ns();
                 self.is_moving |= is_moving;
+                self.is_settling |= is_settling;
                 self.number = Some(status);
             }
             Status::Open { .. } | Status::Short { .. } => {
@@ -69,7 +71,7 @@ impl Window {
             (Some(r_ohm), Some(Status::Ok { branch, .. })) => {
                 let at = began + Nanos((done.at_ns / done.mean.count() as f64) as i64);
                 let f_n = force_at(r_ohm);
-                Some((Status::Ok { branch, r_ohm, f_n, is_moving: done.is_moving }, [began, at]))
+                Some((Status::Ok { branch, r_ohm, f_n, is_moving: done.is_moving, is_settling: done.is_settling }, [began, at]))
             }
             _ => done.state.map(|(status, at)| (status, [began, at])),
         }
