@@ -2,8 +2,8 @@
 
 use super::*;
 use crate::circuit::{Chargers, Network};
-use crate::sensor::Law;
 use crate::instrument::settings::Charges;
+use crate::sensor::Law;
 use crate::units::{Farad, Ohm, Seconds, Volt};
 use std::fs;
 

@@ -13,7 +13,7 @@ use crate::estimate::scatter::expected_ns;
 use crate::instrument::discharge::Charge;
 use crate::instrument::limits::{
     B_FORGOTTEN, B_LEFT_ALONE, CALIBRATION_PAYS, HYSTERESIS, LONGEST_IDLE, OFFSET_SHARE, OUTLIERS_OF_DOUBT,
-    RESTLESS_KEEPS, RETRY_EARLIER,
+    RESTLESS_KEEPS, RETRY_EARLIER, YOUNG, YOUNG_EVERY,
 };
 use crate::instrument::settings::Charges;
 use crate::units::Nanos;
@@ -290,6 +290,11 @@ impl Cycle {
             all.map(|discharge| (discharge, value(discharge))).max_by(|a, b| a.1.total_cmp(&b.1))?;
         let is_doubted =
             tracker.is_doubted() || self.memory.iter().any(|memory| memory.outliers >= OUTLIERS_OF_DOUBT);
+        // How noisy all is has to be known, too, before a plan can trust it: each kind of discharge in turn.
+        if self.young < YOUNG && self.since_calibration >= YOUNG_EVERY {
+            let kind = CalibrationKind::ALL[self.young as usize % 3];
+            return Some((kind, best.1));
+        }
         let is_old = self.calibrated_at.is_none_or(|at| self.asked - at > LONGEST_IDLE);
         (pays > CALIBRATION_PAYS || is_doubted || is_old).then_some(best)
     }
