@@ -17,8 +17,6 @@ use std::os::fd::{AsRawFd, BorrowedFd};
 
 pub(super) mod chips;
 pub(super) mod error;
-mod names;
-pub(super) mod release;
 mod request;
 mod v2;
 mod wait;
@@ -26,7 +24,7 @@ pub(super) mod wiring;
 
 pub use chips::{ChipListing, LineListing, list};
 pub use error::ChardevError;
-pub use release::release_lines;
+pub use v2::release_lines;
 pub use wiring::Wiring;
 
 /// What errors call all sense lines together.

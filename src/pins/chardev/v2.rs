@@ -7,7 +7,9 @@
 
 use super::chips::{Chip, refused_edges};
 use super::error::{ChardevError, as_io};
-use super::request::{INPUT, SENSE, all, charging, drive_config, drive_request, sense_request, switching};
+use super::request::{
+    INPUT, SENSE, all, charging, drive_config, drive_request, release_request, sense_request, switching,
+};
 use super::wiring::{Lines, WiredLine, Wiring, titles};
 use super::{Chardev, Failed, Held, SENSE_LINES};
 use crate::pins::{Drives, Edge};
@@ -56,6 +58,20 @@ impl Chardev {
         let held = V2 { lines, drive_file, sense_file, watching: true };
         Ok(Chardev::new(Box::new(held), chip.title(), wired, Vec::new()))
     }
+}
+
+/// Makes every line of the wiring an input, one by one, and lets go of it: for after a kill. Raspberry Pi kernels leave outputs
+/// driving when their owner dies (`persist_gpio_outputs`).
+///
+/// # Errors
+/// The first failure; the other lines have been released all the same.
+pub fn release_lines(wiring: &Wiring) -> Result<(), ChardevError> {
+    let chip = Chip::find(&wiring.chip)?;
+    wiring.resolve(&chip)?.release_each(|line| {
+        v2::get_line(&chip.file, release_request(line, &wiring.consumer))
+            .map(drop)
+            .map_err(|error| chip.refusal("GET_LINE", &line.title, &[line.offset], as_io(error)))
+    })
 }
 
 impl V2 {

@@ -1,10 +1,11 @@
 //! Which line of which chip plays which part, and in which order lines switch.
 
-use super::chips::Chip;
+use super::chips::{Chip, LineListing};
 use super::error::ChardevError;
-use super::names::line_offset;
 use crate::circuit::Node;
+use crate::pins::limits::{RELEASE_ATTEMPTS, RELEASE_PAUSE, SUGGESTIONS};
 use crate::pins::{Drives, MAX_CHANNELS};
+use std::thread;
 
 /// How a circuit is wired to the lines of one chip. A line is given by name ("GPIO17") or by offset ("17").
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -79,6 +80,26 @@ impl Lines {
         let position = self.sense.iter().position(|line| line.offset == offset)?;
         Node::BOTH.get(position).copied()
     }
+
+    /// Tries `release` on every line, again and again on those that are busy: the kernel closes the files of a killed
+    /// process with a delay. Keeps the first failure.
+    pub fn release_each(
+        &self,
+        mut release: impl FnMut(&WiredLine) -> Result<(), ChardevError>,
+    ) -> Result<(), ChardevError> {
+        let mut attempts_left = RELEASE_ATTEMPTS;
+        let mut first_failure = Ok(());
+        for line in self.drives.iter().chain(&self.sense) {
+            let mut outcome = release(line);
+            while attempts_left > 0 && outcome.as_ref().is_err_and(ChardevError::is_busy) {
+                attempts_left -= 1;
+                thread::sleep(RELEASE_PAUSE);
+                outcome = release(line);
+            }
+            first_failure = first_failure.and(outcome);
+        }
+        first_failure
+    }
 }
 
 impl Wiring {
@@ -141,6 +162,36 @@ fn distinct(lines: &Lines) -> Result<(), ChardevError> {
         seen.push(line);
     }
     Ok(())
+}
+
+/// The offset of a line given by name or number on the chip called `chip`.
+///
+/// # Errors
+/// [`ChardevError::Wiring`] with what could be asked for instead.
+fn line_offset(lines: &[LineListing], wanted: &str, chip: &str) -> Result<u32, ChardevError> {
+    let named: Vec<u32> =
+        lines.iter().filter(|line| line.name.as_deref() == Some(wanted)).map(|line| line.offset).collect();
+    let instead = match (named.as_slice(), wanted.parse::<u32>()) {
+        ([offset], _) => return Ok(*offset),
+        ([], Ok(offset)) if (offset as usize) < lines.len() => return Ok(offset),
+        ([], Ok(_)) => format!("its offsets go from 0 to {}", lines.len().saturating_sub(1)),
+        ([], Err(_)) => similar_names(lines, wanted),
+        (_, _) => format!("several lines have this name: give the offset, one of {named:?}"),
+    };
+    Err(ChardevError::Wiring(format!("chip {chip} has no line \"{wanted}\"; {instead}")))
+}
+
+/// The nearest by edit distance, letters of either case alike.
+fn similar_names(lines: &[LineListing], wanted: &str) -> String {
+    let mut names: Vec<String> = lines.iter().filter_map(|line| line.name.clone()).collect();
+    if names.is_empty() {
+        let last = lines.len().saturating_sub(1);
+        return format!("its lines have no names: give an offset from 0 to {last}");
+    }
+    let wanted = wanted.to_lowercase();
+    names.sort_by_key(|name| strsim::levenshtein(&name.to_lowercase(), &wanted));
+    names.truncate(SUGGESTIONS);
+    format!("did you mean {}?", names.join(", "))
 }
 
 #[cfg(test)]
