@@ -178,7 +178,7 @@ impl Pins for Chardev {
     }
 
     fn particulars(&self) -> Particulars<'_> {
-        let (spin_margin, renewed) = (Some(self.margin.get()), self.renewed);
+        let (spin_margin, renewed) = (Some(self.margin.0), self.renewed);
         Particulars { spin_margin, renewed, blind_spots: &self.blind_spots }
     }
 }

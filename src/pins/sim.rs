@@ -97,10 +97,6 @@ impl SimPins {
         self.analog.r_x(channel, (at - self.epoch).0)
     }
 
-    fn stamp(&self, ns: i64) -> Nanos {
-        Nanos(ns) + self.epoch
-    }
-
     /// Moves virtual time on, never back.
     fn go_on_to(&mut self, ns: i64) {
         self.now_ns = self.now_ns.max(ns);
@@ -189,7 +185,7 @@ impl SimPins {
 
 impl Pins for SimPins {
     fn now(&mut self) -> Nanos {
-        let now = self.stamp(self.now_ns);
+        let now = Nanos(self.now_ns) + self.epoch;
         self.spend(self.scene.reads.clock);
         now
     }

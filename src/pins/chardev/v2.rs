@@ -12,6 +12,7 @@ use super::request::{
 };
 use super::wiring::{Lines, WiredLine, Wiring, titles};
 use super::{Chardev, Failed, Held, SENSE_LINES};
+use crate::circuit::Node;
 use crate::pins::{Drives, Edge};
 use crate::units::Nanos;
 use gpiocdev_uapi::v2::{self, LineConfig, LineEdgeEvent, LineValues};
@@ -154,8 +155,10 @@ impl Held for V2 {
         }
         let event = LineEdgeEvent::from_slice(&words).map_err(of_sense("read"))?;
         let LineEdgeEvent { timestamp_ns, seqno, line_seqno, .. } = *event;
-        let node = self.lines.node_at(event.offset);
-        Ok(node.map(|node| Edge { node, at: Nanos(timestamp_ns as i64), seqno, line_seqno }))
+        let mut senses = Node::BOTH.into_iter().zip(&self.lines.sense);
+        let at = Nanos(timestamp_ns as i64);
+        let sense = senses.find(|(_, line)| line.offset == event.offset);
+        Ok(sense.map(|(node, _)| Edge { node, at, seqno, line_seqno }))
     }
 
     fn levels(&self) -> Result<[bool; 2], Failed> {

@@ -2,7 +2,6 @@
 
 use super::chips::{Chip, LineListing};
 use super::error::ChardevError;
-use crate::circuit::Node;
 use crate::pins::limits::{RELEASE_ATTEMPTS, RELEASE_PAUSE, SUGGESTIONS};
 use crate::pins::{Drives, MAX_CHANNELS};
 use std::thread;
@@ -73,12 +72,6 @@ impl Lines {
             (true, 1) => drives.and(Drives::CHARGE_A),
             (true, _) => drives.and(Drives::CHARGE),
         }
-    }
-
-    /// The node that a sense line with this offset is at.
-    pub fn node_at(&self, offset: u32) -> Option<Node> {
-        let position = self.sense.iter().position(|line| line.offset == offset)?;
-        Node::BOTH.get(position).copied()
     }
 
     /// Tries `release` on every line, again and again on those that are busy: the kernel closes the files of a killed
