@@ -6,8 +6,8 @@
 //! on the load of the host.
 //!
 //! [`network`] solves the voltages, [`waveform`] inverts them, [`scene`] describes a board, [`sensor`] what is
-//! connected to it. With the estimators it shares constants and units, and nothing else: an error in the physics of either
-//! shows.
+//! connected to it. With the estimators it shares constants, units and the list of capacitors, and nothing else: an error in
+//! the physics of either shows.
 
 use super::{Armed, Bracket, Drives, Edge, Levels, Particulars, Pins, PinsError};
 use crate::units::{Nanos, Seconds};
