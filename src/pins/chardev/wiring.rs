@@ -119,27 +119,24 @@ impl Wiring {
 
     /// The lines by their keys in a configuration, their offsets as `find` tells by names or offsets.
     fn lines<E>(&self, find: impl Fn(&str) -> Result<u32, E>) -> Result<Lines, E> {
-        let line = |part, key: &str, wanted: &String| {
-            Ok(WiredLine { part, offset: find(wanted)?, title: format!("{key} ({wanted})") })
-        };
-        let lines = |parts: &[(Drives, &str, Option<&String>)]| {
-            let wired = parts.iter().filter_map(|(part, key, name)| Some(line(*part, key, (*name)?)));
-            wired.collect::<Result<Vec<_>, _>>()
-        };
-        let sense = [
-            (Drives::NONE, "sense-a", Some(&self.sense_a)),
-            (Drives::NONE, "sense-b", self.sense_b.as_ref()),
-        ];
         let sensors = self.sinks_x.iter().enumerate();
-        let sensors = sensors.map(|(i, name)| line(Drives::x(i), &format!("sink-x{i}"), name));
-        let mut drives = sensors.collect::<Result<Vec<_>, _>>()?;
-        drives.extend(lines(&[
+        let sensors = sensors.map(|(i, name)| (Drives::x(i), format!("sink-x{i}"), Some(name)));
+        let others = [
             (Drives::C1, "sink-c1", Some(&self.sink_c1)),
             (Drives::C2, "sink-c2", Some(&self.sink_c2)),
             (Drives::CHARGE_A, "charge-a", self.charge_a.as_ref()),
             (Drives::CHARGE_B, "charge-b", self.charge_b.as_ref()),
-        ])?);
-        Ok(Lines { sense: lines(&sense)?, drives, sense_charges: self.sense_charges() })
+            (Drives::NONE, "sense-a", Some(&self.sense_a)),
+            (Drives::NONE, "sense-b", self.sense_b.as_ref()),
+        ];
+        let others = others.map(|(part, key, name)| (part, key.to_owned(), name));
+        let wired = sensors.chain(others).filter_map(|(part, key, wanted)| {
+            let title = format!("{key} ({})", wanted?);
+            Some(find(wanted?).map(|offset| WiredLine { part, offset, title }))
+        });
+        let wired = wired.collect::<Result<Vec<_>, _>>()?;
+        let (sense, drives) = wired.into_iter().partition(|line| line.part.is_none());
+        Ok(Lines { sense, drives, sense_charges: self.sense_charges() })
     }
 }
 
