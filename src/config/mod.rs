@@ -58,7 +58,7 @@ pub struct Config {
     pub server: Server,
     /// The simulated circuit. Default: none.
     pub mock: Option<Mock>,
-    /// The folder that relative file names count from: that of the configuration file.
+    /// The folder that the names of files count from: that of the configuration file.
     #[serde(skip)]
     pub base: PathBuf,
 }
@@ -207,11 +207,6 @@ impl Config {
     /// When it cannot be parsed.
     pub fn parse(text: &str, origin: &str) -> Result<Config, ConfigError> {
         toml::from_str(text).map_err(|error| ConfigError(format!("{origin}: {error}")))
-    }
-
-    /// A file that the configuration names, relative to the configuration file.
-    pub fn path(&self, file: &Path) -> PathBuf {
-        self.base.join(file)
     }
 }
 

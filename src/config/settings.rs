@@ -30,7 +30,7 @@ impl Config {
             let read = |Characteristic { law, u, range_n }: &Characteristic| {
                 let law = match law {
                     Source::Given(law) => law.clone(),
-                    Source::File(file) => Law::Table { table: pairs::load_table(&self.path(file))? },
+                    Source::File(file) => Law::Table { table: pairs::load_table(&self.base.join(file))? },
                 };
                 Ok(Force { law, u: *u, range_n: *range_n })
             };

@@ -189,9 +189,8 @@ fn files_count_from_the_configuration() {
     let file = folder.path().join("cermd.toml");
     fs::write(&file, FULL).unwrap();
     let config = Config::load(&file).unwrap();
-    assert_eq!(config.path(Path::new("index.csv")), folder.path().join("index.csv"));
-    assert_eq!(config.path(Path::new("/etc/x.csv")), Path::new("/etc/x.csv"));
-    assert_eq!(parse(FULL).path(Path::new("index.csv")), Path::new("index.csv"));
+    assert_eq!(config.base.join("index.csv"), folder.path().join("index.csv"));
+    assert_eq!(parse(FULL).base.join("index.csv"), Path::new("index.csv"));
 }
 
 /// Serde names the keys of a table when it refuses another one.
