@@ -51,8 +51,12 @@ fn figure(method: Method, r_ohm: f64, measure: &str) -> (Figure, f64, Figure) {
             let record = last.take().filter(|record| ok && record.through.channel().is_some());
             if let Some(record) = record {
                 let estimator = instrument.cycle().estimator();
-                let predicted =
-                    estimator.predict_tracked(r_ohm, record.switch, record.u_switch_ns.unwrap_or(0.0), if record.b_ns.is_some() { cermd::circuit::Node::B } else { cermd::circuit::Node::A });
+                let predicted = estimator.predict_tracked(
+                    r_ohm,
+                    record.switch,
+                    record.u_switch_ns.unwrap_or(0.0),
+                    if record.b_ns.is_some() { cermd::circuit::Node::B } else { cermd::circuit::Node::A },
+                );
                 bounds.extend(predicted.map(|predicted| predicted.bound));
             }
         }

@@ -90,7 +90,7 @@ All of this is **simulated**, in virtual time, with the seeds that the tests nam
 
 ## By method
 
-Board `pi4` (2.2 uF / 680 nF, or 470 nF for `qerm`; Rc 2320 and 12700 ohm) without its rare long delays, where the row says
+Board `pi4` (2.2 uF / 680 nF, or 470 nF for `qerm`; Rc 470 and 12700 ohm) without its rare long delays, where the row says
 nothing else. Figures are those of our methods; `as printed` are the equations of the paper on the same discharges, without any
 of our rules. *error* is the root mean square, *in 2u* the share of numbers that are off by less than two of their own sigma,
 *wrong* a number that is off by more than 5 sigma and 1 %. **holds** and **fails** are by the row's own criterion. The test

@@ -279,7 +279,7 @@ impl<P: Pins> ByHand<P> {
     /// The same with something around the pins.
     pub fn with(board: &Board, r_ohm: f64, seed: u64, around: impl FnOnce(SimPins) -> P) -> ByHand<P> {
         let (pins, settings) = board.bench(Method::Tcdic, r_ohm, seed).parts();
-        ByHand { pins: around(pins), charge: settings.charge, offset: 0.0, pause: SETTLE }
+        ByHand { pins: around(pins), charge: settings.charge.anew.together, offset: 0.0, pause: SETTLE }
     }
 
     /// Crossings of one discharge, with a switch to Rc2 after so many seconds, and when that really came; `None` if one is
