@@ -14,6 +14,7 @@ mod failures;
 mod interruptions;
 mod leaks;
 mod noise;
+mod one_capacitor;
 mod paper;
 mod scenario;
 mod states;
@@ -75,6 +76,9 @@ scenarios! {
     capacitors_of_polyester: dielectrics::pet,
     capacitors_of_c0g: dielectrics::c0g,
     capacitors_of_x7r: dielectrics::x7r,
+    one_capacitor: one_capacitor::alone,
+    one_capacitor_that_drifts: one_capacitor::drifting,
+    one_capacitor_and_late_stamps: one_capacitor::spikes,
 }
 
 static FOUND: [OnceLock<Scenario>; SCENARIOS.len()] = [const { OnceLock::new() }; SCENARIOS.len()];
