@@ -10,25 +10,26 @@ use cermd::units::{Farad, Nanos, Ohm, Volt};
 const BOTH: [(f64, f64, f64); 4] =
     [(2.2e-6, 680e-9, 1.1), (10e-6, 680e-9, 1.3), (330e-9, 22e-9, 1.441), (1e-6, 600e-9, 1.6)];
 
-fn nominal(wiring: network::Capacitors, v_th: f64) -> Circuit {
+pub fn nominal(wiring: network::Capacitors, v_th: f64) -> Circuit {
     let network = match wiring {
         network::Capacitors::Two { c_a, c_b } => Network::TwoCapacitor { c_a: Farad(c_a), c_b: Farad(c_b) },
         network::Capacitors::One { c } => Network::OneCapacitor { c: Farad(c) },
         network::Capacitors::Series { c } => Network::SeriesCalibration { c: Farad(c) },
     };
-    let (r_c1, r_c2) = (Ohm(2320.0), Ohm(12_700.0));
+    let (r_c1, r_c2) = (Ohm(470.0), Ohm(12_700.0));
     let (v_dd, r_charge, r_o) = (Volt(3.3), NOMINAL_R_CHARGE, Ohm(40.0));
     Circuit { network, r_c1, r_c2, v_dd, v_th: Volt(v_th), r_charge, r_o }
 }
 
 /// The crossing of a node through Rc2 after a charge of so many seconds from a depth, s.
-fn crossing(circuit: &network::SimCircuit, node: Node, depth: f64, seconds: f64) -> f64 {
+fn crossing(circuit: &network::SimCircuit, chargers: Chargers, node: Node, depth: f64, seconds: f64) -> f64 {
     let k = match circuit.capacitors {
         network::Capacitors::Two { c_a, c_b } => c_a / (c_a + c_b),
         _ => 0.0,
     };
     let start = [1.0 - depth, 1.0 - k * depth].map(|share| share * circuit.v_dd);
-    let charged = circuit.flow(start, Drives::CHARGE).after(seconds);
+    let on = if chargers == Chargers::OfA { Drives::CHARGE_A } else { Drives::CHARGE };
+    let charged = circuit.flow(start, on).after(seconds);
     let falls = circuit.flow(charged, Drives::C2).waveform(node);
     falls.falls_after(0.0, circuit.sense[node.index()].falling, f64::INFINITY).unwrap()
 }
@@ -43,16 +44,19 @@ fn what_a_charge_remembers_is_what_the_network_does() {
         circuit.capacitors = wiring;
         circuit.sense = [network::Sense::ideal(v_th); 2];
         let nodes = if circuit.has_b() { &Node::BOTH[..] } else { &[Node::A] };
-        for node in nodes {
+        for (node, chargers) in
+            nodes.iter().flat_map(|node| [Chargers::OfA, Chargers::All].map(|chargers| (*node, chargers)))
+        {
             for (taus, tolerance) in [(4.0, 0.05), (7.0, 0.005), (10.0, 0.001)] {
-                let seconds = taus * nominal.charge_tau(Chargers::All).0;
-                let [shallow, deep] = [0.8, 1.0].map(|depth| crossing(&circuit, *node, depth, seconds));
-                let predicted = 0.2 * nominal.charge_memory(*node, Chargers::All).unwrap() * (-taus).exp();
-                let full = nominal.crossing(*node, nominal.r_c2).unwrap().0;
+                let seconds = taus * nominal.charge_tau(chargers).0;
+                let [shallow, deep] =
+                    [0.8, 1.0].map(|depth| crossing(&circuit, chargers, node, depth, seconds));
+                let predicted = 0.2 * nominal.charge_memory(node, chargers).unwrap() * (-taus).exp();
+                let full = nominal.crossing(node, nominal.r_c2).unwrap().0;
                 let found = (deep - shallow) / full;
                 assert!(
                     (found / predicted - 1.0).abs() < tolerance,
-                    "{wiring:?} {node:?} {taus} tau: {found:e}, predicted {predicted:e}"
+                    "{wiring:?} {chargers:?} {node:?} {taus} tau: {found:e}, predicted {predicted:e}"
                 );
             }
         }
@@ -88,8 +92,9 @@ fn a_discharge_that_timed_out_is_drained_before_the_charge() {
     // The open discharge has taken 50 ms / 10 Mohm of progress from full capacitors.
     let depth = 1.0 - (-0.05 / (10e6 + 40.0) / nominal.c_total().0).exp();
     let left = nominal.left_at_crossing(Node::B).unwrap();
-    let predicted =
-        |depth: f64| nominal.charge_memory(Node::B, Chargers::All).unwrap() * (depth - (1.0 - left)) * (-taus).exp();
+    let predicted = |depth: f64| {
+        nominal.charge_memory(Node::B, Chargers::All).unwrap() * (depth - (1.0 - left)) * (-taus).exp()
+    };
     let (undrained, drained) =
         (after_none(0.0), after_none(1.2 * nominal.crossing(Node::B, nominal.r_c1).unwrap().0));
     println!("relative change of B: {undrained:e} undrained, {drained:e} drained");
