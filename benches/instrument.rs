@@ -20,8 +20,10 @@ use criterion::Criterion;
 use std::hint::black_box;
 
 /// Of the daemon with 2.2 uF and 680 nF: a full discharge through Rc1.
-const PLAN: Plan =
-    Plan { settle: Nanos(20_000), ..Plan::full(Through::C1, Node::B, Charge::together(Nanos(10_000_000)), Nanos(50_000_000)) };
+const PLAN: Plan = Plan {
+    settle: Nanos(20_000),
+    ..Plan::full(Through::C1, Node::B, Charge::together(Nanos(10_000_000)), Nanos(50_000_000))
+};
 
 fn discharges(criterion: &mut Criterion) {
     for name in ["ideal", "fpga-paper", "pi4"] {

@@ -59,6 +59,10 @@ pub mod ctl;
 #[cfg(feature = "programs")]
 #[doc(hidden)]
 pub mod daemon;
+#[cfg(all(test, feature = "programs"))]
+#[path = "../tests/common/decorated.rs"]
+#[allow(dead_code, reason = "shared with all other tests")]
+pub(crate) mod decorated;
 #[cfg(feature = "programs")]
 pub mod estimate;
 #[cfg(feature = "programs")]

@@ -13,7 +13,7 @@ use std::fmt;
 pub struct Measured {
     /// The value; its unit is the field's.
     pub value: f64,
-    /// 1 sigma; `None` while too little has been seen to know the noise.
+    /// 1 sigma; `None` where it is not known.
     pub u: Option<f64>,
 }
 
@@ -30,6 +30,7 @@ pub struct MeasuredForce {
     pub is_extrapolated: bool,
 }
 
+#[cfg(test)]
 impl From<Measured> for MeasuredForce {
     /// By a characteristic that is exact everywhere.
     fn from(Measured { value, u }: Measured) -> MeasuredForce {
@@ -83,7 +84,7 @@ named! {
         WideBracket = "wide-bracket",
         /// A crossing is later than the other node's crossing allows.
         LatencyOutlier = "latency-outlier",
-        /// The sensor has changed too much during the discharge.
+        /// The sensor has changed so much during the discharge that the error may be as large as the value.
         Unsettled = "unsettled",
         /// A calibration discharge did not end in time.
         NoCalibration = "no-calibration",
@@ -217,6 +218,10 @@ pub enum Status {
         r_ohm: Measured,
         /// Newton; `None` for a channel without force calibration.
         f_n: Option<MeasuredForce>,
+        /// The sensor changed while it was read, and u contains that: it is more than all else.
+        is_moving: bool,
+        /// u is still a prior, and wide: too little has been seen to know the noise, or what leaks.
+        is_settling: bool,
     },
     /// The resistance is above what the deadline resolves.
     Open {
@@ -234,18 +239,6 @@ pub enum Status {
     },
     /// Not known.
     Fault(Fault),
-}
-
-impl Status {
-    /// The name in the stream.
-    pub fn as_str(&self) -> &'static str {
-        match self {
-            Status::Ok { .. } => "ok",
-            Status::Open { .. } => "open",
-            Status::Short { .. } => "short",
-            Status::Fault(_) => "fault",
-        }
-    }
 }
 
 /// One reading of one channel.

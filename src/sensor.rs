@@ -4,7 +4,10 @@
 //! how the resistance is measured.
 
 use crate::reading::{Measured, MeasuredForce};
+use crate::units::{Newton, NewtonOhm, rounded};
 use serde::{Deserialize, Serialize};
+use std::fmt::Display;
+use std::ops::RangeInclusive;
 
 /// A sensor.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -43,13 +46,52 @@ pub const UNCALIBRATED_U: f64 = 0.078;
 /// The forces that this is said of, newton.
 pub const UNCALIBRATED_N: [f64; 2] = [0.2, 20.0];
 
+/// Forces outside are slips of a prefix, newton.
+const FORCES_N: RangeInclusive<f64> = 1e-9..=1e9;
+/// No sensor has another exponent.
+const EXPONENTS: RangeInclusive<f64> = 0.01..=100.0;
+
+#[cfg(test)]
 impl From<Law> for Force {
     fn from(law: Law) -> Force {
         Force { law, u: None, range_n: None }
     }
 }
 
+/// What is wrong with a characteristic, and what to write instead.
+type Defect = (String, &'static str);
+
+fn absurd(value: impl Display) -> Defect {
+    (format!("{value} is beyond any sensor"), "another prefix: M is mega, m is milli")
+}
+
+/// The same of how well one is known.
+pub fn defect_of_bounds(u: Option<f64>, range_n: Option<[f64; 2]>) -> Option<Defect> {
+    let is_range = |[least, greatest]: [f64; 2]| {
+        least < greatest && FORCES_N.contains(&least) && FORCES_N.contains(&greatest)
+    };
+    match (u, range_n) {
+        (Some(u), _) if !(u > 0.0 && u <= 1.0) => Some((
+            format!("u = {} % is not above 0 % and up to 100 %", rounded(100.0 * u, 7)),
+            "u = \"8.7 %\", the residual that `cermctl calibrate force` shows",
+        )),
+        (_, Some(range)) if !is_range(range) => Some((
+            format!(
+                "range = {:?} is not from a lesser to a greater force",
+                range.map(|f_n| Newton(f_n).to_string())
+            ),
+            "range = [\"0.5 N\", \"20 N\"]",
+        )),
+        _ => None,
+    }
+}
+
 impl Force {
+    /// What is wrong with it.
+    pub fn defect(&self) -> Option<Defect> {
+        self.law.defect().or(defect_of_bounds(self.u, self.range_n))
+    }
+
     /// The force at a resistance; `None` where the characteristic gives no positive, finite force. `known`: R_1 and R_2, ohm.
     pub fn at(&self, r_ohm: Measured, known: [f64; 2]) -> Option<MeasuredForce> {
         let (value, slope) = self.law.at(r_ohm.value, known)?;
@@ -108,6 +150,50 @@ pub enum Law {
 }
 
 impl Law {
+    /// What is wrong with its numbers.
+    pub fn defect(&self) -> Option<Defect> {
+        match *self {
+            Law::Calibrated { fc1_n, fc2_n } if !(fc2_n > 0.0 && fc1_n > fc2_n) => Some((
+                format!(
+                    "fc1 = {} at the lower resistance has to exceed fc2 = {}, and both be above zero",
+                    Newton(fc1_n),
+                    Newton(fc2_n)
+                ),
+                "the greater force as fc1",
+            )),
+            Law::Alpha { alpha_n_ohm } if alpha_n_ohm <= 0.0 => Some((
+                format!("alpha = {} is not above zero", NewtonOhm(alpha_n_ohm)),
+                "alpha = \"13346 N ohm\", usual for an FSR 402",
+            )),
+            Law::Power { at_1_kohm_n, exponent } if !(at_1_kohm_n > 0.0 && exponent > 0.0) => Some((
+                format!(
+                    "at-1-kohm = {} and exponent = {exponent} have to be above zero",
+                    Newton(at_1_kohm_n)
+                ),
+                "{ at-1-kohm = \"13.3 N\", exponent = 1.0 }",
+            )),
+            Law::Calibrated { fc1_n, .. } if !FORCES_N.contains(&fc1_n) => Some(absurd(Newton(fc1_n))),
+            Law::Calibrated { fc2_n: f_n, .. } | Law::Power { at_1_kohm_n: f_n, .. }
+                if !FORCES_N.contains(&f_n) =>
+            {
+                Some(absurd(Newton(f_n)))
+            }
+            // At 1 kohm.
+            Law::Alpha { alpha_n_ohm } if !FORCES_N.contains(&(alpha_n_ohm / 1e3)) => {
+                Some(absurd(NewtonOhm(alpha_n_ohm)))
+            }
+            Law::Power { exponent, .. } if !EXPONENTS.contains(&exponent) => Some((
+                format!(
+                    "exponent = {exponent:e} is not between {} and {}",
+                    EXPONENTS.start(),
+                    EXPONENTS.end()
+                ),
+                "1.0, near which force-sensing resistors are",
+            )),
+            _ => None,
+        }
+    }
+
     /// The force at a resistance, and its slope by that; `None` where there is no positive, finite force. `known`: R_1 and R_2.
     fn at(&self, r: f64, known: [f64; 2]) -> Option<(f64, f64)> {
         let (f_n, slope) = match self {
@@ -136,32 +222,28 @@ pub struct Table {
     pairs: Vec<(f64, f64)>,
 }
 
-/// What is wrong with a force table.
+/// What is wrong with a force table, and what to do.
 #[derive(Debug, thiserror::Error)]
-pub enum TableError {
-    /// Too few pairs.
-    #[error("the force table has {0} pair(s); it takes at least 2")]
-    Few(usize),
-    /// Not monotone.
-    #[error(
-        "the force table is not monotone: at {r_ohm} ohm the force does not fall while the resistance rises; take that pair out or measure it again"
-    )]
-    NotMonotone {
-        /// The resistance of the offending pair.
-        r_ohm: f64,
-    },
-}
+#[error("the force table {0}")]
+pub struct TableError(String);
 
 impl TryFrom<Vec<(f64, f64)>> for Table {
     type Error = TableError;
-    /// From pairs (ohm, newton) of positive finite numbers, in any order.
+    /// From pairs (ohm, newton) in any order.
     fn try_from(mut pairs: Vec<(f64, f64)>) -> Result<Table, TableError> {
         if pairs.len() < 2 {
-            return Err(TableError::Few(pairs.len()));
+            return Err(TableError(format!("has {} pair(s); it takes at least 2", pairs.len())));
+        }
+        if !pairs.iter().all(|(r_ohm, f_n)| r_ohm.is_finite() && *r_ohm > 0.0 && FORCES_N.contains(f_n)) {
+            return Err(TableError("has a pair (ohm, newton) that is not above 0".to_owned()));
         }
         pairs.sort_by(|a, b| a.0.total_cmp(&b.0));
         if let Some(pair) = pairs.windows(2).find(|pair| pair[1].0 <= pair[0].0 || pair[1].1 >= pair[0].1) {
-            return Err(TableError::NotMonotone { r_ohm: pair[1].0 });
+            return Err(TableError(format!(
+                "is not monotone: at {} ohm the force does not fall while the resistance rises; take that pair out or \
+                 measure it again",
+                pair[1].0
+            )));
         }
         Ok(Table { pairs })
     }

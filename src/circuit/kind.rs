@@ -1,7 +1,7 @@
 //! The three wirings.
 
 use super::{Network, Node};
-use crate::units::named;
+use crate::units::{Farad, named};
 use serde::{Deserialize, Serialize};
 
 named! {
@@ -44,6 +44,23 @@ impl Kind {
 }
 
 impl Network {
+    /// Of this kind; `None` where a capacitor is missing.
+    pub fn new(kind: Kind, c_a: Option<Farad>, c_b: Option<Farad>, c: Option<Farad>) -> Option<Network> {
+        Some(match kind {
+            Kind::TwoCapacitor => Network::TwoCapacitor { c_a: c_a?, c_b: c_b? },
+            Kind::OneCapacitor => Network::OneCapacitor { c: c? },
+            Kind::SeriesCalibration => Network::SeriesCalibration { c: c? },
+        })
+    }
+
+    /// Its capacitors, that of node A first; `None` for the second where there is one.
+    pub fn capacitors(&mut self) -> (&mut Farad, Option<&mut Farad>) {
+        match self {
+            Network::TwoCapacitor { c_a, c_b } => (c_a, Some(c_b)),
+            Network::OneCapacitor { c } | Network::SeriesCalibration { c } => (c, None),
+        }
+    }
+
     /// How it is wired.
     pub fn kind(self) -> Kind {
         match self {

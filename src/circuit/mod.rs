@@ -50,7 +50,7 @@ pub enum Network {
     },
 }
 
-/// A circuit by its nominal values.
+/// A circuit by its nominal values. What it promises means nothing unless they are above zero.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Circuit {
     /// The capacitors.
@@ -69,86 +69,7 @@ pub struct Circuit {
     pub r_o: Ohm,
 }
 
-/// Why a circuit cannot measure.
-#[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
-pub enum Defect {
-    /// The value of this name (`c-a`, `v-dd` ...) is not positive.
-    #[error("{0} is not above zero")]
-    NotPositive(&'static str),
-    /// Nothing ever crosses a threshold that is not below V_DD.
-    #[error("the threshold {v_th:.4} is not below the supply {v_dd:.4}")]
-    Threshold {
-        /// V_Th.
-        v_th: Volt,
-        /// V_DD.
-        v_dd: Volt,
-    },
-    /// The calibration resistors are swapped or equal.
-    #[error("{r_c1} is not below r-c2 = {r_c2}")]
-    Order {
-        /// Rc1.
-        r_c1: Ohm,
-        /// Rc2.
-        r_c2: Ohm,
-    },
-    /// C_B holds node B above its threshold for ever: V_Th (C_A + C_B) <= V_DD C_B.
-    #[error("node B never falls below {floor:.4}, and its threshold is {v_th:.4}")]
-    NoBCrossing {
-        /// Where node B ends: V_DD C_B / (C_A + C_B).
-        floor: Volt,
-        /// V_Th.
-        v_th: Volt,
-        /// C_B has to be below this: C_A V_Th / (V_DD - V_Th).
-        c_b_below: Farad,
-    },
-}
-
 impl Circuit {
-    /// Every reason why this circuit cannot measure; empty for a valid one. The predictions below mean nothing
-    /// for a circuit with defects.
-    pub fn defects(&self) -> Vec<Defect> {
-        let not_positive: Vec<Defect> = self
-            .values()
-            .filter(|(_, value)| value.is_nan() || *value <= 0.0)
-            .map(|(name, _)| Defect::NotPositive(name))
-            .collect();
-        if !not_positive.is_empty() {
-            return not_positive;
-        }
-        let mut defects = Vec::new();
-        // In series with Rc1, any Rc2 makes the second discharge the slower one.
-        if self.r_c1 >= self.r_c2 && self.kind() != Kind::SeriesCalibration {
-            defects.push(Defect::Order { r_c1: self.r_c1, r_c2: self.r_c2 });
-        }
-        if self.v_th >= self.v_dd {
-            defects.push(Defect::Threshold { v_th: self.v_th, v_dd: self.v_dd });
-        } else if let Network::TwoCapacitor { c_a, c_b } = self.network {
-            if self.v_th.0 * (c_a.0 + c_b.0) <= self.v_dd.0 * c_b.0 {
-                defects.push(Defect::NoBCrossing {
-                    floor: Volt(self.v_dd.0 * c_b.0 / (c_a.0 + c_b.0)),
-                    v_th: self.v_th,
-                    c_b_below: Farad(c_a.0 * self.v_th.0 / (self.v_dd.0 - self.v_th.0)),
-                });
-            }
-        }
-        defects
-    }
-
-    /// Every value that must be positive, by its name. Ro may be zero.
-    fn values(&self) -> impl Iterator<Item = (&'static str, f64)> {
-        let (first, second) = match self.network {
-            Network::TwoCapacitor { c_a, c_b } => (("c-a", c_a.0), Some(("c-b", c_b.0))),
-            Network::OneCapacitor { c } | Network::SeriesCalibration { c } => (("c", c.0), None),
-        };
-        [first].into_iter().chain(second).chain([
-            ("r-c1", self.r_c1.0),
-            ("r-c2", self.r_c2.0),
-            ("v-dd", self.v_dd.0),
-            ("v-th", self.v_th.0),
-            ("r-charge", self.r_charge.0),
-        ])
-    }
-
     /// The capacitance that a discharge sees: C, or C_T = C_A C_B / (C_A + C_B).
     pub fn c_total(&self) -> Farad {
         match self.network {

@@ -1,13 +1,12 @@
 //! From `[gpio]` and `[mock]` to pins: the one place that knows which backends there are.
 
 use crate::circuit::Kind;
-use crate::config::{Backend, Config, LineName, Noise};
+use crate::config::{Backend, Config, LineName};
 use crate::pins::Pins;
 use crate::pins::chardev::{self, Chardev, Wiring};
 use crate::pins::chardev_v1;
 use crate::pins::sim::{Scene, SceneError, SimPins};
-use crate::units::{Nanos, Seconds};
-use std::path::Path;
+use crate::units::Nanos;
 
 /// What other programs see as the holder of the lines (gpioinfo).
 pub const CONSUMER: &str = "cermd";
@@ -93,32 +92,7 @@ pub fn wiring(config: &Config) -> Result<Wiring, OpenError> {
 /// The scene does not exist, or is wrong.
 pub fn scene(config: &Config) -> Result<Scene, OpenError> {
     let mock = config.mock.as_ref().ok_or(OpenError::NoScene)?;
-    let scene = if mock.scene.ends_with(".toml") {
-        Scene::load(&config.path(Path::new(&mock.scene)))?
-    } else {
-        Scene::builtin(&mock.scene)?
-    };
-    Ok(scene.with_kind(config.circuit.kind())?)
-}
-
-/// The noise of the simulated circuit that a configuration names, without its rare long delays; `None` for hardware.
-pub fn simulated_noise(config: &Config) -> Option<Noise> {
-    let scene = scene(config).ok().filter(|_| config.gpio.backend == Backend::Mock)?;
-    let seconds = |time: Option<Seconds>| time.map_or(0.0, |time| time.0);
-    // A line moves anywhere in its slot, in a call that takes more or less.
-    let move_s = scene.calls.map_or(0.0, |calls| {
-        let [from, to] = calls.moves_at.unwrap_or([0.5; 2]);
-        let (slot, half) =
-            ((to - from) * calls.per_line.0 / 12f64.sqrt(), calls.fixed.0 / 2.0 + calls.per_line.0 / 2.0);
-        slot.hypot(calls.jitter.unwrap_or(0.0) * half)
-    });
-    let clock = seconds(scene.clock_period) / 12f64.sqrt();
-    let stamps = seconds(scene.stamps.and_then(|stamps| stamps.jitter));
-    Some(Noise {
-        jitter_s: stamps.hypot(move_s).hypot(clock),
-        node_v: scene.noise.map_or(0.0, |noise| noise.voltage.0),
-        switch_s: 2f64.sqrt() * move_s,
-    })
+    Ok(Scene::named(&mock.scene, &config.base)?.with_kind(config.circuit.kind())?)
 }
 
 #[cfg(test)]

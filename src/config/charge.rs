@@ -22,38 +22,8 @@ use super::limits::{
 };
 use crate::circuit::{Chargers, Circuit, Network, Node};
 use crate::estimate::method::Switching;
-use crate::instrument::limits::SWITCH_FRACTIONS;
 use crate::reading::Method;
-use crate::units::{Nanos, Ohm, Seconds, rounded};
-
-/// What makes crossings and switches uncertain.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Noise {
-    /// Jitter of the stamps of crossings, s, 1 sigma.
-    pub jitter_s: f64,
-    /// Noise at a node, V.
-    pub node_v: f64,
-    /// Scatter of the time from start to switch, s.
-    pub switch_s: f64,
-}
-
-impl Noise {
-    /// Less than any board is known to have.
-    const LEAST: Noise = Noise { jitter_s: JITTER_S, node_v: NOISE_V, switch_s: SWITCH_S };
-    /// Of a Raspberry Pi on an ordinary kernel that does little else.
-    pub const TYPICAL: Noise = Noise { jitter_s: 1.5e-6, node_v: 0.5e-3, switch_s: 0.25e-6 };
-}
-
-/// What to expect of readings of a resistance.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Prediction {
-    /// The resistance.
-    pub r: Ohm,
-    /// 1 sigma of a reading, readout alone.
-    pub u: Ohm,
-    /// From one reading of a channel to its next, when all of them have this resistance, at the least and at the most.
-    pub period: [Seconds; 2],
-}
+use crate::units::{Nanos, Ohm, Seconds};
 
 /// A resistance, and by how many of its own sigma an incomplete charge may change a reading of it.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -68,7 +38,7 @@ impl Config {
     /// What charges through these of so many time constants remember, at most.
     pub fn remembered(&self, chargers: Chargers, taus: f64) -> Remembered {
         let none = Remembered { at: self.circuit.r_c2, sigmas: 0.0 };
-        let Some(budget) = Budget::new(self, Noise::LEAST, chargers) else { return none };
+        let Some(budget) = Budget::new(self, chargers) else { return none };
         let highest = self.circuit.resistance(self.last_node(), self.deadline().into()).unwrap_or_default();
         (0..RESISTANCES)
             .map(|step| Ohm(highest.0 * 10f64.powf(-f64::from(step) / PER_DECADE)))
@@ -76,22 +46,6 @@ impl Config {
             .filter(|found| found.sigmas.is_finite())
             .max_by(|a, b| a.sigmas.total_cmp(&b.sigmas))
             .unwrap_or(none)
-    }
-
-    /// What to expect of readings from a hundredth of R_2 up to what the deadline resolves, by the method that is set.
-    pub fn predictions(&self, noise: Noise) -> Vec<Prediction> {
-        let Some(budget) = Budget::new(self, noise, Chargers::OfA) else { return Vec::new() };
-        let highest = self.circuit.resistance(self.last_node(), self.deadline().into()).unwrap_or_default();
-        let switches = SWITCH_FRACTIONS.map(|fraction| fraction * budget.g[budget.nodes - 1]);
-        [0.01, 0.1, 1.0, 4.0]
-            .map(|share| Ohm(rounded(share * self.circuit.r_second().0, 1)))
-            .into_iter()
-            .filter(|r| *r < highest)
-            .map(|r| {
-                let Equation { variance, takes_s, .. } = budget.equation(r, &switches);
-                Prediction { r, u: Ohm(variance.sqrt()), period: self.cycle(Seconds(takes_s)) }
-            })
-            .collect()
     }
 
     /// The shortest charge through these that a reading does not suffer from.
@@ -122,16 +76,14 @@ struct Budget {
     fraction: f64,
 }
 
-/// How an equation sees the charges before the sensor, R_1 and R_2 (s/s x ohm), its variance, ohm², and how long the x discharge
-/// takes.
+/// How an equation sees the charges before the sensor, R_1 and R_2 (s/s x ohm), and its variance, ohm².
 struct Equation {
     by_depth: [f64; 3],
     variance: f64,
-    takes_s: f64,
 }
 
 impl Budget {
-    fn new(config: &Config, noise: Noise, chargers: Chargers) -> Option<Budget> {
+    fn new(config: &Config, chargers: Chargers) -> Option<Budget> {
         let circuit = &config.circuit;
         let last = config.last_node();
         let both = |of: &dyn Fn(Node) -> Option<f64>| {
@@ -148,9 +100,9 @@ impl Budget {
             nodes: if last == Node::B { 2 } else { 1 },
             g: both(&|node| circuit.g(node).map(|g| g.0))?,
             memory: both(&|node| circuit.charge_memory(node, chargers))?,
-            jitter: coarser.map_or(noise.jitter_s, |clock| clock.as_seconds() / 12f64.sqrt()),
-            trigger: both(&|node| trigger(circuit, node, noise.node_v))?,
-            switch: noise.switch_s,
+            jitter: coarser.map_or(JITTER_S, |clock| clock.as_seconds() / 12f64.sqrt()),
+            trigger: both(&|node| trigger(circuit, node, NOISE_V))?,
+            switch: SWITCH_S,
             span: 1.0 - (1.0 - circuit.left_at_crossing(last)?) * forgets,
             fraction: config.switch_fraction(),
         })
@@ -158,14 +110,13 @@ impl Budget {
 
     /// Error over sigma of a reading of `r`, before any charge has forgotten anything.
     fn sigmas(&self, r: Ohm) -> f64 {
-        let equation = self.equation(r, &[self.fraction * self.g[0]]);
+        let equation = self.equation(r);
         let depths: f64 = equation.by_depth.iter().map(|by| by.abs()).sum();
         self.span / 2.0 * depths / equation.variance.sqrt()
     }
 
-    /// The equation that a reading of `r` is likely to come from; `switches`: the progress at which a discharge may be switched
-    /// where that is chosen.
-    fn equation(&self, r: Ohm, switches: &[f64]) -> Equation {
+    /// The equation that a reading of `r` is likely to come from.
+    fn equation(&self, r: Ohm) -> Equation {
         let r = r.0 + self.r_o;
         let (rules, theta) = (self.method.rules(), self.fraction * self.g[0]);
         match rules.switching {
@@ -174,16 +125,8 @@ impl Budget {
                 self.finished(r, theta / (1.0 + r / self.known[1]))
             }
             Switching::AtFraction => self.plain(r).or(self.finished(r, theta)),
-            Switching::WhereBest => {
-                let switched = switches.iter().map(|theta| self.weighted(r, Some(*theta)));
-                switched.fold(self.weighted(r, None), Equation::or)
-            }
+            Switching::WhereBest => self.weighted(r, None).or(self.weighted(r, Some(theta))),
         }
-    }
-
-    /// How long a discharge takes that is finished through R_2 after the progress theta.
-    fn takes_s(&self, r: f64, theta: f64) -> f64 {
-        theta * r + (self.g[self.nodes - 1] - self.fraction * self.g[0]) * self.known[1]
     }
 
     /// Variance of a crossing through `r` (with Ro), s².
@@ -224,8 +167,7 @@ impl Budget {
 
     fn plain(&self, r: f64) -> Equation {
         let by_depth = self.depths(r, self.mean_memory() * r);
-        let takes_s = self.g[self.nodes - 1] * r;
-        Equation { by_depth, variance: self.variance_of_sum(r) + self.calibration(r), takes_s }
+        Equation { by_depth, variance: self.variance_of_sum(r) + self.calibration(r) }
     }
 
     /// Two discharges end through R_2: the sensor's and that of R_2; a tracked calibration knows the latter.
@@ -234,7 +176,7 @@ impl Budget {
         let crossings = if self.is_tracked { 1.0 } else { 2.0 } * self.variance(last, r2) / (r2 * r2);
         let variance = (r / theta).powi(2) * crossings + (self.switch / theta).powi(2);
         let by_depth = self.depths(r, r * self.memory[last] * self.g[last] / theta);
-        Equation { by_depth, variance: variance + self.calibration(r), takes_s: self.takes_s(r, theta) }
+        Equation { by_depth, variance: variance + self.calibration(r) }
     }
 
     /// Nodes by inverse variance; `theta`: where the discharge is switched. Their memories may have different signs; that they
@@ -252,13 +194,7 @@ impl Budget {
             sensor += weight * memory;
         }
         let scatter = theta.map_or(0.0, |theta| (self.switch / theta).powi(2));
-        let rest = |theta: f64| theta * r + (self.g[self.nodes - 1] - theta) * r2;
-        let takes_s = rest(theta.unwrap_or(self.g[self.nodes - 1]));
-        Equation {
-            by_depth: self.depths(r, r * sensor / weights),
-            variance: 1.0 / weights + scatter,
-            takes_s,
-        }
+        Equation { by_depth: self.depths(r, r * sensor / weights), variance: 1.0 / weights + scatter }
     }
 }
 
@@ -278,6 +214,3 @@ fn trigger(circuit: &Circuit, node: Node, noise_v: f64) -> Option<f64> {
     let volt = circuit.v_dd.0 * circuit.left_at_crossing(node)? * share;
     Some(noise_v * circuit.c_total().0 / volt)
 }
-
-#[cfg(test)]
-mod tests;

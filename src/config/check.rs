@@ -39,7 +39,7 @@ fn server(server: &Server, findings: &mut Findings) {
         let reason = format!("the path has {length} bytes, and 1 to {} are possible", limits::LONGEST_SOCKET);
         findings.error("server.socket", reason, "\"/run/cermd/cermd.sock\"");
     }
-    let mode = server.mode.0;
+    let mode = server.mode;
     for (is_odd, what) in [
         (mode & 0o002 != 0, "lets everybody write to the socket"),
         (mode & 0o200 == 0, "keeps even the owner out"),

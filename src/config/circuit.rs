@@ -32,17 +32,15 @@ struct Table {
 /// Reads the table; a capacitor that is missing or does not belong to the kind is refused.
 pub fn deserialize<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Circuit, D::Error> {
     let table = Table::deserialize(deserializer)?;
-    let network = match (table.kind, table.c_a, table.c_b, table.c) {
-        (Kind::TwoCapacitor, Some(c_a), Some(c_b), None) => Network::TwoCapacitor { c_a, c_b },
-        (Kind::OneCapacitor, None, None, Some(c)) => Network::OneCapacitor { c },
-        (Kind::SeriesCalibration, None, None, Some(c)) => Network::SeriesCalibration { c },
-        (Kind::TwoCapacitor, ..) => {
-            return Err(D::Error::custom("kind \"two-capacitor\" has the capacitors c-a and c-b, and no c"));
-        }
-        (Kind::OneCapacitor | Kind::SeriesCalibration, ..) => {
-            return Err(D::Error::custom("this kind has one capacitor, c, and neither c-a nor c-b"));
-        }
-    };
+    let Table { kind, c_a, c_b, c, .. } = table;
+    let is_mixed = c.is_some() && (c_a.is_some() || c_b.is_some());
+    let network = Network::new(kind, c_a, c_b, c).filter(|_| !is_mixed);
+    let network = network.ok_or_else(|| {
+        D::Error::custom(match kind {
+            Kind::TwoCapacitor => "kind \"two-capacitor\" has the capacitors c-a and c-b, and no c",
+            _ => "this kind has one capacitor, c, and neither c-a nor c-b",
+        })
+    })?;
     Ok(Circuit {
         network,
         r_c1: table.r_c1,

@@ -26,31 +26,23 @@ impl Config {
         self.method().rules().last(self.circuit.kind())
     }
 
-    /// How to charge before each discharge. A time that is given is that of all chargers where B is waited for.
+    /// How to charge before each discharge. A time that is given is that of A.
     pub fn charges(&self) -> Charges {
-        let alone = |time| Charge::alone(time);
-        if let Some(time) = self.measure.charge_time {
-            return Charges { to_a: alone(time), ..Charges::alike(Charge::together(time)) };
-        }
-        let to_a = alone(self.shortest_charge(Chargers::OfA).into());
+        let time = self.measure.charge_time.unwrap_or_else(|| self.shortest_charge(Chargers::OfA).into());
+        let to_a = Charge::alone(time);
         let Some(tau) = self.circuit.charge_tau_b() else { return Charges::alike(to_a) };
         let together = Nanos::from_seconds(TOGETHER * tau.0);
-        let anew = Charge::together(self.shortest_charge(Chargers::All).into());
+        let anew = Charge::together(Nanos::from(self.shortest_charge(Chargers::All)).max(time));
         Charges { to_a, to_b: Charge { together, ..to_a }, anew }
     }
 
-    /// Which chargers make the discharge before forgotten, and how long they have for it.
-    pub fn usual_chargers(&self) -> (Chargers, Seconds) {
-        let Charges { to_a, to_b, .. } = self.charges();
-        let usual = if self.last_node() == Node::B { to_b } else { to_a };
-        let is_alone = usual.alone > Nanos::ZERO;
-        let (chargers, time) =
-            if is_alone { (Chargers::OfA, usual.alone) } else { (Chargers::All, usual.together) };
-        (chargers, time.into())
+    /// How long A is charged.
+    pub fn charge_time(&self) -> Nanos {
+        self.charges().to_a.alone
     }
 
-    /// How long the usual charge takes.
-    pub fn charge_time(&self) -> Nanos {
+    /// How long the usual charge takes before a discharge that waits for the last node.
+    pub fn usual_charge(&self) -> Nanos {
         let Charges { to_a, to_b, .. } = self.charges();
         if self.last_node() == Node::B { to_b.time() } else { to_a.time() }
     }
@@ -70,6 +62,18 @@ impl Config {
         self.measure
             .deadline
             .unwrap_or_else(|| Nanos::from_seconds(DEADLINE * self.discharge(self.circuit.r_second()).0))
+    }
+
+    /// From one cycle to the next, where the rate is to be no higher than wanted.
+    pub fn period(&self) -> Option<Nanos> {
+        let period = self.measure.rate_hz.map(|hertz| Nanos::from_seconds(1.0 / hertz));
+        period.filter(|_| self.measure.idle || self.measure.average.is_some())
+    }
+
+    /// The time over which what is published is the mean: as given, or all that the wanted rate leaves.
+    pub fn average(&self) -> Option<Nanos> {
+        let all = self.measure.rate_hz.filter(|_| !self.measure.idle);
+        self.measure.average.or(all.map(|hertz| Nanos::from_seconds(1.0 / hertz)))
     }
 
     /// The latency offset.
@@ -95,7 +99,7 @@ impl Config {
     /// what the system's calls take.
     pub fn cycle(&self, x: Seconds) -> [Seconds; 2] {
         let channels = self.channels.len() as f64;
-        let pause = self.charge_time().as_seconds() + self.settle_time().as_seconds();
+        let pause = self.usual_charge().as_seconds() + self.settle_time().as_seconds();
         let [first, second] =
             [self.circuit.r_c1, self.circuit.r_second()].map(|r| pause + self.discharge(r).0);
         let calibration = if self.is_tracked() { [0.0, second] } else { [first + second; 2] };

@@ -70,6 +70,7 @@ impl TryFrom<Written> for Characteristic {
     }
 }
 
+#[cfg(test)]
 impl From<Law> for Characteristic {
     fn from(law: Law) -> Characteristic {
         Characteristic { law: Source::Given(law), u: None, range_n: None }

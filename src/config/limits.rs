@@ -10,10 +10,9 @@
 //! | `RESOLUTIONS` | 1 ns to 1 ms | ns | Linux counts in the first; the second is coarser than any clock | judgement |
 //! | `LARGEST_SWITCH_FRACTION` | 1.3 | T_xA | beyond it even a late node B has crossed | judgement |
 //! | `LONGEST_ID` | 64 | bytes | the first line of the stream has to hold all names | stream, 64 KiB a line |
+//! | `EVERY` | 1 to 1000 | cycles | a sensor that is read more rarely is not read | judgement |
 //! | `LARGEST_ZERO_OHM` | 500 | ohm | pins and a series resistor make up less | tests/programs/calibrate.rs |
 //! | `ABSURD_ZERO_OHM` | 1e6 | ohm | a slip | judgement |
-//! | `FORCES` | | N | outside is a slip of a prefix | judgement |
-//! | `EXPONENTS` | 0.01 to 100 | | no sensor's outside | judgement |
 //! | `LONGEST_SOCKET` | 107 | bytes | `sun_path` has 108 with its final zero | include/uapi/linux/un.h |
 //! | `PRIORITIES` | 1 to 99 | | SCHED_FIFO | sched(7) |
 //! | `PROCESSORS` | 1024 | | what the kernel's set of processors holds here | CPU_SET(3) |
@@ -45,11 +44,10 @@ pub const LONGEST_WAIT: Nanos = Nanos(60_000_000_000);
 pub const RESOLUTIONS: RangeInclusive<Nanos> = Nanos(1)..=Nanos(1_000_000);
 pub const LARGEST_SWITCH_FRACTION: f64 = 1.3;
 pub const LONGEST_ID: usize = 64;
+pub const EVERY: RangeInclusive<u32> = 1..=1000;
 /// Beyond this a zero is neither the difference of two pins nor a resistor that limits the current of the sensor, ohm.
 pub const LARGEST_ZERO_OHM: f64 = 500.0;
 pub const ABSURD_ZERO_OHM: f64 = 1e6;
-pub const FORCES: RangeInclusive<f64> = 1e-9..=1e9;
-pub const EXPONENTS: RangeInclusive<f64> = 0.01..=100.0;
 pub const LONGEST_SOCKET: usize = 107;
 pub const PRIORITIES: RangeInclusive<u8> = 1..=99;
 pub const PROCESSORS: usize = nix::sched::CpuSet::count();

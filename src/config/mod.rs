@@ -19,7 +19,6 @@ mod number;
 pub(crate) mod pairs;
 mod settings;
 
-pub use charge::{Noise, Prediction};
 pub use finding::{Finding, Findings, Severity};
 pub use force::{Characteristic, Source};
 pub use gpio::{Backend, Gpio, LineName};
@@ -68,14 +67,19 @@ pub struct Config {
 #[derive(Debug, Clone, PartialEq, Default, Deserialize)]
 #[serde(rename_all = "kebab-case", deny_unknown_fields, default)]
 pub struct Measure {
-    /// The method. Default: the best that the circuit allows, `cerm`, `qerm` or `tpcm`.
+    /// The method. Default: `tracked`, or `qerm` with series calibration.
     pub method: Option<Method>,
-    /// Readings of each channel per second, hertz, above 0. Default: as fast as the circuit allows.
+    /// Readings of each channel per second, hertz, above 0; each of them is the mean over the time since the one before.
+    /// Default: as fast as the circuit allows.
     #[serde(deserialize_with = "number::optional")]
     pub rate_hz: Option<f64>,
-    /// How long the capacitors are charged before each discharge, above 0 up to 1 min. Default: the shortest
-    /// charge whose being incomplete (most of which cancels) changes a reading by no more than a tenth of its uncertainty: 4 to
-    /// 8 time constants of the slowest charge with two capacitors, 10 with one.
+    /// What is published is the mean over this time, up to 1 min. Default: each reading, or what `rate-hz` leaves.
+    pub average: Option<Nanos>,
+    /// With `rate-hz`: no more discharges than that needs. Default: spare time goes into accuracy.
+    pub idle: bool,
+    /// How long node A is charged before each discharge, above 0 up to 1 min; B's charger follows for half of its time
+    /// constant where B is waited for. Default: the shortest charge whose being incomplete (most of which cancels) changes a
+    /// reading by no more than a tenth of its uncertainty: 7 to 10 time constants.
     pub charge_time: Option<Nanos>,
     /// The pause between the end of the charge and the start of the discharge, 0 to 1 min. Default: what the calls between
     /// them take.
@@ -125,8 +129,16 @@ pub struct ChannelTable {
     /// What the instrument reads with a short circuit in the sensor's place, ohm; subtracted. Default: 0.
     #[serde(default, deserialize_with = "number::number")]
     pub zero_ohm: f64,
+    /// It is read in every so manieth cycle, 1 to 1000. Default: in each.
+    #[serde(default = "each")]
+    pub every: u32,
     /// How resistance becomes force. Default: not at all, the channel gives ohm only.
     pub force: Option<Characteristic>,
+}
+
+/// In each cycle.
+fn each() -> u32 {
+    1
 }
 
 /// `[server]`: the socket that clients connect to.
@@ -135,31 +147,23 @@ pub struct ChannelTable {
 pub struct Server {
     /// Path, at most 107 bytes. Default: `/run/cermd/cermd.sock`.
     pub socket: PathBuf,
-    /// Permissions of the socket. Default: `"0660"`, owner and group.
-    pub mode: Mode,
+    /// Permissions of the socket, written as octal digits in a string. Default: `"0660"`, owner and group.
+    #[serde(deserialize_with = "permissions")]
+    pub mode: u32,
 }
 
 impl Default for Server {
     fn default() -> Server {
-        Server { socket: PathBuf::from("/run/cermd/cermd.sock"), mode: Mode(0o660) }
+        Server { socket: PathBuf::from("/run/cermd/cermd.sock"), mode: 0o660 }
     }
 }
 
-/// Permissions, written as octal digits in a string: `"0660"`.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Mode(pub u32);
-
-impl<'de> Deserialize<'de> for Mode {
-    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Mode, D::Error> {
-        let text = String::deserialize(deserializer)?;
-        u32::from_str_radix(&text, 8)
-            .ok()
-            .filter(|mode| *mode <= 0o777 && !text.starts_with('+'))
-            .map(Mode)
-            .ok_or_else(|| {
-                de::Error::custom(format!("expected octal permissions such as \"0660\", got \"{text}\""))
-            })
-    }
+fn permissions<'de, D: Deserializer<'de>>(deserializer: D) -> Result<u32, D::Error> {
+    let text = String::deserialize(deserializer)?;
+    let mode = u32::from_str_radix(&text, 8).ok().filter(|mode| *mode <= 0o777 && !text.starts_with('+'));
+    mode.ok_or_else(|| {
+        de::Error::custom(format!("expected octal permissions such as \"0660\", got \"{text}\""))
+    })
 }
 
 /// `[mock]`: the simulated circuit.
@@ -172,28 +176,10 @@ pub struct Mock {
     pub seed: Option<u64>,
 }
 
-/// A configuration that cannot be read. Values that cannot work are [findings](Finding) instead.
+/// A configuration that cannot be read: the file, with line and caret, and what to do. Values that cannot work are [findings](Finding) instead.
 #[derive(Debug, thiserror::Error)]
-pub enum ConfigError {
-    /// The file could not be read.
-    #[error("{}: {source}; {hint}", path.display())]
-    Read {
-        /// The file.
-        path: PathBuf,
-        /// What the system answered.
-        source: std::io::Error,
-        /// What to do.
-        hint: &'static str,
-    },
-    /// The text is not TOML, or has keys, types or units that do not belong there.
-    #[error("{origin}: {source}")]
-    Toml {
-        /// Where the text comes from.
-        origin: String,
-        /// With line and caret.
-        source: toml::de::Error,
-    },
-}
+#[error("{0}")]
+pub struct ConfigError(String);
 
 impl Config {
     /// Reads a file.
@@ -201,14 +187,14 @@ impl Config {
     /// # Errors
     /// When it cannot be read or parsed.
     pub fn load(path: &Path) -> Result<Config, ConfigError> {
-        let text = std::fs::read_to_string(path).map_err(|source| {
-            let hint = match source.kind() {
+        let text = std::fs::read_to_string(path).map_err(|error| {
+            let hint = match error.kind() {
                 std::io::ErrorKind::NotFound => "name a file with --config, or try `cermctl demo`",
                 std::io::ErrorKind::PermissionDenied => "run as the daemon's user, or make the file readable",
                 std::io::ErrorKind::InvalidData => "the file must be UTF-8 text",
                 _ => "is it a regular file?",
             };
-            ConfigError::Read { path: path.to_owned(), source, hint }
+            ConfigError(format!("{}: {error}; {hint}", path.display()))
         })?;
         let mut config = Config::parse(&text, &path.display().to_string())?;
         config.base = path.parent().map(Path::to_owned).unwrap_or_default();
@@ -220,7 +206,7 @@ impl Config {
     /// # Errors
     /// When it cannot be parsed.
     pub fn parse(text: &str, origin: &str) -> Result<Config, ConfigError> {
-        toml::from_str(text).map_err(|source| ConfigError::Toml { origin: origin.to_owned(), source })
+        toml::from_str(text).map_err(|error| ConfigError(format!("{origin}: {error}")))
     }
 
     /// A file that the configuration names, relative to the configuration file.

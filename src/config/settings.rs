@@ -47,7 +47,8 @@ impl Config {
             charge: self.charges(),
             settle: self.settle_time(),
             deadline: self.deadline(),
-            period: self.measure.rate_hz.map(|hertz| Nanos::from_seconds(1.0 / hertz)),
+            period: self.period(),
+            average: self.average(),
             offset_ns: match self.offset() {
                 OffsetSource::Auto => None,
                 OffsetSource::Given(d_ns) => Some(d_ns),
@@ -56,6 +57,7 @@ impl Config {
             tracked: self.is_tracked(),
             t_l: self.measure.t_l,
             switch_fraction: self.switch_fraction(),
+            every: self.channels.iter().map(|channel| channel.every).collect(),
             channels: channels.collect::<Result<_, _>>()?,
         })
     }

@@ -9,7 +9,7 @@ mod zero;
 
 use super::limits::NEXT_READING;
 use super::stream::Stream;
-use super::{CtlError, print};
+use super::{CtlError, line, print};
 use crate::config::Config;
 use crate::ctl::cli::{CalibrateBy, Update};
 use crate::stream::client::ClientError;
@@ -78,9 +78,7 @@ impl<'a> Target<'a> {
         if !self.update.json {
             return Ok(());
         }
-        let outcome = Outcome { result, updated: is_wanted, kept };
-        // Numbers and texts always serialise.
-        print(&(serde_json::to_string(&outcome).unwrap_or_default() + "\n"))
+        print(&line(&Outcome { result, updated: is_wanted, kept }))
     }
 }
 
@@ -112,7 +110,7 @@ fn wait_for<T>(
 fn ask(question: &str) -> Result<bool, CtlError> {
     eprint!("{question}");
     let mut answer = String::new();
-    io::stdin().lock().read_line(&mut answer).map_err(|error| CtlError::System("standard input", error))?;
+    io::stdin().lock().read_line(&mut answer).map_err(CtlError::system("standard input"))?;
     if !io::stdin().is_terminal() {
         eprintln!();
     }

@@ -3,11 +3,14 @@
 
 use super::{CtlError, cli, print};
 use crate::config::backend::{self, OpenError};
-use crate::config::check::predict::readings;
-use crate::config::{Backend, Config, ConfigError, Findings, Noise, SettingsError, Severity};
+use crate::config::{Backend, Config, ConfigError, Findings, SettingsError, Severity};
+use crate::instrument::discharge::Plan;
+use crate::record::Through;
+use crate::units::Nanos;
 use std::fmt;
 use std::path::Path;
 
+pub mod expect;
 mod hardware;
 pub mod latency;
 pub mod wiring;
@@ -35,6 +38,12 @@ pub fn check(path: &Path) -> CheckReport {
     report
 }
 
+/// A full discharge of the configured circuit, up to its last node, whether the method times it or not.
+fn full_plan(config: &Config, through: Through, timeout: Nanos) -> Plan {
+    let last = config.circuit.kind().last();
+    Plan { settle: config.settle_time(), ..Plan::full(through, last, config.charges().anew, timeout) }
+}
+
 /// Lines are tested where they may be touched.
 fn named_files(config: &Config, findings: &mut Findings) {
     let mut error = |key: &str, reason: &dyn fmt::Display| findings.add(Severity::Error, key, reason, None);
@@ -49,11 +58,7 @@ fn named_files(config: &Config, findings: &mut Findings) {
         Some(Ok(_)) | None => {}
     }
     if let (Ok(settings), false) = (&settings, findings.has_errors()) {
-        let (noise, how) = match backend::simulated_noise(config) {
-            Some(noise) => (noise, "the noise of the scene"),
-            None => (Noise::TYPICAL, "the noise of a usual board (jitter 1.5 us, 0.5 mV)"),
-        };
-        readings(config, settings, noise, how, findings);
+        expect::readings(config, settings, None, findings);
     }
 }
 
@@ -66,11 +71,6 @@ pub struct CheckReport {
 }
 
 impl CheckReport {
-    /// What was found in a file that could be read.
-    pub fn findings(&self) -> &Findings {
-        &self.findings
-    }
-
     /// Whether the instrument would start: no error, warnings allowed. Decides the exit status.
     pub fn is_usable(&self) -> bool {
         self.config.is_ok() && !self.findings.has_errors()

@@ -61,6 +61,8 @@ pub enum Verb {
     Calibrate(Calibrate),
 }
 
+const SECONDS: &str = "seconds above 0, such as 2.5";
+
 /// Where the daemon listens.
 #[derive(Debug, Args)]
 pub struct Connection {
@@ -77,7 +79,7 @@ pub struct Demo {
     #[arg(long, value_name = "NAME|FILE", default_value = "pi4")]
     pub scene: String,
     /// How long to measure
-    #[arg(long, value_name = "SECONDS", default_value = "10", value_parser = seconds)]
+    #[arg(long, value_name = "SECONDS", default_value = "10", value_parser = number_of(SECONDS))]
     pub seconds: f64,
     /// Of every random number [default: the scene's own]
     #[arg(long, value_name = "NUMBER")]
@@ -118,7 +120,7 @@ pub struct Watch {
     #[arg(value_name = "CHANNEL")]
     pub channels: Vec<String>,
     /// At most so many readings of each channel per second
-    #[arg(long, value_name = "HERTZ", value_parser = hertz)]
+    #[arg(long, value_name = "HERTZ", value_parser = number_of("hertz above 0, such as 10"))]
     pub max_hz: Option<f64>,
     /// The lines of the stream as they come
     #[arg(long)]
@@ -173,7 +175,7 @@ pub struct Record {
     #[arg(value_name = "CHANNEL")]
     pub channels: Vec<String>,
     /// Stop after so long [default: at Ctrl-C]
-    #[arg(long, value_name = "SECONDS", value_parser = seconds, conflicts_with = "count")]
+    #[arg(long, value_name = "SECONDS", value_parser = number_of(SECONDS), conflicts_with = "count")]
     pub seconds: Option<f64>,
     /// Stop after so many readings, or discharges with --raw
     #[arg(long, value_name = "NUMBER", value_parser = clap::value_parser!(u64).range(1..))]
@@ -322,14 +324,6 @@ impl ValueEnum for Method {
     }
 }
 
-fn seconds(text: &str) -> Result<f64, String> {
-    positive(text).ok_or_else(|| "a number of seconds above 0, such as 2.5".to_owned())
-}
-
-fn hertz(text: &str) -> Result<f64, String> {
-    positive(text).ok_or_else(|| "a number of hertz above 0, such as 10".to_owned())
-}
-
 fn ohm(text: &str) -> Result<f64, String> {
     let value = text.parse().or_else(|_| text.parse::<Ohm>().map(|ohm| ohm.0)).unwrap_or(f64::NAN);
     if (0.0..=1e6).contains(&value) {
@@ -339,8 +333,12 @@ fn ohm(text: &str) -> Result<f64, String> {
     }
 }
 
-fn positive(text: &str) -> Option<f64> {
-    text.parse().ok().filter(|value| *value > 0.0 && *value <= 1e9)
+/// Reads a number above 0; its error says what of, such as what.
+fn number_of(what: &'static str) -> impl Fn(&str) -> Result<f64, String> + Clone {
+    move |text| {
+        let value = text.parse().ok().filter(|value| *value > 0.0 && *value <= 1e9);
+        value.ok_or_else(|| format!("a number of {what}"))
+    }
 }
 
 fn offset(text: &str) -> Result<OffsetSource, String> {

@@ -27,7 +27,7 @@ use summary::Tally;
 pub fn run(arguments: &cli::Demo) -> Result<(), CtlError> {
     let interrupt = Interrupt::new()?;
     let folder = tempfile::Builder::new().prefix("cermctl-demo-").tempdir();
-    let folder = folder.map_err(|error| CtlError::System("a temporary directory for the socket", error))?;
+    let folder = folder.map_err(CtlError::system("a temporary directory for the socket"))?;
     let socket = folder.path().join("socket");
     let board = Board::new(arguments, &socket)?;
     // Two of them behave alike: one is measured, the other one tells the truth.
@@ -80,13 +80,12 @@ struct Running {
 
 impl Running {
     fn start(board: &Board, pins: SimPins) -> Result<Running, CtlError> {
-        let (signals, handle) =
-            Signals::from_handle().map_err(|error| CtlError::System("socketpair", error))?;
+        let (signals, handle) = Signals::from_handle().map_err(CtlError::system("socketpair"))?;
         let loaded = Loaded::new(board.config.clone(), Path::new("the demo"))?;
         // Here, so that the socket is there when the client comes.
         let mut daemon = Daemon::start(loaded, signals, |_| Ok(Box::new(pins)))?;
         let thread = thread::Builder::new().name("cermd".to_owned()).spawn(move || daemon.serve(None));
-        Ok(Running { handle, thread: thread.map_err(|error| CtlError::System("thread", error))? })
+        Ok(Running { handle, thread: thread.map_err(CtlError::system("thread"))? })
     }
 
     fn stop(self) -> Result<(), CtlError> {

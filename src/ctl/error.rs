@@ -5,7 +5,7 @@ use crate::daemon::DaemonError;
 use crate::pins::sim::SceneError;
 use crate::stream::client::ClientError;
 use std::io;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 /// Why a verb failed.
 #[derive(Debug, thiserror::Error)]
@@ -16,14 +16,6 @@ pub enum CtlError {
     /// What a person needs to hear, whole.
     #[error("{0}")]
     Said(String),
-    /// A file cannot be read or written.
-    #[error("{}: {source}; {hint}", path.display(), hint = look_where(source))]
-    File {
-        /// Which.
-        path: PathBuf,
-        /// Why.
-        source: io::Error,
-    },
     /// The configuration cannot be read.
     #[error(transparent)]
     Config(#[from] ConfigError),
@@ -33,9 +25,6 @@ pub enum CtlError {
     /// The daemon inside the demo.
     #[error("the simulated instrument: {0}")]
     Daemon(#[from] DaemonError),
-    /// The system refuses something basic.
-    #[error("{0}: {1}")]
-    System(&'static str, io::Error),
     /// Standard output is gone.
     #[error("standard output: {0}")]
     Output(io::Error),
@@ -70,10 +59,14 @@ impl CtlError {
         CtlError::Said(format!("no channel \"{wanted}\": there is {}", known.join(", ")))
     }
 
-    /// What a failure with a file is.
+    /// A file cannot be read or written.
     pub(super) fn file(path: &Path) -> impl Fn(io::Error) -> CtlError {
-        let path = path.to_owned();
-        move |source| CtlError::File { path: path.clone(), source }
+        move |error| CtlError::Said(format!("{}: {error}; {}", path.display(), look_where(&error)))
+    }
+
+    /// The system refuses something basic.
+    pub(super) fn system(what: &str) -> impl Fn(io::Error) -> CtlError {
+        move |error| CtlError::Said(format!("{what}: {error}"))
     }
 
     /// Whether the reader of our standard output has gone away, which is his right.
@@ -89,7 +82,7 @@ mod tests {
     #[test]
     fn a_copy_of_the_same_second_is_no_full_disk() {
         let source = io::Error::from(io::ErrorKind::AlreadyExists);
-        let said = CtlError::File { path: PathBuf::from("cermd.toml.bak-1"), source }.to_string();
+        let said = CtlError::file(Path::new("cermd.toml.bak-1"))(source).to_string();
         assert!(said.ends_with("nothing was changed; try again, the name is that of the second"), "{said}");
     }
 }

@@ -2,11 +2,10 @@
 
 mod summary;
 
-use super::{CtlError, print};
+use super::{CtlError, line, print};
 use crate::ctl::cli;
 use crate::ctl::replay::Replay;
 use crate::stream::tape::Reader;
-use serde::Serialize;
 use std::fs::File;
 use std::io::{self, BufRead, BufReader};
 use std::path::Path;
@@ -45,9 +44,4 @@ pub fn run(arguments: &cli::Estimate) -> Result<(), CtlError> {
         }
     }
     summary.rows().iter().try_for_each(|row| print(&if arguments.json { line(row) } else { row.to_string() }))
-}
-
-/// Numbers and texts always serialise.
-fn line(message: &impl Serialize) -> String {
-    serde_json::to_string(message).unwrap_or_default() + "\n"
 }

@@ -17,7 +17,7 @@ impl Interrupt {
             // First the look at the flag, then the setting of it.
             signal_hook::flag::register_conditional_shutdown(signal, 1, Arc::clone(&wish))
                 .and_then(|_| signal_hook::flag::register(signal, Arc::clone(&wish)))
-                .map_err(|error| CtlError::System("signal handlers", error))?;
+                .map_err(CtlError::system("signal handlers"))?;
         }
         Ok(Interrupt(wish))
     }

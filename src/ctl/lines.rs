@@ -1,6 +1,6 @@
 //! `cermctl lines`: the chips and lines of this machine, with the names that a configuration needs, and who holds which.
 
-use super::{CtlError, print};
+use super::{CtlError, line, print};
 use crate::ctl::cli;
 use crate::pins::chardev::{self, ChipListing, LineListing};
 
@@ -11,8 +11,7 @@ pub fn run(arguments: &cli::Lines) -> Result<(), CtlError> {
     if chips.is_empty() {
         return Err(CtlError::said("no GPIO chip to list; without hardware try `cermctl demo`"));
     }
-    let text = if arguments.json { objects } else { tables };
-    print(&text(&chips))
+    if arguments.json { chips.iter().try_for_each(|chip| print(&line(chip))) } else { print(&tables(&chips)) }
 }
 
 fn tables(chips: &[ChipListing]) -> String {
@@ -44,12 +43,6 @@ fn holder(line: &LineListing) -> String {
         (None, true) => "held".to_owned(),
         (None, false) => String::new(),
     }
-}
-
-/// A line of JSON for each chip; what is not known is absent.
-fn objects(chips: &[ChipListing]) -> String {
-    // Numbers and texts always serialise.
-    chips.iter().map(|chip| serde_json::to_string(chip).unwrap_or_default() + "\n").collect()
 }
 
 #[cfg(test)]
@@ -89,7 +82,7 @@ mod tests {
 
     #[test]
     fn an_object_leaves_out_what_is_not_known() {
-        let text = objects(&[chip()]);
+        let text = line(&chip());
         assert_eq!(text.lines().count(), 1);
         let chip: Value = serde_json::from_str(&text).unwrap();
         assert_eq!(

@@ -20,12 +20,12 @@ mod screen;
 mod stats;
 mod stream;
 mod terminal;
-mod text;
 mod watch;
 
 pub use error::CtlError;
 
 use crate::ctl::cli::Verb;
+use serde::Serialize;
 use std::io::Write;
 
 /// Does what was asked for.
@@ -44,6 +44,11 @@ pub fn run(verb: Verb) -> Result<(), CtlError> {
         Verb::Estimate(arguments) => estimate::run(&arguments),
         Verb::Calibrate(arguments) => calibrate::run(&arguments.by),
     }
+}
+
+/// A message as a line of JSON. Numbers and texts always serialise.
+fn line(message: &impl Serialize) -> String {
+    serde_json::to_string(message).unwrap_or_default() + "\n"
 }
 
 /// To standard output.

@@ -3,8 +3,7 @@
 //! Time is that of the readings.
 
 use super::limits::{BAR_COLUMNS, BAR_OHM, FULL_N, HISTORY, HISTORY_COLUMNS, RATE_WINDOW_NS};
-use super::text::{bar, sparkline};
-use crate::stream::wire::{ChannelInfo, ReadingLine, StatusName, Unit};
+use crate::stream::wire::{ChannelInfo, ReadingLine, StateLine, StatusName, Unit};
 use crate::units::{measured, rough};
 use console::{Alignment, Style, measure_text_width, pad_str, style, truncate_str};
 use std::collections::VecDeque;
@@ -151,9 +150,7 @@ impl Row {
             StatusName::Ok => {
                 let force = value(reading.state.f_n, reading.state.f_u_n, "N");
                 let ohms = value(reading.state.r_ohm, reading.state.r_u_ohm, "ohm");
-                // Of the force; the ohms are as good as any.
-                let is_beyond = reading.state.extrapolated;
-                ([force, ohms], if is_beyond { "extrapolated" } else { "ok" }, style.green())
+                ([force, ohms], mark(&reading.state), style.green())
             }
             StatusName::Open => {
                 let force = bound("<", reading.state.f_max_n, "N");
@@ -209,6 +206,36 @@ impl Row {
     }
 }
 
+/// What is to be known of a number before it is used: the most that u is about to change by first.
+fn mark(state: &StateLine) -> &'static str {
+    match state {
+        StateLine { moving: true, .. } => "moving",
+        StateLine { settling: true, .. } => "settling",
+        // Of the force; the ohms are as good as any.
+        StateLine { extrapolated: true, .. } => "extrapolated",
+        _ => "ok",
+    }
+}
+
+/// A bar of `width` columns, filled to a share of 0 to 1, to an eighth of a column: what is full, and what is empty.
+fn bar(share: f64, width: usize, unicode: bool) -> (String, String) {
+    const EIGHTHS: [&str; 8] = ["", "▏", "▎", "▍", "▌", "▋", "▊", "▉"];
+    let share = share.clamp(0.0, 1.0);
+    let eighths = (share * width as f64 * 8.0).round() as usize;
+    let (full, part) = if unicode { (eighths / 8, EIGHTHS[eighths % 8]) } else { ((eighths + 4) / 8, "") };
+    let filled = if unicode { "█" } else { "#" }.repeat(full) + part;
+    let empty = if unicode { "·" } else { "." }.repeat(width.saturating_sub(filled.chars().count()));
+    (filled, empty)
+}
+
+/// One column for each share of 0 to 1; `None`: a blank.
+fn sparkline(shares: impl Iterator<Item = Option<f64>>, unicode: bool) -> String {
+    const LEVELS: [[char; 8]; 2] =
+        [['_', '.', '-', '-', '=', '=', '#', '#'], ['▁', '▂', '▃', '▄', '▅', '▆', '▇', '█']];
+    let level = |share: f64| LEVELS[usize::from(unicode)][(share.clamp(0.0, 1.0) * 7.0).round() as usize];
+    shares.map(|share| share.map_or(' ', level)).collect()
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -228,6 +255,8 @@ mod tests {
     const FULL: &str = r#""status":"ok","r_ohm":1334.6,"r_u_ohm":2.5,"f_n":10.0,"f_u_n":0.02"#;
     const HALF: &str = r#""status":"ok","r_ohm":2669.2,"r_u_ohm":2.5,"f_n":5.0,"f_u_n":0.01"#;
     const BEYOND: &str = r#""status":"ok","r_ohm":889.8,"r_u_ohm":2.5,"f_n":15.0,"f_u_n":1.3,"f_repeat_u_n":0.042,"extrapolated":true"#;
+    const MOVING: &str = r#""status":"ok","r_ohm":889.8,"r_u_ohm":32.0,"f_n":15.0,"f_u_n":1.4,"extrapolated":true,"moving":true"#;
+    const SETTLING: &str = r#""status":"ok","r_ohm":2669.2,"r_u_ohm":74,"settling":true"#;
     const OPEN: &str = r#""status":"open","r_min_ohm":63000.0,"f_max_n":0.21"#;
     const FAULT: &str = r#""status":"fault","fault":"missed-edge""#;
 
@@ -247,6 +276,8 @@ mod tests {
         is(plain(HALF), "03:40:00.123  thumb  5.000 ± 0.010 N  2669.2 ± 2.5 ohm  ok");
         is(plain(OPEN), "03:40:00.123  thumb  < 0.210 N  > 63000 ohm  open");
         is(plain(BEYOND), "03:40:00.123  thumb  15.0 ± 1.3 N  889.8 ± 2.5 ohm  extrapolated");
+        is(plain(MOVING), "03:40:00.123  thumb  15.0 ± 1.4 N  890 ± 32 ohm  moving");
+        is(plain(SETTLING), "03:40:00.123  thumb  2669 ± 74 ohm  settling");
         is(plain(FAULT), "03:40:00.123  thumb  missed-edge  fault");
         is(
             plain(HINTED),
@@ -278,5 +309,18 @@ mod tests {
         assert!(line(BEYOND, 90).contains("extrap. "));
         let hinted = line(HINTED, 100);
         assert!(hinted.contains("no-calibration  nothing falls in a discharge") && hinted.contains("fault"));
+    }
+
+    #[test]
+    fn bars_keep_their_width() {
+        for unicode in [true, false] {
+            for share in 0..=100 {
+                let (full, empty) = bar(f64::from(share) / 100.0, 9, unicode);
+                assert_eq!(full.chars().count() + empty.chars().count(), 9);
+            }
+        }
+        assert_eq!(bar(0.5, 3, true), ("█▌".to_owned(), "·".to_owned()));
+        assert_eq!(bar(2.0, 3, false), ("###".to_owned(), String::new()));
+        assert_eq!(sparkline([Some(0.0), None, Some(1.0)].into_iter(), true), "▁ █");
     }
 }

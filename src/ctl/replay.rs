@@ -78,6 +78,8 @@ impl Replay {
             settle: Nanos::ZERO,
             deadline: Nanos::MAX,
             period: None,
+            average: None,
+            every: vec![1; header.channels.len()],
             t_l: None,
             switch_fraction: 1.0,
         });

@@ -21,7 +21,7 @@ pub fn run(arguments: &cli::Stats) -> Result<(), CtlError> {
 }
 
 /// The fields that are known, in the order in which a person asks; later releases have more.
-const ORDER: &str = "backend method uptime_s clients published lost cycles readings ok open short faults retried \
+const ORDER: &str = "backend method uptime_s clients published lost cycles readings ok moving open short faults retried \
                      offset_known offset_ns r_o_ohm";
 
 /// One line for each field that says something.

@@ -13,8 +13,7 @@ mod publish;
 mod signals;
 
 use crate::config::backend::{self, AnyPins, OpenError};
-use crate::config::{Backend, Config, ConfigError, Findings, Severity};
-use crate::config::{SettingsError, tape_header};
+use crate::config::{Backend, Config, ConfigError, SettingsError, Severity, tape_header};
 use crate::instrument::settings::Settings;
 use crate::pins::chardev::ChardevError;
 use crate::pins::{clock, monotonic};
@@ -31,7 +30,7 @@ use sd_notify::NotifyState;
 pub use signals::{Signals, StopHandle};
 use std::io;
 use std::os::fd::AsFd;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::time::Duration;
 
 /// What is said when a reload fails.
@@ -43,14 +42,6 @@ pub enum DaemonError {
     /// The configuration cannot be read.
     #[error("{0}")]
     Config(#[from] ConfigError),
-    /// The configuration cannot work.
-    #[error("{}: not usable\n{}", path.display(), findings.errors())]
-    Findings {
-        /// The file.
-        path: PathBuf,
-        /// What is wrong with it, and more.
-        findings: Findings,
-    },
     /// A file that it names is wrong.
     #[error(transparent)]
     Settings(#[from] SettingsError),
@@ -60,14 +51,9 @@ pub enum DaemonError {
     /// There is no socket.
     #[error(transparent)]
     Listen(#[from] ListenError),
-    /// The system refuses something basic.
-    #[error("{call}: {source}")]
-    System {
-        /// What.
-        call: &'static str,
-        /// Why.
-        source: io::Error,
-    },
+    /// The configuration cannot work, or the system refuses something basic.
+    #[error("{0}")]
+    Refused(String),
     /// The measuring thread has panicked, which is a mistake of the program.
     #[error("the measuring thread has died; every line is released. Please report this with the lines above")]
     Died,
@@ -81,7 +67,7 @@ impl DaemonError {
 }
 
 fn system(call: &'static str) -> impl Fn(io::Error) -> DaemonError {
-    move |source| DaemonError::System { call, source }
+    move |error| DaemonError::Refused(format!("{call}: {error}"))
 }
 
 /// A configuration that has passed its check, with every file that it names.
@@ -109,7 +95,8 @@ impl Loaded {
     pub fn new(config: Config, path: &Path) -> Result<Loaded, DaemonError> {
         let findings = config.check();
         if findings.has_errors() {
-            return Err(DaemonError::Findings { path: path.to_owned(), findings });
+            let errors = findings.errors();
+            return Err(DaemonError::Refused(format!("{}: not usable\n{errors}", path.display())));
         }
         for finding in findings.of(Severity::Warning) {
             log::warn!("{finding}");
@@ -163,7 +150,7 @@ impl Daemon {
             Some(listener) => (listener, "the socket passed by systemd".to_owned()),
             None => {
                 let path = &config.server.socket;
-                (Listener::bind(path, config.server.mode.0)?, path.display().to_string())
+                (Listener::bind(path, config.server.mode)?, path.display().to_string())
             }
         };
         let mut server = Server::new(listener, &publish::channels(&loaded.settings), Limits::default())

@@ -75,7 +75,9 @@ pub fn publish(server: &mut Server, known: &mut Known, loaded: &Loaded, update: 
     match update {
         Update::Message(Message::Reading(reading)) => {
             known.log_suspect(&reading);
-            server.publish_reading(&reading, wall_time(reading.at + to_wall));
+            // 64 bits of nanoseconds end in 2262, long before the calendar of jiff does.
+            let time = Timestamp::from_nanosecond((reading.at + to_wall).0.into()).unwrap_or_default();
+            server.publish_reading(&reading, time);
         }
         Update::Message(Message::Discharge { seq, record, is_held }) => {
             if server.wants_raw() {
@@ -105,11 +107,6 @@ pub fn publish(server: &mut Server, known: &mut Known, loaded: &Loaded, update: 
     }
 }
 
-/// An instant on `CLOCK_REALTIME`. 64 bits of nanoseconds end in 2262, long before the calendar of jiff does.
-fn wall_time(at: Nanos) -> Timestamp {
-    Timestamp::from_nanosecond(at.0.into()).unwrap_or_default()
-}
-
 /// The daemon's own fields of STATS.
 pub fn stats(known: &Known, config: &Config, uptime: Nanos) -> InstrumentStats {
     let Known { stats, realtime, is_away, .. } = known;
@@ -125,6 +122,7 @@ pub fn stats(known: &Known, config: &Config, uptime: Nanos) -> InstrumentStats {
         cycles: stats.cycles,
         readings: stats.readings,
         ok: stats.ok,
+        moving: stats.moving,
         open: stats.open,
         short: stats.short,
         faults: faults.into(),

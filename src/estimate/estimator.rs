@@ -1,6 +1,8 @@
 //! The estimator: the calibration that is in force, uncertainty by propagation, and the states of a reading.
 
 use crate::circuit::Node;
+use crate::estimate::limits::UNTOLD_SWITCH_NS;
+use crate::estimate::mean::Basis;
 use crate::estimate::method::tracked::{self, Observed, Solution};
 use crate::estimate::method::{Scale, Switched, Switching, Times, dual};
 use crate::estimate::motion::Evidence;
@@ -17,6 +19,8 @@ mod covariances;
 mod leakage;
 mod status;
 
+pub use status::Judged;
+
 /// An estimate of R_x, before the sensor's own zero is taken off.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Estimate {
@@ -24,6 +28,8 @@ pub struct Estimate {
     pub branch: Branch,
     /// Ohm, with 1 sigma.
     pub r_ohm: Measured,
+    /// What that is made of; nothing where it is not known.
+    pub basis: Basis,
 }
 
 /// Variances of the [ratio](crate::estimate::method) to be expected.
@@ -51,6 +57,8 @@ pub struct Estimator {
     /// What leaks, as far as that is known, and whether it has been seen to.
     leak_siemens: f64,
     leak_shows: bool,
+    /// There has been no look for one yet.
+    leak_is_prior: bool,
     /// With it, c1 and c2 are only used until it is ready.
     tracker: Option<Tracker>,
 }
@@ -71,6 +79,7 @@ impl Estimator {
             c2: None,
             leak_siemens: 0.0,
             leak_shows: false,
+            leak_is_prior: false,
             tracker: None,
         }
     }
@@ -198,17 +207,25 @@ impl Estimator {
         if let Some(tracker) = self.state() {
             let solution = tracked::solve(tracker, &self.observed(record)?)?;
             let r_ohm = Measured { value: solution.r_ohm, u: Some(solution.variance.sqrt()) };
-            return Ok((Estimate { branch: solution.branch, r_ohm }, solution.evidence));
+            let own = (solution.variance - tracker.variance(&solution.by_state)).max(0.0);
+            let by_switch = (solution.branch == Branch::Inferred).then_some(solution.by_switch);
+            let basis = Basis { own, by_state: Some(solution.by_state), by_switch };
+            return Ok((Estimate { branch: solution.branch, r_ohm, basis }, solution.evidence));
         }
         let (times, branch) = self.times(record)?;
-        let (ratio, evidence) =
+        let (ratio, basis, evidence) =
             self.ratio(&times, branch, self.u_switch_ns(record, branch)).ok_or(Fault::MissedEdge)?;
         let span = self.r2_ohm - self.r1_ohm;
         let r_ohm = self.r1_ohm + ratio.value * span;
         let u = ratio.u.map(|u| u * span);
         let sound = r_ohm.is_finite() && u.is_none_or(f64::is_finite);
         if sound {
-            Ok((Estimate { branch, r_ohm: Measured { value: r_ohm, u } }, evidence))
+            let basis = Basis {
+                own: span * span * basis.own,
+                by_state: basis.by_state.map(|by| by.map(|by| span * by)),
+                by_switch: basis.by_switch.map(|by| span * by),
+            };
+            Ok((Estimate { branch, r_ohm: Measured { value: r_ohm, u }, basis }, evidence))
         } else {
             Err(Fault::Implausible)
         }
@@ -218,17 +235,26 @@ impl Estimator {
         record.ended(self.nodes).ok_or(Fault::MissedEdge)?;
         let switch = record.switch.map(|switch| (switch, self.ohm_after(switch)));
         let branch = if switch.is_some() { Branch::Inferred } else { Branch::Direct };
-        let u_switch_ns = self.u_switch_ns(record, branch).ok_or(Fault::NoCalibration)?;
+        let u_switch_ns = self.u_switch_ns(record, branch);
         Ok(Observed { crossings: record.crossings(), switch, u_switch_ns })
     }
 
-    /// The uncertainty of the switch of a discharge, ns: as its recorder says, or else what switches scatter by; `None` where
-    /// nobody knows.
-    fn u_switch_ns(&self, record: &Record, branch: Branch) -> Option<f64> {
+    /// The uncertainty of the switch of a discharge, ns: as its recorder says, or else what switches scatter by.
+    fn u_switch_ns(&self, record: &Record, branch: Branch) -> f64 {
         match branch {
-            Branch::Direct => Some(0.0),
-            Branch::Inferred => record.u_switch_ns.or(self.offset().scatter.found_ns()),
+            Branch::Direct => 0.0,
+            Branch::Inferred => self.told_switch_ns(record).unwrap_or(UNTOLD_SWITCH_NS),
         }
+    }
+
+    fn told_switch_ns(&self, record: &Record) -> Option<f64> {
+        record.u_switch_ns.or(self.offset().scatter.found_ns())
+    }
+
+    /// Whether the uncertainty of an estimate is more prior than evidence.
+    fn is_settling(&self, record: &Record, branch: Branch) -> bool {
+        let is_untold = branch == Branch::Inferred && self.told_switch_ns(record).is_none();
+        is_untold || self.leak_is_prior || !self.noise().is_known()
     }
 
     /// What a discharge goes on through after a switch, ohm.
@@ -281,25 +307,28 @@ impl Estimator {
         [a, b.filter(|_| self.nodes == 2)]
     }
 
-    /// The ratio and what it rests on; `None` if a time was not seen that the equation needs.
+    /// The ratio, what its variance is made of, and what it rests on; `None` if a time was not seen that the equation needs.
     fn ratio(
         &self,
         times: &Times<f64>,
         branch: Branch,
-        u_switch_ns: Option<f64>,
-    ) -> Option<(Measured, Evidence)> {
+        u_switch_ns: f64,
+    ) -> Option<(Measured, Basis, Evidence)> {
         let late = match branch {
             Branch::Direct => times.x,
             Branch::Inferred => times.c2,
         };
         let late = late.map(|crossing| crossing.unwrap_or(0.0));
-        let covariances = u_switch_ns.and_then(|u_switch_ns| self.covariances(late, u_switch_ns));
+        let covariances = self.covariances(late, u_switch_ns);
         let u = |of: &Dual| covariances.as_ref().map(|covariances| covariances.of(&of.by).sqrt());
         let (rules, variables) = (self.method.rules(), dual::variables(times));
         let ratio = (rules.ratio)(&variables, branch)?;
         let scale = Scale { r_ohm: [self.r1_ohm, self.r2_ohm], u: &u };
         let evidence = (rules.evidence)(&variables, branch, &scale)?;
-        Some((Measured { value: ratio.value, u: u(&ratio) }, evidence))
+        let by_switch = (branch == Branch::Inferred).then_some(ratio.by.switch);
+        let basis =
+            covariances.as_ref().map(|covariances| Basis { by_switch, ..covariances.basis(&ratio.by) });
+        Some((Measured { value: ratio.value, u: u(&ratio) }, basis.unwrap_or_default(), evidence))
     }
 
     /// The covariances of all times; `late` are the crossings that a discharge only through the resistor that ran last
@@ -318,7 +347,7 @@ impl Estimator {
                 tracker: Some(tracker),
             },
             None => Covariances {
-                crossings: noise.covariances([c1, c2, late])?,
+                crossings: noise.covariances([c1, c2, late]).unwrap_or([c1, c2, late].map(Noise::prior)),
                 single: [at * at, offset.own_variance(u_common_ns)],
                 common,
                 tracker: None,
@@ -329,7 +358,8 @@ impl Estimator {
     /// The variances of the ratio to be expected from a direct and from an inferred estimate of a sensor at `ratio`,
     /// switched at `fraction` of the time in which A crosses.
     pub fn predict(&self, ratio: f64, fraction: f64, u_switch_ns: f64) -> Option<Predicted> {
-        let (c1, c2) = self.calibration()?;
+        // A prior is not what discharges are planned by.
+        let (c1, c2) = self.calibration().filter(|_| self.noise().is_known())?;
         let (d, rules, last) = (self.offset().d_ns, self.method.rules(), self.last().index());
         let mut full = [0, 1].map(|node| c1[node] + ratio * (c2[node] - c1[node]));
         for (node, ns) in full.iter_mut().enumerate().take(self.nodes) {

@@ -13,9 +13,9 @@
 use crate::record::Switch;
 
 /// How many things a calibration has to know.
-pub const UNKNOWNS: usize = 5;
-/// What it has to know: progress g of A and B at the threshold (ns/ohm), Ro (ohm), d of A, and how much later B is stamped
-/// (ns).
+pub const UNKNOWNS: usize = 7;
+/// What it has to know: progress g of A and B at the threshold (ns/ohm), Ro (ohm), d of A, how much later B is stamped (ns), and
+/// how fast either g changes (1/s).
 pub type State = [f64; UNKNOWNS];
 /// The index of Ro in a [`State`].
 pub const R_O: usize = 2;
@@ -23,6 +23,9 @@ pub const R_O: usize = 2;
 pub const D: usize = 3;
 /// The index of what node B's d is greater by.
 pub const D_B: usize = 4;
+
+/// The index of how fast A's g changes in a [`State`]; that of B's comes after it.
+pub const RATE: usize = 5;
 
 /// The latency offset of a node, ns.
 pub fn d_ns(state: &State, node: usize) -> f64 {
@@ -97,7 +100,7 @@ mod tests {
         #[test]
         fn progress_at_the_crossing_is_g_and_derivatives_are_slopes(
             state in (100.0..2000.0f64, 1.05..2.0f64, 10.0..100.0f64, 0.0..20_000.0f64)
-                .prop_map(|(g, factor, r_o, d)| [g, g * factor, r_o, d, 0.3 * d - 1000.0]),
+                .prop_map(|(g, factor, r_o, d)| [g, g * factor, r_o, d, 0.3 * d - 1000.0, 1e-4, 2e-4]),
             first_ohm in 10.0..1e5f64,
             next_ohm in 100.0..20_000.0f64,
             fraction in prop::option::of(0.01..0.95f64),

@@ -18,8 +18,11 @@ pub const RESOLVED: f64 = 6.0;
 pub const HIGHEST_R_O_OHM: f64 = 200.0;
 /// No kernel stamps crossings later on average, ns.
 pub const LATEST_STAMP_NS: f64 = 100_000.0;
-/// The noise of crossings as long as it is not known, ns, 1 sigma.
+/// The noise of crossings as long as it is not known, ns, 1 sigma: kernels of boards were found to stamp within 7 us
+/// (hw/scenes).
 pub const UNKNOWN_JITTER_NS: f64 = 10_000.0;
+/// The part of it that is in proportion to the time, as a share of that: 3 mV at a threshold of 1 V.
+pub const UNKNOWN_NOISE: f64 = 3e-3;
 /// The calibration resistors may differ so much from what the configuration says, relative.
 pub const RESISTOR_TOLERANCE: f64 = 0.08;
 
@@ -69,9 +72,10 @@ pub const GATE_WIDEST: f64 = 4.0;
 // Motion of the sensor; found with tests/accuracy, dynamic.
 /// Readings that are remembered.
 pub const MOTION_POINTS: usize = 6;
-/// A reading whose predicted error is a larger share of it is no number.
-pub const UNSETTLED: f64 = 0.01;
-/// A predicted error below so many sigma is stated all the same: the number is hardly worse for it.
+/// A sensor whose readings have a larger predicted error, relative, moves fast: crossings that contradict each other are its
+/// own then.
+pub const FAST: f64 = 0.01;
+/// A predicted error below so many sigma may be noise.
 pub const STATED: f64 = 3.0;
 /// What is so many times faster than everything before it was not to be expected.
 pub const SUDDEN: f64 = 3.0;
@@ -79,6 +83,12 @@ pub const SUDDEN: f64 = 3.0;
 pub const OPEN_LN: f64 = 0.7;
 /// Stretches that differ by a smaller share of the longer one tell no slope.
 pub const APART: f64 = 0.2;
+
+// Means of readings.
+/// Steps from reading to reading that are believed, at the least.
+pub const STEPS_OF_A_MEAN: f64 = 16.0;
+/// Readings scatter by more than they say when their steps show it with so many sigma.
+pub const STEPS_SHOW: f64 = 4.0;
 
 // Split calibration.
 /// The split comes after this part of node A's time through R_1: late, since the difference grows with it, and before any
@@ -92,6 +102,8 @@ pub const SCATTER_MEMORY: f64 = 4096.0;
 pub const SCATTER_DOUBT: f64 = 0.25;
 /// Readings that bound the scatter of switches, at the least and at the most.
 pub const READINGS_OF_SCATTER: [f64; 2] = [16.0, 64.0];
+/// The uncertainty of a switch of which neither its recorder nor any split discharge has told one, ns: that of a posted write.
+pub const UNTOLD_SWITCH_NS: f64 = 2000.0;
 /// The uncertainty of a switch of which nobody has told one, as on a tape, ns: that of a call of a microsecond.
 pub const UNKNOWN_SWITCH_NS: f64 = 400.0;
 
@@ -107,17 +119,24 @@ pub const INNOVATION_GATE: f64 = 4.0;
 /// So many rejections in a row are a step.
 pub const REJECTED_OF_A_STEP: u32 = 3;
 /// How slowly d, g and Ro walk, per root second: d in parts of its jitter, for what makes the latency jitter makes its mean
-/// wander; g relative, never slower than a drift by 1 % in a minute takes it in a second, since a walk that was learned in
-/// quiet times lags behind a drift that begins; Ro in ohm, for the temperature of a board changes in minutes.
-pub const SLOWEST_WALK: [f64; 3] = [0.02, 2e-4, 0.02];
+/// wander; g relative, beside how fast it drifts, which is part of the state; Ro in ohm, for the temperature of a board changes
+/// in minutes.
+pub const SLOWEST_WALK: [f64; 3] = [0.01, 2e-5, 0.01];
+/// How fast either g may change at first, 1/s: 1 % in a minute.
+pub const RATE_AT_FIRST: f64 = 2e-4;
+/// How fast that itself walks, per root second.
+pub const RATE_WALK: f64 = 3e-6;
+/// For so long at the most the state goes on as it went, s.
+pub const LONGEST_AHEAD_S: f64 = 60.0;
 /// How fast they may walk.
 pub const FASTEST_WALK: [f64; 3] = [2.0, 2e-3, 5.0];
 /// How much one innovation changes the speed of a walk.
 pub const LEARN_WALK: f64 = 0.3;
-/// Innovations that a trend is the mean of.
-pub const TREND_OF: f64 = 8.0;
-/// Where nothing speaks for a faster walk it becomes slower by so much, in the square of a sigma.
-pub const WALK_CALM: f64 = 0.1;
+/// Innovations that a trend is the mean of, at the least and at the most.
+pub const TREND_OF: [f64; 2] = [8.0, 512.0];
+/// Where nothing speaks for a faster walk it becomes slower by so much in as many innovations as a trend is the mean of, in the
+/// square of a sigma.
+pub const WALK_CALM: f64 = 0.8;
 /// Discharges of a kind that its mean innovation is taken over.
 pub const MISFIT_OF: f64 = 64.0;
 /// Mean innovations contradict the state when their mean square is so many times what chance makes it: of six it is more

@@ -8,6 +8,7 @@ pub mod fit;
 pub mod law;
 pub mod leak;
 pub mod limits;
+pub mod mean;
 pub mod method;
 pub mod motion;
 pub mod noise;

@@ -14,88 +14,13 @@
 //! two stretches of one discharge give a slope each time, which no rhythm of readings can hide, and for a hand that
 //! trembles about a mean the root mean squares of value, slope and bend belong together as z'' = z'²/z.
 
-use crate::estimate::limits::{APART, BEYOND_NOISE, MOTION_POINTS, OPEN_LN, STATED, SUDDEN, UNSETTLED};
+mod evidence;
+
+use crate::estimate::limits::{BEYOND_NOISE, COVERAGE, FAST, MOTION_POINTS, OPEN_LN, STATED, SUDDEN};
 use crate::reading::Fault;
 use crate::units::Nanos;
-
-/// What a discharge tells of R_x, and when it was so. Times in ns since the start.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Evidence {
-    /// When R_x was what the estimate says.
-    pub at_ns: f64,
-    /// What z'' and z'² have to be multiplied by, ns².
-    bend_ns2: f64,
-    apart_ns2: f64,
-    /// What each stretch says alone.
-    pair: Option<Pair>,
-    /// The crossings disagree by more than noise does.
-    pub contradicts: bool,
-}
-
-/// R_x by each of two stretches.
-#[derive(Debug, Clone, Copy, PartialEq)]
-struct Pair {
-    r_ohm: [f64; 2],
-    /// Of their difference, ohm.
-    u_ohm: f64,
-    /// From the middle of one to the middle of the other, s; may be negative. `None`: too close to tell a slope.
-    apart_s: Option<f64>,
-}
-
-impl Pair {
-    /// The same as logarithms, which are `all_ohm` of what they were.
-    fn map(self, through: impl Fn(f64) -> f64, all_ohm: f64) -> Pair {
-        Pair { r_ohm: self.r_ohm.map(|r_ohm| through(r_ohm).ln()), u_ohm: self.u_ohm / all_ohm, ..self }
-    }
-
-    fn difference(self) -> f64 {
-        self.r_ohm[1] - self.r_ohm[0]
-    }
-
-    /// With 1 sigma.
-    fn slope(self) -> Option<[f64; 2]> {
-        self.apart_s.map(|apart_s| [self.difference() / apart_s, (self.u_ohm / apart_s).abs()])
-    }
-}
-
-impl Evidence {
-    /// An estimate that rests on one stretch of the discharge.
-    pub fn over(end_ns: f64) -> Evidence {
-        Evidence {
-            at_ns: end_ns / 2.0,
-            bend_ns2: end_ns * end_ns / 24.0,
-            apart_ns2: 0.0,
-            pair: None,
-            contradicts: false,
-        }
-    }
-
-    /// An estimate that has `weights` (sum 1) on two stretches, which alone would say `r_ohm`; `u_ohm` is 1 sigma of the
-    /// difference. Where that is not known, nothing contradicts.
-    pub fn over_two(end_ns: [f64; 2], weights: [f64; 2], r_ohm: [f64; 2], u_ohm: Option<f64>) -> Evidence {
-        let sum = |of: &dyn Fn(f64) -> f64| weights[0] * of(end_ns[0]) + weights[1] * of(end_ns[1]);
-        let at_ns = sum(&|end| end / 2.0);
-        let apart_ns2 = sum(&|end| (end / 2.0 - at_ns).powi(2));
-        let between_ns = (end_ns[1] - end_ns[0]) / 2.0;
-        let is_apart = 2.0 * between_ns.abs() > APART * end_ns[0].max(end_ns[1]);
-        // Not `>`: what cannot be compared is no agreement.
-        let agrees = u_ohm.is_none_or(|u_ohm| (r_ohm[1] - r_ohm[0]).abs() <= BEYOND_NOISE * u_ohm);
-        let apart_s = is_apart.then_some(1e-9 * between_ns);
-        Evidence {
-            at_ns,
-            bend_ns2: (sum(&|end| end * end / 24.0) + apart_ns2 / 2.0).abs(),
-            apart_ns2: apart_ns2.abs(),
-            // One stretch that two crossings tell of cannot contradict itself by a change.
-            pair: u_ohm.filter(|_| between_ns != 0.0).map(|u_ohm| Pair { r_ohm, u_ohm, apart_s }),
-            contradicts: !agrees,
-        }
-    }
-
-    /// The same, with another word on whether the crossings disagree.
-    pub fn contradicting(self, contradicts: bool) -> Evidence {
-        Evidence { contradicts, ..self }
-    }
-}
+pub use evidence::Evidence;
+use evidence::Pair;
 
 /// What a sensor had at an instant.
 #[derive(Debug, Clone, Copy, Default)]
@@ -123,10 +48,24 @@ enum Trust {
 }
 
 impl Point {
+    /// It is above a bound, and no number.
+    fn is_open(&self) -> bool {
+        self.u >= OPEN_LN
+    }
+
     /// How fast it went from here to there, 1/s.
     fn speed_to(&self, next: &Point) -> f64 {
         (next.z - self.z) / (next.at - self.at).as_seconds().max(1e-6)
     }
+}
+
+/// What the sensor's own change adds to a reading.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Moved {
+    /// 1 sigma, ohm.
+    pub u_ohm: f64,
+    /// That is more than all else that is not known of the reading.
+    pub is_moving: bool,
 }
 
 /// The last readings of a sensor.
@@ -134,23 +73,24 @@ impl Point {
 pub struct Motion {
     points: [Point; MOTION_POINTS],
     count: usize,
-    unsettled: bool,
+    /// The last one changed by more than its noise can hide.
+    is_fast: bool,
 }
 
 impl Motion {
     /// Takes an estimate (`r_ohm` with `u_ohm`) of a discharge that began at `start`; answers what the sensor's own change
-    /// adds to its uncertainty, ohm.
+    /// adds to its uncertainty.
     ///
     /// # Errors
     /// [`Fault::LatencyOutlier`] if it contradicts itself as by one late stamp, [`Fault::Unsettled`] if the sensor has
-    /// changed too much for a number.
+    /// changed so much that the error may be as large as the value.
     pub fn judge(
         &mut self,
         start: Nanos,
         [r_ohm, u_ohm]: [f64; 2],
         r_o_ohm: f64,
         evidence: &Evidence,
-    ) -> Result<f64, Fault> {
+    ) -> Result<Moved, Fault> {
         let through = |r_ohm: f64| (r_ohm + r_o_ohm).max(1e-3);
         let all_ohm = through(r_ohm);
         let pair = evidence.pair.map(|pair| pair.map(through, all_ohm));
@@ -161,25 +101,38 @@ impl Motion {
             slope: pair.and_then(Pair::slope),
             trust: Trust::Sound,
         };
-        if evidence.contradicts && !self.explains(&point) {
+        let error = if evidence.contradicts && !self.explains(&point) {
             let Some(pair) = pair else { return Err(Fault::LatencyOutlier) };
             // Where the sensor was moving already, it moves still.
-            self.unsettled |= !self.is_late_stamp(pair);
-            point.trust = if self.unsettled { Trust::Mixed } else { Trust::Doubtful };
+            self.is_fast |= !self.is_late_stamp(pair);
+            point.trust = if self.is_fast { Trust::Mixed } else { Trust::Doubtful };
+            let error = self.between(&point, Some(pair));
             self.push(point);
-            return Err(if self.unsettled { Fault::Unsettled } else { Fault::LatencyOutlier });
-        }
+            if !self.is_fast {
+                return Err(Fault::LatencyOutlier);
+            }
+            error
+        } else {
+            let error = self.follow(point, pair, evidence);
+            self.is_fast = error > FAST.max(STATED * point.u);
+            error
+        };
+        let moved = Moved { u_ohm: error * all_ohm, is_moving: error > point.u };
+        let is_number = !moved.is_moving || COVERAGE * moved.u_ohm < r_ohm;
+        if is_number { Ok(moved) } else { Err(Fault::Unsettled) }
+    }
+
+    /// Takes a point that goes with those before it; answers its predicted error, 1 sigma, relative.
+    fn follow(&mut self, mut point: Point, pair: Option<Pair>, evidence: &Evidence) -> f64 {
         self.settle(evidence.contradicts);
         self.forget_what_is_gone(&point);
         let is_sudden = self.is_sudden(&point);
         let hidden = if is_sudden { self.hidden(&point, pair) } else { 0.0 };
-        if hidden > UNSETTLED.max(STATED * point.u) {
+        if hidden > FAST.max(STATED * point.u) {
             point.trust = Trust::Sudden;
         }
         self.push(point);
-        let error = self.error(evidence, is_sudden).hypot(hidden);
-        self.unsettled = error > UNSETTLED.max(STATED * point.u);
-        if self.unsettled { Err(Fault::Unsettled) } else { Ok(error * all_ohm) }
+        self.error(evidence, is_sudden).hypot(hidden)
     }
 
     /// Takes a reading that is no number: a resistance above `r_min_ohm`.
@@ -247,7 +200,7 @@ impl Motion {
     fn forget_what_is_gone(&mut self, point: &Point) {
         let Some(rest) = self.points().iter().rposition(|point| point.trust != Trust::Sudden) else { return };
         let before = self.points[rest];
-        let is_known = before.trust == Trust::Sound && before.u < OPEN_LN;
+        let is_known = before.trust == Trust::Sound && !before.is_open();
         if is_known && (point.z - before.z).abs() <= BEYOND_NOISE * point.u.hypot(before.u) {
             self.count = rest + 1;
         }
@@ -256,6 +209,14 @@ impl Motion {
     /// Speeds from reading to reading, 1/s.
     fn speeds(&self) -> impl Iterator<Item = f64> {
         self.sound().zip(self.sound().skip(1)).map(|(point, next)| point.speed_to(next))
+    }
+
+    /// The same as far as they are more than noise.
+    fn certain_speeds(&self) -> impl Iterator<Item = f64> {
+        self.sound().zip(self.sound().skip(1)).map(|(point, next)| {
+            let seconds = (next.at - point.at).as_seconds().max(1e-6);
+            (point.speed_to(next).abs() - COVERAGE * point.u.hypot(next.u) / seconds).max(0.0)
+        })
     }
 
     /// Whether a slope inside of a discharge is one that the neighbours have, too.
@@ -294,19 +255,37 @@ impl Motion {
     /// Whether it has changed faster than anything before it.
     fn is_sudden(&self, point: &Point) -> bool {
         let Some(last) = self.sound().next_back() else { return false };
+        let change = (point.z - last.z).abs();
+        if last.is_open() {
+            // Anywhere above its bound, and how it came below nobody has seen.
+            return change > OPEN_LN + BEYOND_NOISE * point.u;
+        }
         let slopes = self.slopes().map(|[slope, u]| slope.abs() - 3.0 * u);
-        let speed = second_greatest(self.speeds().map(f64::abs)).max(second_greatest(slopes));
-        let expected =
-            SUDDEN * speed * (point.at - last.at).as_seconds() + BEYOND_NOISE * point.u.hypot(last.u);
-        (point.z - last.z).abs() > expected
+        let speed = second_greatest(self.certain_speeds()).max(second_greatest(slopes));
+        let noise = BEYOND_NOISE * point.u.hypot(last.u);
+        change > SUDDEN * speed * (point.at - last.at).as_seconds() + noise
     }
 
     /// What a sudden change may hide that came perhaps in the middle of this discharge: as much as its two stretches
-    /// disagree by, or half of the change.
+    /// disagree by, or as it is from the reading before.
     fn hidden(&self, point: &Point, pair: Option<Pair>) -> f64 {
-        let change = self.sound().next_back().map_or(0.0, |last| (point.z - last.z).abs());
+        self.between(point, pair).min(self.since_last(point))
+    }
+
+    /// What a change in the middle of a discharge does to it: as much as its two stretches disagree by, of which one step, whenever
+    /// it came, makes no more than 1.5 times as much.
+    fn between(&self, point: &Point, pair: Option<Pair>) -> f64 {
         let apart = pair.filter(|pair| pair.apart_s.is_some());
-        apart.map_or(f64::INFINITY, |pair| pair.difference().hypot(pair.u_ohm)).min(change / 2.0)
+        apart.map_or_else(|| self.since_last(point), |pair| pair.difference().hypot(pair.u_ohm))
+    }
+
+    /// The same of one stretch, over which the mean conductance is m times what it was before. If one step came after its middle,
+    /// the sensor had 1/m of that mean there; if it came earlier, at the least (2m - 1)/m of it. Nothing is more likely between
+    /// (GUM, rectangular).
+    fn since_last(&self, point: &Point) -> f64 {
+        let Some(last) = self.sound().next_back() else { return 0.0 };
+        let m = (last.z - point.z).exp();
+        if 2.0 * m > 1.0 { (m - 1.0).abs() / (2.0 * m - 1.0).min(1.0) / 3f64.sqrt() } else { f64::INFINITY }
     }
 
     /// The predicted error of the last reading, 1 sigma, relative.

@@ -15,6 +15,7 @@ mod gate;
 
 use crate::estimate::limits::{
     BEYOND_NOISE, NOISE_MEMORY, NOISE_WARM_UP, OUTLIERS_OF_A_STEP, PROPORTIONAL_SHOWS, SHARED_VARIANCE,
+    UNKNOWN_JITTER_NS, UNKNOWN_NOISE,
 };
 use crate::estimate::scatter::{MEDIAN_DEVIATION, median};
 use crate::reading::Fault;
@@ -211,9 +212,8 @@ impl Spread {
     /// Half the mean square of successive differences, which has two degrees of freedom for three of them. With few of
     /// them, as much more as makes 2 sigma the 95 % limit of Student's distribution (to 2 % from 8 degrees on).
     fn covariance(&self) -> Covariance {
-        let [a, b] = [0, 1].map(|node| {
-            0.5 * (1.0 + 1.3 / self.freedom(node)).powi(2) / self.weight[node].max(1.0)
-        });
+        let [a, b] =
+            [0, 1].map(|node| 0.5 * (1.0 + 1.3 / self.freedom(node)).powi(2) / self.weight[node].max(1.0));
         Covariance { aa: a * self.sum.aa, bb: b * self.sum.bb, ab: b * self.sum.ab }
     }
 
@@ -302,6 +302,12 @@ impl Noise {
     /// Whether enough discharges have been seen.
     pub fn is_known(&self) -> bool {
         self.learned.is_some()
+    }
+
+    /// What it may be of discharges whose nodes cross at `times` ns as long as nothing is known: wide for any board, ns².
+    pub fn prior(times: [f64; 2]) -> Covariance {
+        let [aa, bb] = times.map(|ns| UNKNOWN_JITTER_NS.powi(2) + (UNKNOWN_NOISE * ns).powi(2));
+        Covariance { aa, bb, ab: 0.0 }
     }
 
     /// The covariance of the crossings of a discharge whose nodes cross at `times` ns; `None` until known.

@@ -7,10 +7,10 @@
 //! nothing to do with each other, those of a slower one go on in one direction.
 
 use crate::circuit::Node;
-use crate::estimate::law::{Crossing, D, D_B, R_O, Route, State, UNKNOWNS};
+use crate::estimate::law::{Crossing, D, D_B, R_O, RATE, Route, State, UNKNOWNS};
 use crate::estimate::limits::{
-    BEGINNINGS, FIRST_ROUNDS, INNOVATION_GATE, MOST_REJECTED, REJECTED_OF_A_STEP, SLOWEST_WALK,
-    SPLIT_FRACTION,
+    BEGINNINGS, FIRST_ROUNDS, INNOVATION_GATE, LONGEST_AHEAD_S, MOST_REJECTED, RATE_AT_FIRST, RATE_WALK,
+    REJECTED_OF_A_STEP, SLOWEST_WALK, SPLIT_FRACTION,
 };
 use crate::estimate::noise::{Covariance, Noise};
 use crate::estimate::offset::{Offset, SplitCalibration};
@@ -70,6 +70,8 @@ pub struct Tracker {
     rounds: Vec<[Record; 3]>,
     round: [Option<Record>; 3],
     ready: bool,
+    /// Gain and rows of the last correction.
+    last: ([[f64; 2]; UNKNOWNS], [State; 2]),
 }
 
 impl Tracker {
@@ -105,6 +107,7 @@ impl Tracker {
             rounds,
             round: [None; 3],
             ready: false,
+            last: Default::default(),
         }
     }
 
@@ -118,7 +121,7 @@ impl Tracker {
         self.ready
     }
 
-    /// The state: g_A, g_B, Ro, d of A, and what B's is greater by.
+    /// The state: g_A, g_B, Ro, d of A, what B's is greater by, and how fast both g change.
     pub fn state(&self) -> &State {
         &self.state
     }
@@ -188,7 +191,7 @@ impl Tracker {
         }
         let offset = self.split.result();
         if let Some((offset, (r_o_ohm, _))) = offset.and_then(|offset| Some((offset, offset.r_o_ohm?))) {
-            let state = [slope[0], slope[1], r_o_ohm, offset.d_ns, 0.0];
+            let state = [slope[0], slope[1], r_o_ohm, offset.d_ns, 0.0, 0.0, 0.0];
             // While little is known no gate keeps a spike out, and what fits it is rejected afterwards: then the
             // rounds are seen again without the first one. If that never helps, there are new rounds.
             self.ready = (0..BEGINNINGS).any(|skipped| self.fits(state, &rounds[skipped..]));
@@ -215,11 +218,12 @@ impl Tracker {
         rejected * MOST_REJECTED <= 3 * rounds.len()
     }
 
-    /// As little knowledge as physics leaves: g to 5 %, Ro to 50 ohm, each d to 50 us.
+    /// As little knowledge as physics leaves: g to 5 %, Ro to 50 ohm, each d to 50 us, a drift to what boards do.
     fn open(&mut self) {
         self.covariance = Matrix::default();
         let d_b = if self.nodes == 2 { 50_000.0 } else { 0.0 };
-        let sigma = [0.05 * self.state[0], 0.05 * self.state[1], 50.0, 50_000.0, d_b];
+        let [rate, rate_b] = [RATE_AT_FIRST, if self.nodes == 2 { RATE_AT_FIRST } else { 0.0 }];
+        let sigma = [0.05 * self.state[0], 0.05 * self.state[1], 50.0, 50_000.0, d_b, rate, rate_b];
         for (index, sigma) in sigma.into_iter().enumerate() {
             self.covariance[index][index] = sigma * sigma;
         }
@@ -255,6 +259,18 @@ impl Tracker {
         self.misfit() * quadratic(&self.covariance, v)
     }
 
+    /// The covariance of v times the state with the state, but for [`Tracker::misfit`].
+    pub fn with_state(&self, v: &State) -> State {
+        self.covariance.map(|row| row.iter().zip(v).map(|(p, v)| p * v).sum())
+    }
+
+    /// What a covariance with the state has become by the last calibration discharge: c - K H c.
+    pub fn after_correction(&self, c: &State) -> State {
+        let (gain, rows) = &self.last;
+        let seen = rows.map(|row| row.iter().zip(c).map(|(h, c)| h * c).sum::<f64>());
+        std::array::from_fn(|i| c[i] - gain[i][0] * seen[0] - gain[i][1] * seen[1])
+    }
+
     /// The covariance of u and of v times the state.
     pub fn covariance_of(&self, u: &State, v: &State) -> f64 {
         self.misfit() * bilinear(&self.covariance, u, v)
@@ -272,16 +288,42 @@ impl Tracker {
 
     /// By how much the variance of v times the state grows in a second.
     pub fn growth(&self, v: &State) -> f64 {
-        self.walks().iter().zip(v).map(|(walk, v)| (walk * v).powi(2)).sum()
+        let walks: f64 = self.walks().iter().zip(v).map(|(walk, v)| (walk * v).powi(2)).sum();
+        let with_state = self.with_state(v);
+        walks + (0..2).map(|node| 2.0 * v[node] * self.state[node] * with_state[RATE + node]).sum::<f64>()
     }
 
-    /// The walk since the last discharge.
+    /// Lets the state go on as it has gone, and walk.
     pub fn advance(&mut self, now: Nanos) {
-        let seconds = (now - self.at).as_seconds().clamp(0.0, 3600.0);
+        let seconds = (now - self.at).as_seconds().clamp(0.0, LONGEST_AHEAD_S);
         self.at = now;
+        for node in 0..self.nodes {
+            let by_rate = self.state[node] * seconds;
+            self.state[node] += by_rate * self.state[RATE + node];
+            for j in 0..UNKNOWNS {
+                self.covariance[node][j] += by_rate * self.covariance[RATE + node][j];
+            }
+            for j in 0..UNKNOWNS {
+                self.covariance[j][node] += by_rate * self.covariance[j][RATE + node];
+            }
+        }
         for (index, walk) in self.walks().into_iter().enumerate() {
             self.covariance[index][index] += walk * walk * seconds;
         }
+    }
+
+    /// What a covariance with the state at an instant has become since.
+    pub fn carried(&self, mut c: State, since: Nanos) -> State {
+        let seconds = (self.at - since).as_seconds();
+        for node in 0..self.nodes {
+            c[node] += self.state[node] * seconds * c[RATE + node];
+        }
+        c
+    }
+
+    /// Since when the state is as it is.
+    pub fn at(&self) -> Nanos {
+        self.at
     }
 
     /// How fast each part of the state walks, per root second.
@@ -291,7 +333,8 @@ impl Tracker {
         let [walk_d, walk_g, walk_r_o] = self.walk;
         let walk_d = walk_d * jitter_ns;
         let walk_d_b = if self.nodes == 2 { walk_d } else { 0.0 };
-        [walk_g * self.state[0], walk_g * self.state[1], walk_r_o, walk_d, walk_d_b]
+        let [rate, rate_b] = [RATE_WALK, if self.nodes == 2 { RATE_WALK } else { 0.0 }];
+        [walk_g * self.state[0], walk_g * self.state[1], walk_r_o, walk_d, walk_d_b, rate, rate_b]
     }
 
     /// The resistors of a calibration discharge.
@@ -337,6 +380,7 @@ impl Tracker {
             self.state[index] += gain.of[index][0] * innovation[0] + gain.of[index][1] * innovation[1];
         }
         self.covariance = gain.posterior(&self.covariance);
+        self.last = (gain.of, states);
         true
     }
 

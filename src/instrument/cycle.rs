@@ -15,11 +15,14 @@
 mod calls;
 mod choice;
 mod plan;
+mod window;
 
 use crate::circuit::Node;
 use crate::estimate::Estimator;
+use crate::estimate::estimator::Judged;
 use crate::estimate::leak::LeakTest;
 use crate::estimate::limits::UNKNOWN_JITTER_NS;
+use crate::estimate::mean::Basis;
 use crate::estimate::offset::{Offset, SplitCalibration};
 use crate::instrument::diagnosis::Diagnosis;
 use crate::instrument::discharge::{Outcome, Plan};
@@ -89,8 +92,12 @@ pub struct Cycle {
     ended_early: bool,
     /// Why this cycle has no calibration.
     failed: Option<Fault>,
-    /// When the share of the next reading began.
+    /// When the share of the next reading began, the cycle, and how long cycles take, ns.
     began: Nanos,
+    cycle_began: Nanos,
+    cycle_ns: f64,
+    /// Counts cycles, those included in which no channel was due.
+    turn: u64,
     stats: Stats,
 }
 
@@ -127,6 +134,9 @@ impl Cycle {
             ended_early: false,
             failed: None,
             began: Nanos::ZERO,
+            cycle_began: Nanos::ZERO,
+            cycle_ns: 1.0,
+            turn: 0,
             stats: Stats::default(),
             settings,
         }
@@ -170,14 +180,17 @@ impl Cycle {
         self.failed = Some(fault);
         self.ended_early |= fault == Fault::Pins;
         if !matches!(self.step, Step::Sensor(_)) {
-            self.step = Step::Sensor(0);
+            self.step = self.first_sensor();
         }
     }
 
     /// What to do next, `now` being the time.
     pub fn next(&mut self, now: Nanos) -> Next {
         if self.step == Step::Start {
-            self.began = now;
+            (self.began, self.cycle_began) = (now, now);
+            while self.next_sensor(0).is_none() {
+                self.turn += 1;
+            }
             self.calibrations = 0;
             self.estimator.advance(now);
             self.step = self.next_calibration(None);
@@ -185,7 +198,10 @@ impl Cycle {
         self.asked = now;
         let plan = match self.step {
             Step::Sensor(channel) => match self.failed {
-                Some(fault) => return Next::Report(self.report(channel, Status::Fault(fault), now, now)),
+                Some(fault) => match self.failing(channel, fault, now) {
+                    Some(reading) => return Next::Report(reading),
+                    None => return self.next(now),
+                },
                 None => self.sensor_plan(channel),
             },
             Step::Calibrate(kind, last) => self.calibration_plan(kind, last),
@@ -252,7 +268,7 @@ impl Cycle {
             };
             kind.map(|kind| (kind, self.settings.last()))
         };
-        next.map_or(Step::Sensor(0), |(kind, last)| Step::Calibrate(kind, last))
+        next.map_or(self.first_sensor(), |(kind, last)| Step::Calibrate(kind, last))
     }
 
     /// The next cycle, or before it, from time to time, the look for a leak: where no reading waits for it.
@@ -276,7 +292,8 @@ impl Cycle {
     pub fn done(&mut self, outcome: &Outcome, now: Nanos) -> Option<Reading> {
         self.learn_overhead(outcome, now);
         self.ended_early = outcome.result.map_or(true, |record| record.waited_ns.is_some());
-        let is_plain = matches!(self.step, Step::Calibrate(CalibrationKind::First | CalibrationKind::Second, _));
+        let is_plain =
+            matches!(self.step, Step::Calibrate(CalibrationKind::First | CalibrationKind::Second, _));
         if let (true, Some(call)) = (is_plain, outcome.start_call) {
             self.calls.add(call);
         }
@@ -289,7 +306,7 @@ impl Cycle {
                 self.stats.retried += 1;
             }
             Step::Hold => self.held_done(outcome, now),
-            Step::Sensor(channel) => return Some(self.sensor_done(channel, outcome, now)),
+            Step::Sensor(channel) => return self.sensor_done(channel, outcome, now),
             Step::Start => {}
         }
         None
@@ -316,7 +333,7 @@ impl Cycle {
             (Some(Fault::NoCalibration), CalibrationKind::First) => {
                 Step::Calibrate(CalibrationKind::Second, last)
             }
-            (Some(_), _) => Step::Sensor(0),
+            (Some(_), _) => self.first_sensor(),
             (None, _) => self.step,
         };
     }
@@ -331,6 +348,9 @@ impl Cycle {
         if is_step {
             self.fail(Fault::CalibrationStep);
             return;
+        }
+        if let (Ok(()), Some(tracker)) = (result, self.estimator.tracker()) {
+            self.memory.iter_mut().for_each(|memory| memory.window.calibrated(tracker));
         }
         if result.is_ok() || (is_spike && tracks) || (kind == CalibrationKind::Split && !tracks) {
             self.retries = 0;
@@ -348,7 +368,7 @@ impl Cycle {
 
     /// A split discharge that came to nothing costs one round, not the cycle.
     fn split_done(&mut self, outcome: &Outcome) {
-        self.step = Step::Sensor(0);
+        self.step = self.first_sensor();
         let (Some(split), Some((c1, c2))) = (&mut self.split, self.estimator.calibration()) else { return };
         let Ok(record) = &outcome.result else { return };
         let before = split.taken();
@@ -380,23 +400,56 @@ impl Cycle {
         }
     }
 
-    fn sensor_done(&mut self, channel: usize, outcome: &Outcome, now: Nanos) -> Reading {
+    fn sensor_done(&mut self, channel: usize, outcome: &Outcome, now: Nanos) -> Option<Reading> {
         self.diagnosis.take_sensor(outcome);
         let settings = &self.settings.channels[channel];
         let (zero_ohm, memory) = (settings.zero_ohm, &mut self.memory[channel]);
-        let (status, at) = match &outcome.result {
+        let (judged, began) = match &outcome.result {
             Ok(record) => {
-                let (force, motion) = (settings.force.as_ref(), &mut memory.motion);
-                let (status, at_ns) = self.estimator.status_in_motion(record, zero_ohm, force, motion);
-                (status, record.start + Nanos(at_ns as i64))
+                let force = settings.force.as_ref();
+                (self.estimator.judge(record, zero_ohm, force, &mut memory.motion), record.start)
             }
-            Err(fault) => (Status::Fault(*fault), now),
+            Err(fault) => {
+                (Judged { status: Status::Fault(*fault), at_ns: 0.0, basis: Basis::default() }, now)
+            }
         };
-        memory.take(&status, outcome.result.ok(), zero_ohm, &mut self.estimator);
-        self.report(channel, status, at, now)
+        memory.take(&judged, outcome.result.ok(), zero_ohm, &mut self.estimator);
+        self.publish(channel, &judged, began, now)
+    }
+
+    /// What a cycle without calibration tells of a channel. That the lines cannot be used is told at once.
+    fn failing(&mut self, channel: usize, fault: Fault, now: Nanos) -> Option<Reading> {
+        let status = Status::Fault(fault);
+        if fault == Fault::Pins {
+            return Some(self.report(channel, status, now, now));
+        }
+        self.publish(channel, &Judged { status, at_ns: 0.0, basis: Basis::default() }, now, now)
+    }
+
+    /// A reading, or what it adds to a mean that is published when its time is over.
+    fn publish(&mut self, channel: usize, judged: &Judged, began: Nanos, now: Nanos) -> Option<Reading> {
+        let (at, share_began) = (began + Nanos(judged.at_ns as i64), self.began);
+        let Some(length) = self.settings.average else {
+            return Some(self.report(channel, judged.status, at, now));
+        };
+        let (window, tracker) = (&mut self.memory[channel].window, self.estimator.tracker());
+        window.add(judged.status, &judged.basis, [share_began, at], tracker);
+        let force = self.settings.channels[channel].force.as_ref();
+        let known = self.settings.r_ohm();
+        let force_at = |r_ohm| force.and_then(|force| force.at(r_ohm, known));
+        let over = window.is_over(now, length).then(|| window.take(length, now, tracker, force_at)).flatten();
+        let reading = over.map(|(status, [began, at])| self.told(channel, status, at, now - began));
+        self.go_on(channel, now);
+        reading
     }
 
     fn report(&mut self, channel: usize, status: Status, at: Nanos, now: Nanos) -> Reading {
+        let reading = self.told(channel, status, at, now - self.began);
+        self.go_on(channel, now);
+        reading
+    }
+
+    fn told(&mut self, channel: usize, status: Status, at: Nanos, duration: Nanos) -> Reading {
         self.stats.count(&status);
         let suspect = match status {
             Status::Fault(fault) => self.diagnosis.suspect(fault),
@@ -405,24 +458,42 @@ impl Cycle {
         if suspect.is_some() || !matches!(status, Status::Fault(_)) {
             self.stats.suspect = suspect;
         }
-        let reading = Reading {
+        Reading {
             channel,
             seq: self.stats.readings,
             at,
             status,
             suspect,
             method: self.settings.method,
-            duration: now - self.began,
-        };
-        self.began = now;
-        self.step = Step::Sensor(channel + 1);
-        self.retries = 0;
-        if channel + 1 == self.settings.channels.len() {
-            self.step = self.after_sensors(now);
-            self.failed = None;
-            self.stats.cycles += 1;
+            duration,
         }
-        reading
+    }
+
+    /// To the next channel that this cycle reads, or to what follows the last one.
+    fn go_on(&mut self, channel: usize, now: Nanos) {
+        self.retries = 0;
+        self.began = now;
+        self.step = match self.next_sensor(channel + 1) {
+            Some(next) => Step::Sensor(next),
+            None => {
+                let seconds = (now - self.cycle_began).as_ns();
+                self.cycle_ns += OVERHEAD_STEP * (seconds - self.cycle_ns);
+                self.failed = None;
+                self.stats.cycles += 1;
+                self.turn += 1;
+                self.after_sensors(now)
+            }
+        };
+    }
+
+    /// The first channel from this one on that is read in this cycle.
+    fn next_sensor(&self, from: usize) -> Option<usize> {
+        let is_due = |channel: &usize| self.turn % u64::from(self.settings.every[*channel]) == 0;
+        (from..self.settings.channels.len()).find(is_due)
+    }
+
+    fn first_sensor(&self) -> Step {
+        Step::Sensor(self.next_sensor(0).unwrap_or(0))
     }
 }
 

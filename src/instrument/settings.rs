@@ -70,6 +70,8 @@ pub struct Settings {
     pub deadline: Nanos,
     /// From the start of one cycle to the next; `None`: at once.
     pub period: Option<Nanos>,
+    /// What is published is the mean over this time; `None`: each reading.
+    pub average: Option<Nanos>,
     /// The latency offset, ns, where the calibration is not tracked; `None`: found by split calibration.
     pub offset_ns: Option<f64>,
     /// Period of the clock that stamps crossings.
@@ -80,6 +82,8 @@ pub struct Settings {
     pub t_l: Option<Nanos>,
     /// The planned switch comes at this fraction of the predicted T_xA.
     pub switch_fraction: f64,
+    /// In every so manieth cycle each of them is read.
+    pub every: Vec<u32>,
     /// The sensors.
     pub channels: Vec<Channel>,
 }

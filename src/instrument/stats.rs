@@ -15,6 +15,8 @@ pub struct Stats {
     pub readings: u64,
     /// Readings that are numbers.
     pub ok: u64,
+    /// Those of a sensor that changed meanwhile.
+    pub moving: u64,
     /// Readings above what the deadline resolves.
     pub open: u64,
     /// Readings that cannot be told from a short circuit.
@@ -46,7 +48,10 @@ impl Stats {
     pub fn count(&mut self, status: &Status) {
         self.readings += 1;
         match status {
-            Status::Ok { .. } => self.ok += 1,
+            Status::Ok { is_moving, .. } => {
+                self.ok += 1;
+                self.moving += u64::from(*is_moving);
+            }
             Status::Open { .. } => self.open += 1,
             Status::Short { .. } => self.short += 1,
             Status::Fault(fault) => self.faults[*fault as usize] += 1,

@@ -44,8 +44,6 @@ pub(super) const MOST_EVENTS: u32 = 1024;
 pub(super) const MOST_DOUBLINGS: u32 = 200;
 /// Steps of a root search: bisection alone takes about 60 halvings for each decade of uncertainty that it starts with.
 pub(super) const MOST_ROOT_STEPS: u32 = 400;
-/// Steps of Ridders' method to a turn; each halves the interval at least, and some ten are the rule.
-pub(super) const MOST_TURN_STEPS: u32 = 53;
 /// Sweeps of Jacobi's method over a matrix of 14: it converges quadratically, and 5 to 8 sweeps are the rule.
 pub(super) const MOST_SWEEPS: u32 = 30;
 /// Steps of Newton's method for the first crossing of noise: only bounds it, for it converges from every start.
@@ -74,6 +72,6 @@ pub(super) const PRESS_RISES: [f64; 2] = [0.06, 0.2];
 pub(super) const PRESS_HOLDS: [f64; 2] = [0.1, 0.3];
 /// How strong it is, as a share of the strongest.
 pub(super) const PRESS_FORCE: [f64; 2] = [0.1, 1.0];
-/// How long a sensor that changes is held constant, seconds: short against a discharge, whose integral is then that of a
+/// How long a sensor that changes is held constant, ns: short against a discharge, whose integral is then that of a
 /// ramp to 1e-4 (test `a_ramp_is_integrated`).
-pub(super) const SAMPLE_SECONDS: f64 = 50e-6;
+pub(super) const SAMPLE_NS: i64 = 50_000;

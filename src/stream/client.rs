@@ -88,7 +88,7 @@ impl Client {
             }
             ServerMessage::Version(_) => Ok(client),
             ServerMessage::Error(ErrorLine { message, .. }) => Err(ClientError::Refused(message)),
-            _ => Err(UnreadableLine::new("the first line is no VERSION").into()),
+            _ => Err(UnreadableLine("the first line is no VERSION".to_owned()).into()),
         }
     }
 
@@ -125,7 +125,9 @@ impl Client {
         loop {
             match self.input.next_line() {
                 Some(Ok(line)) => return Ok(Some(line)),
-                Some(Err(LineTooLong)) => return Err(UnreadableLine::new("a line that never ends").into()),
+                Some(Err(LineTooLong)) => {
+                    return Err(UnreadableLine("a line that never ends".to_owned()).into());
+                }
                 None => {}
             }
             match self.socket.read(&mut chunk) {

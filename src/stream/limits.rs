@@ -24,7 +24,7 @@ pub const COMPLAINT: usize = 200;
 
 /// The longest time on a tape, ns (one hour): a greater number is a mistake of units.
 pub const LONGEST_NS: f64 = 3.6e12;
-/// The largest resistance and force on a tape, ohm, newton; the smallest is its reciprocal.
+/// The largest resistance on a tape, ohm; the smallest is its reciprocal.
 pub const LARGEST: f64 = 1e12;
 
 /// What the server spends on one turn and one client.

@@ -31,22 +31,17 @@ pub fn uncertainty<S: Serializer>(number: &Option<f64>, serializer: S) -> Result
     write(*number, UNCERTAINTY_DIGITS, serializer)
 }
 
-pub fn rate<S: Serializer>(number: &Option<f64>, serializer: S) -> Result<S::Ok, S::Error> {
-    write(*number, TIME_DIGITS, serializer)
+/// Seconds and hertz, whether they may be missing or not.
+pub fn time<S: Serializer, T: Into<Option<f64>> + Copy>(
+    number: &T,
+    serializer: S,
+) -> Result<S::Ok, S::Error> {
+    write((*number).into(), TIME_DIGITS, serializer)
 }
 
-/// Nanoseconds of a discharge, which are stamped as whole ones and halved by the middle of a call.
-pub fn ns<S: Serializer>(number: &f64, serializer: S) -> Result<S::Ok, S::Error> {
-    write(Some(*number), TAPE_DIGITS, serializer)
-}
-
-/// The same where it may be missing.
-pub fn maybe_ns<S: Serializer>(number: &Option<f64>, serializer: S) -> Result<S::Ok, S::Error> {
-    write(*number, TAPE_DIGITS, serializer)
-}
-
-pub fn seconds<S: Serializer>(number: &f64, serializer: S) -> Result<S::Ok, S::Error> {
-    write(Some(*number), TIME_DIGITS, serializer)
+/// The same of nanoseconds of a discharge, which are stamped as whole ones and halved by the middle of a call.
+pub fn ns<S: Serializer, T: Into<Option<f64>> + Copy>(number: &T, serializer: S) -> Result<S::Ok, S::Error> {
+    write((*number).into(), TAPE_DIGITS, serializer)
 }
 
 /// Whole numbers have no ".0".

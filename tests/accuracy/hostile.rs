@@ -221,6 +221,11 @@ fn hostile_lines() {
 }
 
 #[test]
+fn hostile_starts() {
+    check("from the first reading on", &rows::STARTS);
+}
+
+#[test]
 fn hostile_stamps() {
     check("when crossings are stamped", &rows::STAMPS);
 }

@@ -12,4 +12,5 @@ mod hostile;
 mod methods;
 mod offset;
 mod paper;
+mod starts;
 mod tracked;

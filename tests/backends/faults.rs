@@ -11,7 +11,7 @@ use cermd::instrument::{Instrument, Message};
 use cermd::pins::Pins;
 use cermd::pins::sim::SimPins;
 use cermd::reading::{Measured, Method, Reading, Status};
-use cermd::sensor::Law;
+use cermd::sensor::{Force, Law};
 use cermd::units::Nanos;
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
@@ -51,7 +51,8 @@ fn draw(rng: &mut ChaCha8Rng) -> (Instrument<Faulty<SimPins>>, Nanos) {
     // 1 ohm to 10 Mohm: short, ok and open.
     let r_ohm = 10f64.powf(rng.random_range(0.0..7.0));
     let (pins, mut settings) = Bench::new("pi4", method, r_ohm, rng.random(), "").parts();
-    settings.channels[0].force = Some(Law::Calibrated { fc1_n: 5.75, fc2_n: 1.05 }.into());
+    let law = Law::Calibrated { fc1_n: 5.75, fc2_n: 1.05 };
+    settings.channels[0].force = Some(Force { law, u: None, range_n: None });
     let mut pins = Faulty::new(pins, rng.random());
     for injection in Injection::ALL {
         // From never to often; a call that fails ends its cycle, and there are twenty of them in one.

@@ -3,50 +3,18 @@
 
 use crate::common::Bench;
 use crate::common::chance::{WITHIN_2U, share_is};
+use crate::common::decorated::Decorated;
 use cermd::instrument::{Instrument, Message};
 use cermd::pins::sim::{Scene, SimPins};
-use cermd::pins::{Armed, Bracket, Drives, Edge, Levels, Particulars, Pins, PinsError};
+use cermd::pins::{Levels, Pins};
 use cermd::reading::{Method, Status};
-use cermd::units::{Nanos, Seconds};
+use cermd::units::Seconds;
 
 const R_OHM: f64 = 100.0;
 /// Boards, each with one reading: readings of one board share its calibration.
 const BOARDS: u64 = 600;
 /// Readings of a board before that: its calibration is no prior any more.
 const BEFORE: u64 = 60;
-
-/// Pins whose levels are never read but with arming: nothing wakes the chip.
-struct Untouched(SimPins);
-
-impl Pins for Untouched {
-    fn now(&mut self) -> Nanos {
-        self.0.now()
-    }
-    fn drive(&mut self, on: Drives) -> Result<Bracket, PinsError> {
-        self.0.drive(on)
-    }
-    fn arm(&mut self) -> Result<Armed, PinsError> {
-        self.0.arm()
-    }
-    fn edge(&mut self, until: Nanos) -> Result<Option<Edge>, PinsError> {
-        self.0.edge(until)
-    }
-    fn sleep_until(&mut self, at: Nanos) -> Result<(), PinsError> {
-        self.0.sleep_until(at)
-    }
-    fn rest_until(&mut self, at: Nanos) -> Result<(), PinsError> {
-        self.0.rest_until(at)
-    }
-    fn rest_before_edge(&mut self, at: Nanos) -> Result<(), PinsError> {
-        self.0.rest_before_edge(at)
-    }
-    fn levels(&mut self) -> Result<Levels, PinsError> {
-        Ok(Levels { a: true, b: true })
-    }
-    fn particulars(&self) -> Particulars<'_> {
-        self.0.particulars()
-    }
-}
 
 /// How many boards are within two of their sigma, of how many that gave a number; and the mean error.
 fn within_2u<P: Pins>(wakes_us: f64, pins_of: impl Fn(SimPins) -> P) -> (usize, usize, f64) {
@@ -90,7 +58,8 @@ fn what_sleeps_is_woken_before_a_call_that_is_timed() {
         assert!(share_is(hits, boards, WITHIN_2U), "{wakes_us} us: {hits} of {boards}");
     }
     // And it is that which helps.
-    let (hits, boards, mean) = within_2u(2.0, Untouched);
+    let untouched = |pins| Decorated::told(pins, Levels { a: true, b: true });
+    let (hits, boards, mean) = within_2u(2.0, untouched);
     println!("untouched: {hits} of {boards} within 2u, mean error {mean:.2} ohm");
     assert!(!share_is(hits, boards, WITHIN_2U), "{hits} of {boards}");
 }

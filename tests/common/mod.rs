@@ -3,6 +3,7 @@
 
 pub mod chance;
 pub mod config;
+pub mod decorated;
 pub mod faulty;
 pub mod seed;
 
@@ -22,6 +23,16 @@ pub struct Bench {
     pub scene: Scene,
     pub config: ConfigFile,
     pub seed: u64,
+}
+
+/// The name of a status in the stream.
+pub fn name_of(status: &Status) -> &'static str {
+    match status {
+        Status::Ok { .. } => "ok",
+        Status::Open { .. } => "open",
+        Status::Short { .. } => "short",
+        Status::Fault(_) => "fault",
+    }
 }
 
 pub fn kind_of(method: Method) -> Kind {
@@ -179,6 +190,8 @@ pub struct Errors {
     pub us: Vec<f64>,
     pub inferred: usize,
     pub without_u: usize,
+    /// Of each error, whether its reading says that the sensor moves.
+    pub moving: Vec<bool>,
     /// States, of faults their names.
     pub not_ok: Vec<&'static str>,
     /// Where the errors of each board begin.
@@ -196,6 +209,7 @@ impl Errors {
         self.next_board();
         self.errors.extend(board.errors);
         self.us.extend(board.us);
+        self.moving.extend(board.moving);
         self.not_ok.extend(board.not_ok);
         self.inferred += board.inferred;
         self.without_u += board.without_u;
@@ -248,18 +262,38 @@ impl Errors {
 
     pub fn add(&mut self, reading: &Reading, truth: f64) {
         match reading.status {
-            Status::Ok { branch, r_ohm, .. } => {
+            Status::Ok { branch, r_ohm, is_moving, .. } => {
                 let Some(u) = r_ohm.u else {
                     self.without_u += 1;
                     return;
                 };
                 self.errors.push(r_ohm.value - truth);
                 self.us.push(u);
+                self.moving.push(is_moving);
                 self.inferred += usize::from(branch == cermd::reading::Branch::Inferred);
             }
             Status::Fault(fault) => self.not_ok.push(fault.as_str()),
-            status => self.not_ok.push(status.as_str()),
+            status => self.not_ok.push(name_of(&status)),
         }
+    }
+
+    /// Without the readings that say that the sensor moves: these are counted as states.
+    pub fn at_rest(&self) -> Errors {
+        let mut rest = Errors { not_ok: self.not_ok.clone(), ..Errors::default() };
+        let mut boards = self.boards.iter().peekable();
+        for (index, is_moving) in self.moving.iter().enumerate() {
+            while boards.next_if(|first| **first <= index).is_some() {
+                rest.next_board();
+            }
+            if *is_moving {
+                rest.not_ok.push("moving");
+            } else {
+                rest.errors.push(self.errors[index]);
+                rest.us.push(self.us[index]);
+                rest.moving.push(false);
+            }
+        }
+        rest
     }
 
     pub fn count(&self) -> usize {

@@ -1,7 +1,6 @@
 //! Pins below which the computer does something else at the worst moment, once in so many discharges.
 
 use cermd::pins::sim::SimPins;
-use cermd::pins::sim::network::Capacitors;
 use cermd::pins::{Armed, Bracket, Drives, Edge, Levels, Particulars, Pins, PinsError};
 use cermd::units::Nanos;
 
@@ -115,9 +114,9 @@ impl Pins for Disturbed {
             if self.strikes(Trouble::SuspendedBetween) {
                 self.suspend()?;
                 let grown = self.grown;
-                self.inner.alter(|circuit| match &mut circuit.capacitors {
-                    Capacitors::One { c } | Capacitors::Series { c } => *c *= grown,
-                    Capacitors::Two { c_a, c_b } => (*c_a, *c_b) = (*c_a * grown, *c_b * grown),
+                self.inner.alter(|circuit| {
+                    let (first, second) = circuit.network.capacitors();
+                    [first].into_iter().chain(second).for_each(|c| c.0 *= grown);
                 });
             }
         }

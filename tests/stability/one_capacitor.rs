@@ -58,7 +58,7 @@ pub fn spikes() -> Scenario {
     row(
         "One capacitor, 1 % of stamps late by another 200 us",
         &board,
-        "a late stamp contradicts nothing within its discharge: what is far from the reading before is `unsettled`, what is not is a \
+        "a late stamp contradicts nothing within its discharge: what is far from the reading before is `moving`, what is not is a \
          number that is off by less than that.",
     )
 }

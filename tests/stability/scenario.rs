@@ -216,10 +216,10 @@ pub fn without_number(errors: &Errors) -> f64 {
     others as f64 / (others + errors.count()) as f64
 }
 
-/// The share of readings that a fault kept from being a number.
-pub fn share_of(errors: &Errors, fault: Fault) -> f64 {
-    let count = errors.not_ok.iter().filter(|name| **name == fault.as_str()).count();
-    count as f64 / (errors.not_ok.len() + errors.without_u + errors.count()) as f64
+/// The readings that say that the sensor moves, as numbers or without one.
+pub fn moving(errors: &Errors) -> usize {
+    let faults = errors.not_ok.iter().filter(|name| **name == Fault::Unsettled.as_str()).count();
+    faults + errors.moving.iter().filter(|is_moving| **is_moving).count()
 }
 
 /// A relative error in percent, two digits that count.

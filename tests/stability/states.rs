@@ -1,11 +1,10 @@
 //! Defects of the circuit, one at a time: they come while the instrument runs, stay, and go again.
 
-use crate::common::{Bench, kind_of};
+use crate::common::{Bench, kind_of, name_of};
 use cermd::circuit::Node;
 use cermd::instrument::cycle::longest_reading;
 use cermd::instrument::{Instrument, Message};
 use cermd::pins::Pins;
-use cermd::pins::sim::network::Capacitors;
 use cermd::pins::sim::{SimCircuit, SimPins};
 use cermd::reading::Suspect;
 use cermd::reading::{Fault, Method, Reading, Status};
@@ -43,10 +42,9 @@ const fn defect(name: &'static str, change: fn(&mut SimCircuit), suspects: &'sta
 }
 
 fn capacitors(circuit: &mut SimCircuit, factor_a: f64, factor_b: f64) {
-    match &mut circuit.capacitors {
-        Capacitors::One { c } | Capacitors::Series { c } => *c *= factor_a,
-        Capacitors::Two { c_a, c_b } => (*c_a, *c_b) = (*c_a * factor_a, *c_b * factor_b),
-    }
+    let (first, second) = circuit.network.capacitors();
+    first.0 *= factor_a;
+    second.into_iter().for_each(|c_b| c_b.0 *= factor_b);
 }
 
 const DEFECTS: [Defect; 14] = [
@@ -109,7 +107,7 @@ impl Said {
                     _ => truth <= 50.0,
                 };
                 self.wrong += usize::from(!sound);
-                if sound { status.as_str().to_owned() } else { format!("wrong {}", status.as_str()) }
+                if sound { name_of(&status).to_owned() } else { format!("wrong {}", name_of(&status)) }
             }
         };
         *self.names.entry(name).or_default() += 1;

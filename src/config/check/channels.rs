@@ -1,12 +1,11 @@
 //! `[[channel]]`: names that clients can tell apart, and characteristics that are physical.
 
 use crate::config::Findings;
-use crate::config::limits::{ABSURD_ZERO_OHM, EXPONENTS, FORCES, LARGEST_ZERO_OHM, LONGEST_ID};
+use crate::config::limits::{ABSURD_ZERO_OHM, EVERY, LARGEST_ZERO_OHM, LONGEST_ID};
 use crate::config::{ChannelTable, Characteristic, Severity, Source};
 use crate::pins::MAX_CHANNELS;
-use crate::sensor::{Law, UNCALIBRATED_U};
-use crate::units::{Newton, NewtonOhm, Ohm, rounded};
-use std::fmt::Display;
+use crate::sensor::{self, UNCALIBRATED_U};
+use crate::units::Ohm;
 
 /// The name of a channel's key: by the channel's id, or by its number (from 1) where the id is unfit to print.
 pub fn key(index: usize, channel: &ChannelTable, name: &str) -> String {
@@ -40,6 +39,8 @@ pub fn check(channels: &[ChannelTable], findings: &mut Findings) {
     for (index, channel) in channels.iter().enumerate() {
         id(index, channels, findings);
         zero(index, channel, findings);
+        every(index, channel, findings);
+        every(index, channel, findings);
         if let Some(characteristic) = &channel.force {
             force(&key(index, channel, "force"), characteristic, findings);
         }
@@ -62,6 +63,13 @@ fn id(index: usize, channels: &[ChannelTable], findings: &mut Findings) {
     }
 }
 
+fn every(index: usize, channel: &ChannelTable, findings: &mut Findings) {
+    if !EVERY.contains(&channel.every) {
+        let reason = format!("not between {} and {}", EVERY.start(), EVERY.end());
+        findings.error(key(index, channel, "every"), reason, "10, or without it: in each cycle");
+    }
+}
+
 fn zero(index: usize, channel: &ChannelTable, findings: &mut Findings) {
     let key = key(index, channel, "zero-ohm");
     let zero = Ohm(channel.zero_ohm);
@@ -77,31 +85,15 @@ fn zero(index: usize, channel: &ChannelTable, findings: &mut Findings) {
 }
 
 fn force(key: &str, characteristic: &Characteristic, findings: &mut Findings) {
-    let Characteristic { law: source, u, range_n } = characteristic;
-    let fault = match source {
+    let Characteristic { law, u, range_n } = characteristic;
+    let fault = match law {
         Source::File(file) if file.as_os_str().is_empty() => {
             Some(("table names no file".to_owned(), "a CSV file beside the configuration"))
         }
         Source::File(_) => None,
-        Source::Given(given) => law(given),
+        Source::Given(law) => law.defect(),
     };
-    let is_range = |[least, greatest]: [f64; 2]| {
-        least < greatest && FORCES.contains(&least) && FORCES.contains(&greatest)
-    };
-    let fault = fault.or(match (*u, *range_n) {
-        (Some(u), _) if !(u > 0.0 && u <= 1.0) => Some((
-            format!("u = {} % is not above 0 % and up to 100 %", rounded(100.0 * u, 7)),
-            "u = \"8.7 %\", the residual that `cermctl calibrate force` shows",
-        )),
-        (_, Some(range)) if !is_range(range) => Some((
-            format!(
-                "range = {:?} is not from a lesser to a greater force",
-                range.map(|f_n| Newton(f_n).to_string())
-            ),
-            "range = [\"0.5 N\", \"20 N\"]",
-        )),
-        _ => None,
-    });
+    let fault = fault.or(sensor::defect_of_bounds(*u, *range_n));
     match fault {
         Some((reason, remedy)) => findings.error(key, reason, remedy),
         None if u.is_none() => findings.add(
@@ -115,45 +107,4 @@ fn force(key: &str, characteristic: &Characteristic, findings: &mut Findings) {
         ),
         None => {}
     }
-}
-
-/// What is wrong with numbers, and what to try.
-fn law(law: &Law) -> Option<(String, &'static str)> {
-    match *law {
-        Law::Calibrated { fc1_n, fc2_n } if !(fc2_n > 0.0 && fc1_n > fc2_n) => Some((
-            format!(
-                "fc1 = {} at the lower resistance has to exceed fc2 = {}, and both be above zero",
-                Newton(fc1_n),
-                Newton(fc2_n)
-            ),
-            "the greater force as fc1",
-        )),
-        Law::Alpha { alpha_n_ohm } if alpha_n_ohm <= 0.0 => Some((
-            format!("alpha = {} is not above zero", NewtonOhm(alpha_n_ohm)),
-            "alpha = \"13346 N ohm\", usual for an FSR 402",
-        )),
-        Law::Power { at_1_kohm_n, exponent } if !(at_1_kohm_n > 0.0 && exponent > 0.0) => Some((
-            format!("at-1-kohm = {} and exponent = {exponent} have to be above zero", Newton(at_1_kohm_n)),
-            "{ at-1-kohm = \"13.3 N\", exponent = 1.0 }",
-        )),
-        Law::Calibrated { fc1_n, .. } if !FORCES.contains(&fc1_n) => Some(absurd(Newton(fc1_n))),
-        Law::Calibrated { fc2_n: f_n, .. } | Law::Power { at_1_kohm_n: f_n, .. }
-            if !FORCES.contains(&f_n) =>
-        {
-            Some(absurd(Newton(f_n)))
-        }
-        // At 1 kohm.
-        Law::Alpha { alpha_n_ohm } if !FORCES.contains(&(alpha_n_ohm / 1e3)) => {
-            Some(absurd(NewtonOhm(alpha_n_ohm)))
-        }
-        Law::Power { exponent, .. } if !EXPONENTS.contains(&exponent) => Some((
-            format!("exponent = {exponent:e} is not between {} and {}", EXPONENTS.start(), EXPONENTS.end()),
-            "1.0, near which force-sensing resistors are",
-        )),
-        _ => None,
-    }
-}
-
-fn absurd(value: impl Display) -> (String, &'static str) {
-    (format!("{value} is beyond any sensor"), "another prefix: M is mega, m is milli")
 }

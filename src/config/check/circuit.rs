@@ -1,6 +1,6 @@
 //! `[circuit]`: can these parts measure at all, and would they last.
 
-use crate::circuit::{Circuit, Defect, Network, Node};
+use crate::circuit::{Circuit, Kind, Network, Node};
 use crate::config::Findings;
 use crate::config::limits::{B_MARGIN, CALIBRATION_RATIO, CAPACITORS, PIN_LIMIT_A, RESISTORS, SUPPLIES};
 use crate::units::{Farad, Ohm, Quantity, Volt};
@@ -20,17 +20,8 @@ pub fn check(circuit: &Circuit, findings: &mut Findings) {
     part(findings, "r-charge", circuit.r_charge, RESISTORS);
     part(findings, "v-dd", circuit.v_dd, SUPPLIES);
     part(findings, "v-th", circuit.v_th, Volt(0.0)..=Volt(f64::INFINITY));
-    for defect in circuit.defects() {
-        let (key, remedy) = match defect {
-            // Said with the part.
-            Defect::NotPositive(_) => continue,
-            Defect::Order { .. } => ("r-c1", "the lower resistor as r-c1".to_owned()),
-            Defect::Threshold { .. } => ("v-th", "\"1.3 V\", usual for a 3.3 V input".to_owned()),
-            Defect::NoBCrossing { c_b_below, .. } => {
-                ("c-b", format!("a c-b well below {c_b_below:.3}, or a larger c-a"))
-            }
-        };
-        findings.error(format!("circuit.{key}"), defect.to_string(), remedy);
+    if !findings.has_errors() {
+        contradictions(circuit, findings);
     }
     if !findings.has_errors() {
         weaknesses(circuit, findings);
@@ -40,18 +31,39 @@ pub fn check(circuit: &Circuit, findings: &mut Findings) {
 /// An error for a value that no part has.
 fn part<Q: Quantity + PartialOrd + Display>(
     findings: &mut Findings,
-    name: &'static str,
+    name: &str,
     value: Q,
     range: RangeInclusive<Q>,
 ) {
     let key = format!("circuit.{name}");
     if value.si().is_nan() || value.si() <= 0.0 {
         let remedy = format!("the value of the part, such as \"{}\"", Q::EXAMPLE);
-        findings.error(key, Defect::NotPositive(name).to_string(), remedy);
+        findings.error(key, format!("{name} is not above zero"), remedy);
     } else if !range.contains(&value) {
         let reason = format!("{value} is not between {} and {}", range.start(), range.end());
         let remedy = format!("another prefix, as in \"{}\": M is mega, m is milli", Q::EXAMPLE);
         findings.error(key, reason, remedy);
+    }
+}
+
+/// What keeps parts that are right in themselves from measuring.
+fn contradictions(&Circuit { network, r_c1, r_c2, v_dd, v_th, .. }: &Circuit, findings: &mut Findings) {
+    // In series with Rc1, any Rc2 makes the second discharge the slower one.
+    if r_c1 >= r_c2 && network.kind() != Kind::SeriesCalibration {
+        let reason = format!("{r_c1} is not below r-c2 = {r_c2}");
+        findings.error("circuit.r-c1", reason, "the lower resistor as r-c1");
+    }
+    if v_th >= v_dd {
+        let reason = format!("the threshold {v_th:.4} is not below the supply {v_dd:.4}");
+        findings.error("circuit.v-th", reason, "\"1.3 V\", usual for a 3.3 V input");
+    } else if let Network::TwoCapacitor { c_a, c_b } = network {
+        // Where node B ends.
+        let floor = Volt(v_dd.0 * c_b.0 / (c_a.0 + c_b.0));
+        if v_th <= floor {
+            let reason = format!("node B never falls below {floor:.4}, and its threshold is {v_th:.4}");
+            let below = Farad(c_a.0 * v_th.0 / (v_dd.0 - v_th.0));
+            findings.error("circuit.c-b", reason, format!("a c-b well below {below:.3}, or a larger c-a"));
+        }
     }
 }
 

@@ -17,6 +17,7 @@ pub fn check(config: &Config, findings: &mut Findings) {
         findings.warning("measure.t-l", "not used: only \"cerm\" has it", "method = \"cerm\", or without it");
     }
     durations(measure, findings);
+    rates(measure, findings);
     numbers(measure, findings);
     if let Some(OffsetSource::Given(d_ns)) = measure.offset {
         if !(0.0..=LONGEST_LATENCY.as_ns()).contains(&d_ns) {
@@ -49,11 +50,26 @@ fn method(method: Option<Method>, kind: Kind, findings: &mut Findings) {
     );
 }
 
+fn rates(measure: &Measure, findings: &mut Findings) {
+    if measure.idle && measure.rate_hz.is_none() {
+        findings.warning("measure.idle", "not used: there is no rate-hz to be idle between", "rate-hz = 10");
+    }
+    let period = measure.rate_hz.map(|hertz| Nanos::from_seconds(1.0 / hertz));
+    if let Some((average, period)) = measure.average.zip(period).filter(|(average, period)| average > period) {
+        findings.error(
+            "measure.average",
+            format!("{:.3} is longer than the {:.3} between readings", Seconds::from(average), Seconds::from(period)),
+            "without it: all that rate-hz leaves",
+        );
+    }
+}
+
 fn durations(measure: &Measure, findings: &mut Findings) {
     let (derived, default) = ("without it: it is derived", "without it: there is a default");
     for (name, time, least, longest, remedy) in [
         ("charge-time", measure.charge_time, Nanos(1), LONGEST_WAIT, derived),
         ("deadline", measure.deadline, Nanos(1), LONGEST_WAIT, derived),
+        ("average", measure.average, Nanos(1), LONGEST_WAIT, "\"50 ms\", or without it: each reading"),
         ("settle-time", measure.settle_time, Nanos::ZERO, LONGEST_WAIT, default),
         ("t-l", measure.t_l, Nanos::ZERO, Nanos::MAX, default),
     ] {

@@ -2,15 +2,14 @@
 //!
 //! Runs only for a valid circuit, an available method, and settings that are right in themselves.
 
-use crate::circuit::Node;
+use crate::circuit::{Chargers, Node};
 use crate::config::Config;
 use crate::config::Findings;
-use crate::config::charge::{Noise, Prediction, Remembered};
+use crate::config::charge::Remembered;
 use crate::config::limits::{SHORT_CHARGE, SHORTEST_PART};
 use crate::estimate::method::Switching;
-use crate::instrument::settings::{OffsetSource, Settings};
-use crate::reading::Measured;
-use crate::units::{Seconds, measured, rough};
+use crate::instrument::settings::OffsetSource;
+use crate::units::Seconds;
 
 pub fn check(config: &Config, findings: &mut Findings) {
     charge_time(config, findings);
@@ -24,8 +23,8 @@ pub fn check(config: &Config, findings: &mut Findings) {
 }
 
 fn charge_time(config: &Config, findings: &mut Findings) {
-    let (chargers, charge) = config.usual_chargers();
-    let shortest = config.shortest_charge(chargers);
+    let charge = Seconds::from(config.charge_time());
+    let shortest = config.shortest_charge(Chargers::OfA);
     if charge.0 < SHORT_CHARGE * shortest.0 {
         findings.warning(
             "measure.charge-time",
@@ -37,9 +36,9 @@ fn charge_time(config: &Config, findings: &mut Findings) {
 
 /// How complete a charge is, and what follows from it.
 fn remembers(config: &Config) -> String {
-    let (chargers, charge) = config.usual_chargers();
-    let taus = charge.0 / config.circuit.charge_tau(chargers).0;
-    let Remembered { at, sigmas } = config.remembered(chargers, taus);
+    let charge = Seconds::from(config.charge_time());
+    let taus = charge.0 / config.circuit.charge_tau(Chargers::OfA).0;
+    let Remembered { at, sigmas } = config.remembered(Chargers::OfA, taus);
     format!(
         "is {taus:.1} time constants: the discharge before changes a reading by up to {sigmas:.2} of its u (at {at:.2})"
     )
@@ -151,27 +150,4 @@ fn predictions(config: &Config, findings: &mut Findings) {
             config.circuit.kind().second(),
         ),
     );
-}
-
-/// What readings of some resistances are to be expected: their errors, their forces, and how often they come. `how`: where the
-/// noise is known from.
-pub fn readings(config: &Config, settings: &Settings, noise: Noise, how: &str, findings: &mut Findings) {
-    let predictions = config.predictions(noise);
-    let with_rate = |Prediction { r, u, period }: &Prediction| {
-        let [most, least] = period.map(|period| format!("{:.1}", 1.0 / period.0));
-        let rate = if most == least { least } else { format!("{least} to {most}") };
-        format!("{} at {rate} Hz", measured(r.0, Some(u.0), "ohm", false))
-    };
-    let text = predictions.iter().map(with_rate).collect::<Vec<_>>().join(", ");
-    findings.info("measure.method", format!("{} with {how}: {text}", config.method()));
-    for channel in &settings.channels {
-        let Some(force) = &channel.force else { continue };
-        let of = |Prediction { r, u, .. }: &Prediction| {
-            let f_n = force.at(Measured { value: r.0, u: Some(u.0) }, settings.r_ohm())?;
-            let repeat = f_n.repeat_u.map(|u| rough(u, "N")).unwrap_or_default();
-            Some(format!("{} (readout {repeat})", measured(f_n.value, f_n.u, "N", false)))
-        };
-        let text = predictions.iter().filter_map(of).collect::<Vec<_>>().join(", ");
-        findings.info(format!("channel.{}.force", channel.id), format!("at these resistances: {text}"));
-    }
 }

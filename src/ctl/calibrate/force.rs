@@ -54,8 +54,7 @@ fn typed(target: &Target, arguments: &Force) -> Result<Vec<Pair>, CtlError> {
     for number in 1.. {
         eprint!("weight {}: ", pairs.len() + 1);
         let mut text = String::new();
-        let read = io::stdin().lock().read_line(&mut text);
-        read.map_err(|error| CtlError::System("standard input", error))?;
+        io::stdin().lock().read_line(&mut text).map_err(CtlError::system("standard input"))?;
         let wrong = |reason: String| CtlError::Said(format!("standard input, line {number}: {reason}"));
         if !text.ends_with('\n') {
             eprintln!();

@@ -1,9 +1,8 @@
 //! The part of `cermctl check` that touches hardware: the kernel, the rights, the lines, the circuit, the latencies.
 
-use super::{latency, wiring};
+use super::{expect, latency, wiring};
 use crate::config::backend::{self, CONSUMER, OpenError};
-use crate::config::check::predict::readings;
-use crate::config::{Backend, Config, Findings, Noise, Severity};
+use crate::config::{Backend, Config, Findings, Severity};
 use crate::ctl::CtlError;
 use crate::ctl::stream::Stream;
 use crate::estimate::scatter::{MEDIAN_DEVIATION, median};
@@ -57,8 +56,7 @@ fn measure(pins: &mut dyn Pins, config: &Config, findings: &mut Findings) -> Res
     late_us.iter_mut().for_each(|late_us| *late_us = (*late_us - middle).abs());
     let jitter_s = 1e-6 * median(&mut late_us) / MEDIAN_DEVIATION;
     if let Ok(settings) = config.settings() {
-        let how = format!("the jitter that was measured, {:.2},", Seconds(jitter_s));
-        readings(config, &settings, Noise { jitter_s, ..Noise::TYPICAL }, &how, findings);
+        expect::readings(config, &settings, Some(Seconds(jitter_s)), findings);
     }
     Ok(format!(
         "\nHow late a sleep of 1 ms ends:\n{wake_ups}How late equal crossings are stamped, after the earliest of them:\n{stamps}"

@@ -1,8 +1,9 @@
 //! How late things come on this machine: wake-ups, and the stamps of crossings, as histograms.
 
+use super::full_plan;
 use crate::config::Config;
 use crate::ctl::limits::{DISCHARGES, SLEEP, WAKE_UPS};
-use crate::instrument::discharge::{self, Plan};
+use crate::instrument::discharge;
 use crate::pins::{Pins, PinsError};
 use crate::record::Through;
 use std::thread;
@@ -54,10 +55,7 @@ pub fn wake_ups() -> Vec<f64> {
 /// # Errors
 /// If the pins cannot be used.
 pub fn stamps<P: Pins + ?Sized>(pins: &mut P, config: &Config) -> Result<Vec<f64>, PinsError> {
-    let plan = Plan {
-        settle: config.settle_time(),
-        ..Plan::full(Through::C1, config.last_node(), config.charges().anew, config.deadline())
-    };
+    let plan = full_plan(config, Through::C1, config.deadline());
     let mut times_us = Vec::with_capacity(DISCHARGES);
     for _ in 0..DISCHARGES {
         if let Ok(record) = discharge::run(pins, plan)?.result {

@@ -5,7 +5,10 @@
 
 use crate::circuit::{Kind, Node};
 use crate::config::{Config, Findings, Severity};
-use crate::estimate::{leak, limits, scatter::median};
+use crate::ctl::check::full_plan;
+use crate::estimate::leak::LeakTest;
+use crate::estimate::limits::{LEAK_FIRST, LEAK_HELD_AT, LEAK_HOLD};
+use crate::estimate::scatter;
 use crate::instrument::diagnosis::Board;
 use crate::instrument::discharge::{self, Plan};
 use crate::pins::{Drives, Pins, PinsError};
@@ -21,8 +24,7 @@ const NO_PULL: Ohm = Ohm(200e3);
 const PLAUSIBLE: f64 = 2.0;
 /// Resistors are known better than capacitors: the ratio of their times may differ by this factor.
 const PLAUSIBLE_RATIO: f64 = 1.2;
-/// Pairs of discharges that look for a leak, and the smallest one that is told, siemens.
-const HELD: usize = 8;
+/// The smallest leak that is told, siemens: a smaller one is that of the capacitors.
 const SMALLEST_LEAK: f64 = 1e-7;
 /// How many predicted discharges to wait for the real one.
 const PATIENCE: f64 = 5.0;
@@ -45,9 +47,6 @@ pub fn test(pins: &mut dyn Pins, config: &Config, findings: &mut Findings) -> Re
     bench.run()?;
     bench.pins.drive(Drives::NONE).map(drop)
 }
-
-/// A discharge, or the fault that it ended with.
-type Taken = Result<Result<Record, Fault>, PinsError>;
 
 struct Bench<'a> {
     pins: &'a mut dyn Pins,
@@ -78,7 +77,7 @@ impl Bench<'_> {
         self.resistors(&c1, &c2);
         self.times(&c1, "Rc1", self.config.circuit.r_c1);
         self.times(&c2, self.board.kind.second(), self.config.circuit.r_second());
-        self.leak()?;
+        self.leak(&c2)?;
         for channel in 0..self.config.channels.len() {
             self.sensor(channel, &c1, &c2)?;
         }
@@ -152,39 +151,45 @@ impl Bench<'_> {
         self.holds(false)
     }
 
-    /// Whether discharges that are held back are shorter than those that begin at once.
-    fn leak(&mut self) -> Result<(), PinsError> {
-        let mut siemens = Vec::with_capacity(HELD);
-        for _ in 0..HELD {
-            let [usual, held] = [Nanos::ZERO, limits::LEAK_HOLD]
-                .map(|hold| self.discharge(Through::C1, self.patience(), hold));
-            if let (Ok(usual), Ok(held)) = (usual?, held?) {
-                let lost_ns = usual.a_ns.zip(held.a_ns).map(|(usual, held)| usual - held);
-                siemens.extend(lost_ns.map(|ns| leak::siemens_by(ns, self.board.r_ohm[0])));
+    /// The instrument's own test: discharges through R_2 that are held half-way, against some that are not.
+    fn leak(&mut self, c2: &Record) -> Result<(), PinsError> {
+        let Some(a_ns) = c2.a_ns else { return Ok(()) };
+        let usual = self.calibration_plan(c2.through);
+        let switch = Some((Nanos((LEAK_HELD_AT * a_ns) as i64), c2.through));
+        let held = Plan { hold: LEAK_HOLD, switch, ..usual };
+        let mut lost_ns = Vec::with_capacity(LEAK_FIRST);
+        for _ in 0..LEAK_FIRST {
+            let [usual, held] = [usual, held].map(|plan| self.discharge(plan));
+            if let (Ok(usual), Ok(Record { a_ns, switch: Some(switch), .. })) = (usual?, held?) {
+                let left_ns = a_ns.map(|a_ns| a_ns - (switch.on_ns - switch.at_ns));
+                lost_ns.extend(usual.a_ns.zip(left_ns).map(|(usual, left)| usual - left));
             }
         }
-        // Every pair agrees that there is one: the jitter of stamps is of either sign.
-        let is_leak = !siemens.is_empty() && siemens.iter().all(|siemens| *siemens > 0.0);
-        let median = median(&mut siemens);
-        if is_leak && median > SMALLEST_LEAK {
-            let leak = Ohm(1.0 / median);
-            let reason = format!("charge leaks away as through {leak:.2} beside the resistors");
-            self.suspect(Severity::Warning, Suspect::Leak, Suspect::Leak, &reason);
+        let u_ns = scatter::mean(lost_ns.iter().copied()).and_then(|mean| mean.u).unwrap_or_default();
+        let variance = lost_ns.len() as f64 * u_ns.powi(2);
+        let mut test = LeakTest::default();
+        for lost_ns in lost_ns {
+            test.add(Some((lost_ns, variance)), self.board.r_ohm[1], Nanos::ZERO);
+        }
+        if let Some(siemens) = test.siemens().filter(|siemens| siemens.abs() > SMALLEST_LEAK) {
+            let (like, what) = match siemens > 0.0 {
+                true => (Suspect::Leak, "charge leaks away"),
+                false => (Suspect::Pull, "charge comes in"),
+            };
+            let reason = format!("{what} as through {:.2} beside the resistors", Ohm(1.0 / siemens.abs()));
+            self.suspect(Severity::Warning, like, like, &reason);
         }
         Ok(())
     }
 
-    /// How long to wait for the end of a discharge through a calibration resistor.
-    fn patience(&self) -> Nanos {
-        Nanos::from_seconds(PATIENCE * self.config.discharge(self.config.circuit.r_second()).0)
+    /// A discharge through a calibration resistor, with patience for its end.
+    fn calibration_plan(&self, through: Through) -> Plan {
+        let patience = PATIENCE * self.config.discharge(self.config.circuit.r_second()).0;
+        full_plan(self.config, through, Nanos::from_seconds(patience))
     }
 
-    /// A discharge that is held back for so long.
-    fn discharge(&mut self, through: Through, timeout: Nanos, hold: Nanos) -> Taken {
-        let plan = Plan {
-            settle: self.config.settle_time() + hold,
-            ..Plan::full(through, self.board.kind.last(), self.config.charges().anew, timeout)
-        };
+    /// A discharge, or the fault that it ended with.
+    fn discharge(&mut self, plan: Plan) -> Result<Result<Record, Fault>, PinsError> {
         Ok(discharge::run(self.pins, plan)?.result)
     }
 
@@ -194,7 +199,7 @@ impl Bench<'_> {
             Through::C1 => (Suspect::FirstOpen, "Rc1"),
             _ => (Suspect::SecondOpen, self.board.kind.second()),
         };
-        let result = self.discharge(through, self.patience(), Nanos::ZERO)?;
+        let result = self.discharge(self.calibration_plan(through))?;
         if let Err(fault) = result {
             self.findings.error(key(suspect), fault_reason(fault, name), AGAIN);
         }
@@ -247,7 +252,7 @@ impl Bench<'_> {
     fn sensor(&mut self, channel: usize, c1: &Record, c2: &Record) -> Result<(), PinsError> {
         let key = format!("channel.{}.sink", self.config.channels[channel].id);
         let deadline = self.config.deadline();
-        let record = match self.discharge(Through::X(channel), deadline, Nanos::ZERO)? {
+        let record = match self.discharge(full_plan(self.config, Through::X(channel), deadline))? {
             Ok(record) => record,
             Err(fault) => {
                 self.findings.error(key, fault_reason(fault, "the sensor"), AGAIN);

@@ -2,14 +2,14 @@
 //! can know.
 
 use super::super::CtlError;
-use crate::circuit::{Circuit, NOMINAL_R_CHARGE, Network};
-use crate::config::{ChannelTable, Config, Gpio, Measure, Mock, Mode, Server};
+use crate::circuit::{Circuit, NOMINAL_R_CHARGE};
+use crate::config::{ChannelTable, Characteristic, Config, Gpio, Measure, Mock, Server, Source};
 use crate::ctl::cli;
 use crate::pins::Drives;
 use crate::pins::sim::network::line_index;
 use crate::pins::sim::{Kind, Scene, Sensor, SimPins};
 use crate::sensor::Law;
-use crate::units::{Farad, Newton, NewtonOhm, Ohm, Seconds};
+use crate::units::{Newton, NewtonOhm, Ohm, Seconds};
 use std::path::{Path, PathBuf};
 
 /// The channels, as far as a hand has fingers.
@@ -28,11 +28,8 @@ pub struct Board {
 impl Board {
     /// As the command line wants it; `socket`: where it is to be served.
     pub fn new(arguments: &cli::Demo, socket: &Path) -> Result<Board, CtlError> {
-        let scene = if is_file(&arguments.scene) {
-            Scene::load(Path::new(&arguments.scene))?
-        } else {
-            Scene::builtin(&arguments.scene)?.with_sensors(vec![hand()])?
-        };
+        let scene = Scene::named(&arguments.scene, Path::new(""))?;
+        let scene = if is_file(&arguments.scene) { scene } else { scene.with_sensors(vec![hand()])? };
         let circuits = arguments.method.map(|method| method.rules().circuits);
         let other = circuits.filter(|kinds| !kinds.contains(&scene.circuit.kind)).and_then(<[Kind]>::first);
         let scene = match arguments.wiring.map(Kind::from).or(other.copied()) {
@@ -74,7 +71,12 @@ fn config(scene: &Scene, arguments: &cli::Demo, socket: &Path) -> Config {
         id: FINGERS.get(index).map_or_else(|| format!("x{index}"), |name| (*name).to_owned()),
         sink: None,
         zero_ohm: 0.0,
-        force: Some(Law::Alpha { alpha_n_ohm: FSR_402.0 }.into()),
+        every: 1,
+        force: Some(Characteristic {
+            law: Source::Given(Law::Alpha { alpha_n_ohm: FSR_402.0 }),
+            u: None,
+            range_n: None,
+        }),
     };
     Config {
         circuit: circuit(scene),
@@ -82,7 +84,7 @@ fn config(scene: &Scene, arguments: &cli::Demo, socket: &Path) -> Config {
         measure: Measure { method: arguments.method, ..Measure::default() },
         channels: (0..scene.sensors.len().max(1)).map(channel).collect(),
         realtime: Default::default(),
-        server: Server { socket: socket.to_owned(), mode: Mode(0o600) },
+        server: Server { socket: socket.to_owned(), mode: 0o600 },
         mock: Some(Mock { scene: arguments.scene.clone(), seed: arguments.seed }),
         base: PathBuf::new(),
     }
@@ -91,16 +93,9 @@ fn config(scene: &Scene, arguments: &cli::Demo, socket: &Path) -> Config {
 /// The nominal values that somebody with this board would write into the configuration.
 fn circuit(scene: &Scene) -> Circuit {
     let circuit = &scene.circuit;
-    // A missing capacitor has been refused with the scene.
-    let farad = |c: Option<Farad>| c.unwrap_or(Farad(f64::NAN));
-    let network = match circuit.kind {
-        Kind::TwoCapacitor => Network::TwoCapacitor { c_a: farad(circuit.c_a), c_b: farad(circuit.c_b) },
-        Kind::OneCapacitor => Network::OneCapacitor { c: farad(circuit.c) },
-        Kind::SeriesCalibration => Network::SeriesCalibration { c: farad(circuit.c) },
-    };
     let r_charge = circuit.r_p.map_or(0.0, |r_p| r_p.0) + circuit.r_o.0;
     Circuit {
-        network,
+        network: scene.network().network,
         r_c1: circuit.r_c1,
         r_c2: circuit.r_c2,
         v_dd: circuit.v_dd,

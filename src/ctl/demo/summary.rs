@@ -21,6 +21,8 @@ pub struct Tally<'a> {
     truth: SimPins,
     /// Numbers, open ones, short ones.
     counts: [usize; 3],
+    /// Numbers of a hand that moved meanwhile.
+    moving: usize,
     faults: BTreeMap<String, usize>,
     /// Of the numbers whose truth can be told, in units of their uncertainties.
     errors: Vec<f64>,
@@ -31,7 +33,15 @@ pub struct Tally<'a> {
 impl Tally<'_> {
     /// Nothing yet; `truth`: a circuit that behaves as the measured one.
     pub fn new(board: &Board, truth: SimPins) -> Tally<'_> {
-        Tally { board, truth, counts: [0; 3], faults: BTreeMap::new(), errors: Vec::new(), span: None }
+        Tally {
+            board,
+            truth,
+            counts: [0; 3],
+            moving: 0,
+            faults: BTreeMap::new(),
+            errors: Vec::new(),
+            span: None,
+        }
     }
 
     /// One more.
@@ -43,6 +53,7 @@ impl Tally<'_> {
             (StatusName::Short, _) => self.counts[2] += 1,
             (StatusName::Ok, Some(r_ohm)) => {
                 self.counts[0] += 1;
+                self.moving += usize::from(reading.state.moving);
                 self.errors.extend(self.error(reading, r_ohm));
             }
             _ => *self.faults.entry(reading.state.fault.clone().unwrap_or_default()).or_default() += 1,
@@ -94,15 +105,17 @@ impl Tally<'_> {
         let count = numbers + open + short + faults;
         let seconds = self.span.map_or(0.0, |[first, last]| (last - first).as_seconds());
         let short = if short > 0 { format!(", {short} short") } else { String::new() };
+        let moving = if self.moving > 0 { format!(" ({} moving)", self.moving) } else { String::new() };
         let text = format!(
-            "{count} readings in {seconds:.1} s: {numbers} numbers, {open} open{short}, {faults} faults"
+            "{count} readings in {seconds:.1} s: {numbers} numbers{moving}, {open} open{short}, {faults} faults"
         );
         format!(" {}  {}", style("simulated").yellow(), style(text).bold())
     }
 
     fn fault_names(&self) -> Option<String> {
         let names: Vec<String> = self.faults.iter().map(|(name, count)| format!("{count} {name}")).collect();
-        let why = if self.faults.contains_key("unsettled") { " (unsettled: the hand moved)" } else { "" };
+        let why =
+            if self.faults.contains_key("unsettled") { " (unsettled: the hand moved too fast)" } else { "" };
         (!names.is_empty()).then(|| row("faults", &format!("{}{}", names.join(", "), style(why).dim())))
     }
 

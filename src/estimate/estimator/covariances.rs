@@ -1,6 +1,7 @@
 //! The uncertainty of everything that enters an estimate, and its propagation.
 
 use crate::estimate::law;
+use crate::estimate::mean::Basis;
 use crate::estimate::method::dual::Gradient;
 use crate::estimate::noise::Covariance;
 use crate::estimate::tracker::Tracker;
@@ -22,12 +23,24 @@ impl Covariances<'_> {
     pub fn of(&self, by: &Gradient) -> f64 {
         let [c1, c2, x] = &self.crossings;
         let crossings = c1.of(by.c1[0], by.c1[1]) + c2.of(by.c2[0], by.c2[1]) + x.of(by.x[0], by.x[1]);
-        let common = self.common.0 * (by.switch + by.offset * self.common.1).powi(2);
         crossings
             + by.switch * by.switch * self.single[0]
             + self.of_offset(by)
-            + common
-            + self.tracker.map_or(0.0, |tracker| tracked_part(tracker, by))
+            + self.of_common(by)
+            + self.tracker.map_or(0.0, |tracker| tracker.variance(&by_state(tracker, by)))
+    }
+
+    /// What readings have of their own, and how they depend on a tracked state.
+    pub fn basis(&self, by: &Gradient) -> Basis {
+        let by_state = self.tracker.map(|tracker| by_state(tracker, by));
+        let shared = self.tracker.zip(by_state).map_or(0.0, |(tracker, by)| tracker.variance(&by));
+        let own = (self.of(by) - shared - self.of_offset(by) - self.of_common(by)).max(0.0);
+        Basis { own, by_state, by_switch: None }
+    }
+
+    /// The part of an error that all switches have in common.
+    fn of_common(&self, by: &Gradient) -> f64 {
+        self.common.0 * (by.switch + by.offset * self.common.1).powi(2)
     }
 
     /// The part that a better known d would take away.
@@ -36,8 +49,8 @@ impl Covariances<'_> {
     }
 }
 
-/// What the uncertainty of a tracked state adds.
-fn tracked_part(tracker: &Tracker, by: &Gradient) -> f64 {
+/// How something depends on a tracked state.
+fn by_state(tracker: &Tracker, by: &Gradient) -> law::State {
     let mut by_state = law::State::default();
     by_state[law::D] = by.offset;
     // What node B is later is taken off all of its crossings.
@@ -49,5 +62,5 @@ fn tracked_part(tracker: &Tracker, by: &Gradient) -> f64 {
             }
         }
     }
-    tracker.variance(&by_state)
+    by_state
 }

@@ -12,12 +12,13 @@ use crate::reading::{Fault, Measured};
 impl Estimator {
     /// Says nothing of leaks.
     pub fn ignore_leaks(&mut self) {
-        (self.leak_siemens, self.leak_shows) = (0.0, false);
+        (self.leak_siemens, self.leak_shows, self.leak_is_prior) = (0.0, false, false);
     }
 
     /// Takes over how strong a leak there likely is, and whether it shows.
     pub fn set_leak(&mut self, leak: &LeakTest) {
         (self.leak_siemens, self.leak_shows) = (leak.likely_siemens(), leak.siemens().is_some());
+        self.leak_is_prior = !leak.is_known();
     }
 
     /// Whether a discharge through 0 ohm would take the time that a pin explains: Ro if d is known, Ro + d/g if not. A path

@@ -2,12 +2,24 @@
 
 use super::Estimator;
 use crate::estimate::limits::{BEYOND_NOISE, COVERAGE};
+use crate::estimate::mean::Basis;
 use crate::estimate::method::tracked;
 use crate::estimate::motion::Motion;
 use crate::reading::{Fault, Measured, Status};
 use crate::record::Record;
 use crate::sensor::Force;
 use crate::units::Nanos;
+
+/// What an x discharge has told.
+#[derive(Debug, Clone, Copy)]
+pub struct Judged {
+    /// Of the sensor.
+    pub status: Status,
+    /// When it was so, ns since the start: the middle of its part of the discharge where nothing tells better.
+    pub at_ns: f64,
+    /// What the variance of the number is made of, before motion and leaks.
+    pub basis: Basis,
+}
 
 impl Estimator {
     /// The lowest resistance that leaves the last node above its threshold for `waited_ns`, ohm.
@@ -38,37 +50,37 @@ impl Estimator {
     /// What is known about the sensor after an x discharge alone.
     pub fn status(&self, record: &Record, zero_ohm: f64, force: Option<&Force>) -> Status {
         let motion = &mut Motion::default();
-        self.status_in_motion(record, zero_ohm, force, motion).0
+        self.judge(record, zero_ohm, force, motion).status
     }
 
-    /// What is known about the sensor after an x discharge, and since the start of the discharge when, ns: the middle of its
-    /// part of it where nothing tells better.
-    pub fn status_in_motion(
+    /// What is known about the sensor after an x discharge.
+    pub fn judge(
         &self,
         record: &Record,
         zero_ohm: f64,
         force: Option<&Force>,
         motion: &mut Motion,
-    ) -> (Status, f64) {
-        let mut at_ns = middle_ns(record);
-        let status = self.judged(record, zero_ohm, force, motion, &mut at_ns);
-        match status {
+    ) -> Judged {
+        let at_ns = middle_ns(record);
+        let mut judged = Judged { status: Status::Fault(Fault::Implausible), at_ns, basis: Basis::default() };
+        judged.status = self.status_of(record, zero_ohm, force, motion, &mut judged);
+        match judged.status {
             Status::Open { r_min_ohm, .. } => {
-                motion.is_open(record.start + Nanos(at_ns as i64), r_min_ohm + zero_ohm);
+                motion.is_open(record.start + Nanos(judged.at_ns as i64), r_min_ohm + zero_ohm);
             }
             Status::Short { .. } => motion.forget(),
             Status::Ok { .. } | Status::Fault(_) => {}
         }
-        (status, at_ns)
+        judged
     }
 
-    fn judged(
+    fn status_of(
         &self,
         record: &Record,
         zero_ohm: f64,
         force: Option<&Force>,
         motion: &mut Motion,
-        at_ns: &mut f64,
+        judged: &mut Judged,
     ) -> Status {
         if let Err(fault) = self.check_paths() {
             return Status::Fault(fault);
@@ -94,24 +106,27 @@ impl Estimator {
             Ok(found) => found,
             Err(fault) => return Status::Fault(fault),
         };
-        *at_ns = evidence.at_ns;
+        (judged.at_ns, judged.basis) = (evidence.at_ns, estimate.basis);
         let Measured { value, u } = estimate.r_ohm;
         let r_o_ohm = self.offset().r_o();
         let moved = u.map(|u| motion.judge(record.start, [value, u], r_o_ohm, &evidence)).transpose();
         let moved = match moved {
-            Ok(moved) => moved.unwrap_or(0.0),
+            Ok(moved) => moved,
             Err(fault) => return Status::Fault(fault),
         };
-        let measured = Measured { value, u: u.map(|u| u.hypot(moved)) };
+        let measured = Measured { value, u: u.map(|u| u.hypot(moved.map_or(0.0, |moved| moved.u_ohm))) };
         let Some(r_ohm) = self.with_leak(measured) else {
             // The leak only ever makes it read lower; so far up it is the reciprocal that is known to +-u.
             let Measured { value, u } = measured;
             return open(value / (1.0 + COVERAGE * u.unwrap_or(0.0) / value));
         };
         let r_ohm = Measured { value: r_ohm.value - zero_ohm, u: r_ohm.u };
+        let is_settling = self.is_settling(record, estimate.branch);
+        let is_resolved = r_ohm.u.is_none_or(|u| r_ohm.value > COVERAGE * u);
         match r_ohm.u {
             Some(u) if r_ohm.value < -BEYOND_NOISE * u => Status::Fault(Fault::Implausible),
-            Some(u) if r_ohm.value <= COVERAGE * u => {
+            // What a wide prior cannot tell from a short circuit is none yet.
+            Some(u) if !is_resolved && (!is_settling || r_ohm.value <= 0.0) => {
                 let r_max_ohm = r_ohm.value.max(0.0) + COVERAGE * u;
                 // What may as well be above R_1 is no short circuit: nothing is known.
                 if r_max_ohm > self.r1_ohm {
@@ -123,7 +138,10 @@ impl Estimator {
             _ => Status::Ok {
                 branch: estimate.branch,
                 r_ohm,
-                f_n: force.and_then(|force| force.at(r_ohm, known)),
+                is_moving: moved.is_some_and(|moved| moved.is_moving),
+                is_settling,
+                // The reciprocal of a resistance that may be 0 is anything.
+                f_n: force.filter(|_| is_resolved).and_then(|force| force.at(r_ohm, known)),
             },
         }
     }

@@ -29,7 +29,9 @@ fn crossings(start_s: f64, r_ohm: &dyn Fn(f64) -> f64) -> [f64; 2] {
 }
 
 /// The error of a discharge, and what it was judged.
-type Judged = (f64, Result<f64, Fault>);
+type Judged = (f64, Result<Moved, Fault>);
+
+const AT_REST: Result<Moved, Fault> = Ok(Moved { u_ohm: 0.0, is_moving: false });
 
 /// Judges discharges every 20 ms from `from` on.
 fn judge(motion: &mut Motion, from: usize, count: usize, r_ohm: &dyn Fn(f64) -> f64) -> Vec<Judged> {
@@ -53,7 +55,7 @@ fn the_instant_of_a_steady_change_is_right_to_the_first_order() {
 #[test]
 fn a_sensor_at_rest_adds_nothing_and_an_oscillation_its_second_order() {
     let rest = judge(&mut Motion::default(), 0, 20, &|_| 5000.0);
-    assert!(rest.iter().all(|(_, result)| *result == Ok(0.0)), "{rest:?}");
+    assert!(rest.iter().all(|(_, result)| *result == AT_REST), "{rest:?}");
     let mut motion = Motion::default();
     let sine = |t: f64| 5000.0 * (1.0 + 0.2 * (std::f64::consts::TAU * 9.3 * t).sin());
     judge(&mut motion, 0, 20, &sine);
@@ -61,7 +63,7 @@ fn a_sensor_at_rest_adds_nothing_and_an_oscillation_its_second_order() {
     let rms = |of: &dyn Fn(&Judged) -> f64| {
         (judged.iter().map(|one| of(one).powi(2)).sum::<f64>() / judged.len() as f64).sqrt()
     };
-    let (error, stated) = (rms(&|one| one.0), rms(&|one| one.1.unwrap()));
+    let (error, stated) = (rms(&|one| one.0), rms(&|one| one.1.unwrap().u_ohm));
     assert!(error > 1.0 && (0.8..1.5).contains(&(stated / error)), "{error} {stated}");
 }
 
@@ -76,25 +78,32 @@ fn one_late_stamp_is_an_outlier_and_forgotten() {
         let start = Nanos(200_000_000);
         assert_eq!(motion.judge(start, estimate, R_O, &evidence), Err(Fault::LatencyOutlier), "{late_ns:?}");
         let after = judge(&mut motion, 11, 3, &|_| 5000.0);
-        assert!(after.iter().all(|(_, result)| *result == Ok(0.0)), "{after:?}");
+        assert!(after.iter().all(|(_, result)| *result == AT_REST), "{after:?}");
     }
 }
 
 #[test]
-fn a_step_inside_of_a_discharge_is_unsettled_and_over_at_once() {
+fn a_step_inside_of_a_discharge_is_a_number_that_says_so_and_over_at_once() {
     for after in [1000.0, 4000.0, 4800.0] {
         let mut motion = Motion::default();
         let step = |t: f64| if t < 0.202 { 5000.0 } else { after };
         judge(&mut motion, 0, 10, &step);
         let judged = judge(&mut motion, 10, 10, &step);
-        assert_eq!(judged[0].1, Err(Fault::Unsettled), "to {after}");
+        let (error, moved) = (judged[0].0, judged[0].1);
+        match moved {
+            Ok(moved) => {
+                assert!(moved.is_moving && error.abs() < 2.0 * moved.u_ohm, "to {after}: {judged:?}")
+            }
+            // As large as the value.
+            Err(fault) => assert!(fault == Fault::Unsettled && after < 2000.0, "to {after}: {judged:?}"),
+        }
         let settled = judged[1..].iter().filter(|(error, result)| error.abs() < 1.0 && result.is_ok());
         assert!(settled.count() >= 8, "to {after}: {judged:?}");
     }
 }
 
 /// Judges full discharges every 20 ms that tell of one stretch alone.
-fn judge_alone(motion: &mut Motion, from: usize, r_ohm: &[f64]) -> Vec<Result<f64, Fault>> {
+fn judge_alone(motion: &mut Motion, from: usize, r_ohm: &[f64]) -> Vec<Result<Moved, Fault>> {
     let judge = |(index, r_ohm): (usize, &f64)| {
         motion.judge(Nanos((from + index) as i64 * 20_000_000), [*r_ohm, 2.0], R_O, &Evidence::over(5e6))
     };
@@ -111,19 +120,36 @@ fn one_stretch_alone_that_is_far_off_costs_one_reading_if_it_is_over_at_once() {
         10,
         &[5300.0, 5000.0, 5003.0, 9000.0, 4998.0, 5000.0, 5200.0, 6100.0, 5000.0, 5000.0],
     );
-    let numbers: Vec<bool> = judged.iter().map(|result| result.is_ok_and(|added| added < 0.01)).collect();
-    assert_eq!(numbers, [false, true, true, false, true, true, false, false, true, true], "{judged:?}");
+    let at_rest: Vec<bool> = judged
+        .iter()
+        .map(|result| result.is_ok_and(|moved| !moved.is_moving && moved.u_ohm < 0.01))
+        .collect();
+    assert_eq!(at_rest, [false, true, true, false, true, true, false, false, true, true], "{judged:?}");
+    // The mean conductance of 5300 ohm may be that of 5000 and of more, half of the time each.
+    let most = 1.0 / (2.0 / (5300.0 + R_O) - 1.0 / (5000.0 + R_O)) - R_O - 5300.0;
+    let moved = judged[0].unwrap();
+    assert!(moved.is_moving && (moved.u_ohm * 3f64.sqrt() / most - 1.0).abs() < 1e-3, "{judged:?}");
 }
 
 #[test]
-fn a_step_within_one_stretch_alone_costs_two_readings_there_and_two_back() {
+fn a_step_within_one_stretch_alone_is_in_two_readings_there_and_two_back() {
     let mut motion = Motion::default();
     judge_alone(&mut motion, 0, &[5000.0; 10]);
+    let mut before = 5000.0;
     for (from, mixed, after) in [(10, 5500.0, 6000.0), (20, 5300.0, 5000.0)] {
         let judged =
             judge_alone(&mut motion, from, &[mixed, after, after, after, after, after, after, after]);
-        assert_eq!(judged[..2], [Err(Fault::Unsettled); 2], "to {after}");
-        assert!(judged[2..].iter().all(|result| matches!(result, Ok(added) if *added < 5.0)), "{judged:?}");
+        let [first, second] = [judged[0].unwrap(), judged[1].unwrap()];
+        assert!(first.is_moving && second.is_moving, "to {after}: {judged:?}");
+        // Whichever of the two it had in the middle.
+        for truth in [before, after] {
+            assert!(f64::abs(mixed - truth) < 2.0 * first.u_ohm, "to {after}: {judged:?}");
+        }
+        before = after;
+        assert!(
+            judged[2..].iter().all(|result| matches!(result, Ok(moved) if moved.u_ohm < 5.0)),
+            "{judged:?}"
+        );
     }
     // Whatever comes after an open sensor is no return to it.
     let mut motion = Motion::default();
@@ -149,7 +175,7 @@ fn the_first_number_after_an_open_sensor_has_only_what_its_stretches_tell() {
     motion.is_open(Nanos(0), 1e6);
     let judged = judge(&mut motion, 1, 1, &|_| 5000.0);
     // Its stretches agree within their noise; more is not known of it.
-    assert!(matches!(judged[0].1, Ok(added) if (1.0..20.0).contains(&added)), "{judged:?}");
+    assert!(matches!(judged[0].1, Ok(moved) if (1.0..20.0).contains(&moved.u_ohm)), "{judged:?}");
     let mut motion = Motion::default();
     motion.is_open(Nanos(0), 1e6);
     let start = Nanos(20_000_000);
@@ -167,8 +193,8 @@ fn nothing_makes_it_panic_or_answer_nan() {
                 let at = Nanos(index / 2 * 1000);
                 let evidence =
                     Evidence::over_two([end, 2.0 * end], [0.5, 0.5], [r_ohm, 2.0 * r_ohm], Some(1.0));
-                if let Ok(added) = motion.judge(at, [r_ohm, 1.0], R_O, &evidence) {
-                    assert!(added.is_finite() && added >= 0.0, "{r_ohm} {end} {added}");
+                if let Ok(moved) = motion.judge(at, [r_ohm, 1.0], R_O, &evidence) {
+                    assert!(moved.u_ohm.is_finite() && moved.u_ohm >= 0.0, "{r_ohm} {end} {moved:?}");
                 }
             }
             motion.forget();

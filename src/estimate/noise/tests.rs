@@ -58,7 +58,10 @@ fn a_spike_is_an_outlier_and_a_step_is_followed() {
     let mut noise = learned(3, 100, false);
     let away = [1.1e6 + 60_000.0, 1.3e6 + 60_000.0];
     assert_eq!(noise.add(CalibrationKind::First, away.map(Some), [0.0; 2]), Err(Fault::LatencyOutlier));
-    assert_eq!(noise.add(CalibrationKind::First, [1.1e6 * 1.0001, 1.3e6 * 1.0001].map(Some), [0.0; 2]), Ok(()));
+    assert_eq!(
+        noise.add(CalibrationKind::First, [1.1e6 * 1.0001, 1.3e6 * 1.0001].map(Some), [0.0; 2]),
+        Ok(())
+    );
     assert_eq!(noise.add(CalibrationKind::First, away.map(Some), [0.0; 2]), Err(Fault::LatencyOutlier));
     assert_eq!(noise.add(CalibrationKind::First, away.map(Some), [0.0; 2]), Err(Fault::LatencyOutlier));
     assert_eq!(noise.add(CalibrationKind::First, away.map(Some), [0.0; 2]), Ok(()));

@@ -1,8 +1,8 @@
 //! What calibration discharges say of the filter's own assumptions: how fast the state walks, how much switches scatter, and
 //! whether discharges of different kinds tell the same.
 
-use super::gain::Gain;
 use super::Tracker;
+use super::gain::Gain;
 use crate::estimate::law::{D, R_O, State, UNKNOWNS};
 use crate::estimate::limits::{
     FASTEST_WALK, LEARN_WALK, MISFIT_OF, MISFIT_SHOWS, SLOWEST_WALK, TREND_OF, WALK_CALM,
@@ -27,10 +27,13 @@ impl Tracker {
         }
         let by = rows.map(|row| (0..UNKNOWNS).map(|i| row[i] * direction[i]).sum::<f64>());
         let away = gain.along(by, innovation);
+        // A walk that lags shows in as many innovations as the state is the mean of.
+        let remembered = gain.remembered(by).clamp(TREND_OF[0], TREND_OF[1]);
         let (walk, trend) = (&mut self.walk[kind as usize], &mut self.trend[kind as usize]);
-        let faster = (LEARN_WALK * (away * *trend - WALK_CALM)).clamp(-4.0 * LEARN_WALK, 4.0 * LEARN_WALK);
-        *walk = (*walk * faster.exp()).clamp(SLOWEST_WALK[kind as usize], FASTEST_WALK[kind as usize]);
-        *trend += (away - *trend) / TREND_OF;
+        let faster = LEARN_WALK * (away * *trend - WALK_CALM / remembered);
+        *walk = (*walk * faster.clamp(-4.0 * LEARN_WALK, 4.0 * LEARN_WALK).exp())
+            .clamp(SLOWEST_WALK[kind as usize], FASTEST_WALK[kind as usize]);
+        *trend += (away - *trend) / remembered;
     }
 
     /// A state that is right leaves nothing over on average, whatever the kind of discharge.
@@ -50,7 +53,7 @@ impl Tracker {
 
     /// By how much more the state is uncertain than its covariance says, since discharges of different kinds contradict each
     /// other (Birge's ratio): whatever it is that no state explains, readings have it too.
-    pub(super) fn misfit(&self) -> f64 {
+    pub fn misfit(&self) -> f64 {
         // The variance of such a running mean of values of variance 1.
         let chance = 1.0 / (2.0 * MISFIT_OF - 1.0);
         let squares: f64 = self.means.iter().flatten().map(|mean| mean * mean / chance).sum();

@@ -28,11 +28,8 @@ impl Gain {
             product
         });
         let dot = |a: &State, b: &State| (0..UNKNOWNS).map(|i| a[i] * b[i]).sum::<f64>();
-        let by_state = Covariance {
-            aa: dot(&hp[0], &rows[0]),
-            bb: dot(&hp[1], &rows[1]),
-            ab: dot(&hp[0], &rows[1]),
-        };
+        let by_state =
+            Covariance { aa: dot(&hp[0], &rows[0]), bb: dot(&hp[1], &rows[1]), ab: dot(&hp[0], &rows[1]) };
         let all = by_state.plus(noise);
         let inverse = all.inverse(seen)?;
         let of = std::array::from_fn(|i| inverse.times([hp[0][i], hp[1][i]]));
@@ -54,6 +51,14 @@ impl Gain {
         let [a, b] = self.inverse.times(v);
         let information = self.inverse.of(by[0], by[1]);
         if information > 0.0 { (by[0] * a + by[1] * b) / information.sqrt() } else { 0.0 }
+    }
+
+    /// How many such observations the state is the mean of, in the direction that moves them by `by`.
+    pub fn remembered(&self, by: [f64; 2]) -> f64 {
+        let [a, b] = self.inverse.times(by);
+        // The share of an innovation's variance, in that direction, that is the state's.
+        let (all, state) = (a * by[0] + b * by[1], self.by_state.of(a, b));
+        if state > 0.0 { all / state } else { f64::INFINITY }
     }
 
     /// The state's covariance once the observations are taken in.

@@ -76,9 +76,10 @@ fn considered(terms: &Terms) -> impl Iterator<Item = (usize, Node, Option<(f64, 
     let ends = &Node::BOTH[..terms.nodes];
     let switches = resistors.into_iter().flat_map(|to| SWITCH_FRACTIONS.map(|fraction| Some((fraction, to))));
     let each = std::iter::once(None).chain(switches);
-    ends.iter().flat_map(move |last| each.clone().map(move |switch| (*last, switch))).enumerate().map(
-        |(index, (last, switch))| (index, last, switch),
-    )
+    ends.iter()
+        .flat_map(move |last| each.clone().map(move |switch| (*last, switch)))
+        .enumerate()
+        .map(|(index, (last, switch))| (index, last, switch))
 }
 
 fn priced(

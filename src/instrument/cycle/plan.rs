@@ -1,7 +1,8 @@
 //! What the next discharge is planned to do: full or switched, and when; which calibration discharge pays.
 
 use super::choice::{self, Choice, Terms};
-use super::{Branch, CalibrationKind, Cycle, Estimator, Fault, Plan, Record, Status, Through};
+use super::window::Window;
+use super::{Branch, CalibrationKind, Cycle, Estimator, Fault, Judged, Plan, Record, Status, Through};
 use crate::circuit::Node;
 use crate::estimate::Predicted;
 use crate::estimate::law::State;
@@ -36,13 +37,15 @@ pub struct Memory {
     choice: Option<Choice>,
     /// How far it has gone from reading to reading lately, relative.
     restless: f64,
+    /// What has come since it was last published.
+    pub(super) window: Window,
 }
 
 impl Memory {
     /// Learns from a reading.
     pub fn take(
         &mut self,
-        status: &Status,
+        Judged { status, basis, .. }: &Judged,
         record: Option<Record>,
         zero_ohm: f64,
         estimator: &mut Estimator,
@@ -56,21 +59,14 @@ impl Memory {
         let is_outlier = matches!(status, Status::Fault(Fault::LatencyOutlier | Fault::Unsettled));
         self.outliers = if is_outlier { self.outliers.saturating_add(1) } else { 0 };
         match status {
-            Status::Ok { branch, r_ohm, .. } => {
+            Status::Ok { branch, r_ohm, is_moving, .. } => {
                 self.inferred = *branch == Branch::Inferred;
                 self.moved_to(r_ohm.value + zero_ohm);
-                let switch = record.and_then(|record| record.switch).filter(|_| self.inferred);
-                let last = if record.is_some_and(|record| record.b_ns.is_some()) { Node::B } else { Node::A };
-                let predicted =
-                    estimator.predict_tracked(r_ohm.value + zero_ohm, switch, self.u_switch_ns, last);
-                self.dependence = predicted.zip(estimator.tracker()).map(|(predicted, tracker)| {
-                    let part = tracker.variance(&predicted.by_state);
-                    (predicted.by_state, (predicted.variance - part).max(0.0))
-                });
-                let switched = predicted.filter(|_| switch.is_some()).map(|predicted| {
-                    let steady = predicted.bound / predicted.by_switch.powi(2);
+                self.dependence = basis.by_state.map(|by_state| (by_state, basis.own));
+                let switched = basis.by_switch.filter(|_| !is_moving).map(|by_switch| {
+                    let steady = basis.own / by_switch.powi(2);
                     let u_ns = estimator.offset().scatter.u_ns(self.u_switch_ns);
-                    (predicted.by_switch, (steady - u_ns * u_ns).max(0.0))
+                    (by_switch, (steady - u_ns * u_ns).max(0.0))
                 });
                 self.steadiness(r_ohm.value, switched, estimator);
             }
@@ -256,7 +252,7 @@ impl Cycle {
             u_switch_ns: memory.u_switch_ns,
             before_ns: self.before_ns(),
             deadline_ns: self.settings.deadline.as_ns(),
-            mean_ns: 0.0,
+            mean_ns: self.settings.average.map_or(0.0, Nanos::as_ns),
             second: self.settings.second(),
             nodes: self.settings.nodes(),
         };
@@ -275,22 +271,23 @@ impl Cycle {
     pub(super) fn wanted(&self) -> Option<(CalibrationKind, Node)> {
         let tracker = self.estimator.tracker()?;
         let dependences = || self.memory.iter().filter_map(|memory| memory.dependence);
-        let all = CalibrationKind::ALL.into_iter().flat_map(|kind| {
-            Node::BOTH[..self.settings.nodes()].iter().map(move |last| (kind, *last))
-        });
+        // Of a mean, what each reading has of its own is less.
+        let readings = self.settings.average.map_or(1.0, |time| (time.as_ns() / self.cycle_ns).max(1.0));
+        let all = CalibrationKind::ALL
+            .into_iter()
+            .flat_map(|kind| Node::BOTH[..self.settings.nodes()].iter().map(move |last| (kind, *last)));
         let value = |(kind, last): (CalibrationKind, Node)| {
             let relative = |(by_state, own): (State, f64)| {
                 let common = tracker.variance(&by_state);
                 let lasts_ns = 1e9 * common / tracker.growth(&by_state);
-                tracker.benefit(kind, last, &by_state).unwrap_or(0.0) / (own + common) * lasts_ns
+                tracker.benefit(kind, last, &by_state).unwrap_or(0.0) / (own / readings + common) * lasts_ns
             };
             let takes_ns = tracker.planned(kind).crossing(tracker.state(), last.index()).ns;
             let channels = self.memory.len() as f64;
             dependences().map(relative).sum::<f64>() / channels / (self.before_ns()[last.index()] + takes_ns)
         };
-        let (best, pays) = all
-            .map(|discharge| (discharge, value(discharge)))
-            .max_by(|a, b| a.1.total_cmp(&b.1))?;
+        let (best, pays) =
+            all.map(|discharge| (discharge, value(discharge))).max_by(|a, b| a.1.total_cmp(&b.1))?;
         let is_doubted =
             tracker.is_doubted() || self.memory.iter().any(|memory| memory.outliers >= OUTLIERS_OF_DOUBT);
         let is_old = self.calibrated_at.is_none_or(|at| self.asked - at > LONGEST_IDLE);

@@ -8,27 +8,19 @@
 
 use super::wiring::{Lines, WiredLine};
 use crate::pins::Drives;
-use gpiocdev_uapi::v2::{LineAttribute, LineEdgeEvent};
 use gpiocdev_uapi::v2::{LineConfig, LineFlags, LineRequest, LineValues, Offsets};
 
 /// An undisturbed input.
-const INPUT: LineFlags = LineFlags::INPUT.union(LineFlags::BIAS_DISABLED);
+pub(super) const INPUT: LineFlags = LineFlags::INPUT.union(LineFlags::BIAS_DISABLED);
 /// An input whose threshold crossings are stamped. Falling edges only: with both, the kernel finds out the kind of
 /// edge after the stamp, and can be wrong.
-const SENSE: LineFlags = INPUT.union(LineFlags::EDGE_FALLING);
+pub(super) const SENSE: LineFlags = INPUT.union(LineFlags::EDGE_FALLING);
 /// "on" drives low, "off" is an input.
 const SINK: LineFlags = LineFlags::OUTPUT.union(LineFlags::OPEN_DRAIN).union(LineFlags::BIAS_DISABLED);
 /// "on" drives high, "off" is an input.
 const CHARGER: LineFlags = LineFlags::OUTPUT.union(LineFlags::OPEN_SOURCE).union(LineFlags::BIAS_DISABLED);
 /// A sense line that charges.
 const CHARGING: LineFlags = LineFlags::OUTPUT.union(LineFlags::BIAS_DISABLED);
-
-// The ABI that this backend relies on.
-const _: () = assert!(size_of::<LineValues>() == 16);
-const _: () = assert!(size_of::<LineAttribute>() == 16);
-const _: () = assert!(size_of::<LineConfig>() == 272);
-const _: () = assert!(size_of::<LineRequest>() == 592);
-const _: () = assert!(size_of::<LineEdgeEvent>() == 48);
 
 /// All drive lines in one request, every one released: the request itself drives nothing.
 pub(super) fn drive_request(lines: &Lines, consumer: &str) -> LineRequest {
@@ -38,7 +30,7 @@ pub(super) fn drive_request(lines: &Lines, consumer: &str) -> LineRequest {
 
 /// The same for lines that are held already.
 pub(super) fn drive_config(lines: &Lines) -> LineConfig {
-    let mut config = LineConfig { flags: SINK, ..Default::default() };
+    let mut config = all(SINK);
     let chargers = mask(lines, Drives::CHARGE);
     if chargers != 0 {
         config.add_flags(CHARGER, chargers);
@@ -51,12 +43,12 @@ pub(super) fn drive_config(lines: &Lines) -> LineConfig {
 /// of edges, 16 a line.
 pub(super) fn sense_request(sense: &[WiredLine], consumer: &str) -> LineRequest {
     let offsets: Vec<u32> = sense.iter().map(|line| line.offset).collect();
-    request(&offsets, watching(), consumer)
+    request(&offsets, all(SENSE), consumer)
 }
 
 /// One line as an input and nothing else, its bias as it is.
 pub(super) fn release_request(line: &WiredLine, consumer: &str) -> LineRequest {
-    request(&[line.offset], LineConfig { flags: LineFlags::INPUT, ..Default::default() }, consumer)
+    request(&[line.offset], all(LineFlags::INPUT), consumer)
 }
 
 fn request(offsets: &[u32], config: LineConfig, consumer: &str) -> LineRequest {
@@ -69,19 +61,14 @@ fn request(offsets: &[u32], config: LineConfig, consumer: &str) -> LineRequest {
     }
 }
 
-/// Every line of a request an input without edges.
-pub(super) fn inputs() -> LineConfig {
-    LineConfig { flags: INPUT, ..Default::default() }
-}
-
-/// Every line of a request an input with falling edges.
-pub(super) fn watching() -> LineConfig {
-    LineConfig { flags: SENSE, ..Default::default() }
+/// Every line of a request with these flags.
+pub(super) fn all(flags: LineFlags) -> LineConfig {
+    LineConfig { flags, ..Default::default() }
 }
 
 /// The sense lines of `chargers` high, the other one an input.
 pub(super) fn charging(chargers: Drives) -> LineConfig {
-    let mut config = inputs();
+    let mut config = all(INPUT);
     let bit = |part, bit| if chargers.contains(part) { bit } else { 0 };
     let mask = bit(Drives::CHARGE_A, 0b01) | bit(Drives::CHARGE_B, 0b10);
     if mask != 0 {

@@ -7,7 +7,7 @@
 
 use super::chips::{Chip, refused_edges};
 use super::error::{ChardevError, as_io};
-use super::request::{charging, drive_config, drive_request, inputs, sense_request, switching, watching};
+use super::request::{INPUT, SENSE, all, charging, drive_config, drive_request, sense_request, switching};
 use super::wiring::{Lines, WiredLine, Wiring, titles};
 use super::{Chardev, Failed, Held, SENSE_LINES};
 use crate::pins::{Drives, Edge};
@@ -123,7 +123,7 @@ impl Held for V2 {
 
     fn watch(&mut self) -> Result<(), Failed> {
         if !self.watching {
-            self.configure_sense(watching())?;
+            self.configure_sense(all(SENSE))?;
             self.watching = true;
         }
         Ok(())
@@ -157,8 +157,8 @@ impl Drop for V2 {
     /// Every line becomes an input before the kernel gets it back: some kernels leave outputs as they are. Nothing can
     /// be done about an error here; the chip is gone.
     fn drop(&mut self) {
-        let _ = v2::set_line_config(&self.sense_file, inputs());
-        let _ = v2::set_line_config(&self.drive_file, inputs());
+        let _ = v2::set_line_config(&self.sense_file, all(INPUT));
+        let _ = v2::set_line_config(&self.drive_file, all(INPUT));
     }
 }
 

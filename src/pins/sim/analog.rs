@@ -1,11 +1,11 @@
 //! The circuit in virtual time: the solution of the network carried from one change of lines to the next, and the instants
 //! at which a sense input falls.
 
-use super::latency::whole_ns;
-use super::network::{Capacitors, Flow, SimCircuit, line_index};
+use super::network::{Flow, SimCircuit, line_index};
 use super::scene::{DriftScene, NoiseScene, Scene, WalkScene};
 use super::sensor::Source;
 use crate::circuit::Node;
+use crate::pins::limits::SAMPLE_NS;
 use crate::pins::{Drives, Levels};
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
@@ -44,7 +44,6 @@ pub(super) struct Analog {
     sources: Vec<Source>,
     /// Lines of the sensors that change with time.
     varying: Drives,
-    sample_ns: i64,
     noise: Option<NoiseScene>,
     drift: Option<Drift>,
     walk: Option<Walk>,
@@ -67,10 +66,8 @@ impl Drift {
         let rate = self.rates.c_per_minute;
         // Linear in time, applied bit by bit to what may have been altered in between.
         let factor = (1.0 + rate * now_minutes) / (1.0 + rate * self.applied_minutes);
-        match &mut circuit.capacitors {
-            Capacitors::One { c } | Capacitors::Series { c } => *c *= factor,
-            Capacitors::Two { c_a, c_b } => (*c_a, *c_b) = (*c_a * factor, *c_b * factor),
-        }
+        let (first, second) = circuit.network.capacitors();
+        [first].into_iter().chain(second).for_each(|c| c.0 *= factor);
         circuit.v_dd += self.rates.v_dd_per_minute.map_or(0.0, |rate| rate.0 * minutes);
         let v_th = self.rates.v_th_per_minute.map_or(0.0, |rate| rate.0 * minutes);
         for sense in &mut circuit.sense {
@@ -117,7 +114,6 @@ impl Analog {
             circuit,
             sources,
             varying: Drives::NONE,
-            sample_ns: whole_ns(scene.sample_interval),
             noise: scene.noise,
             drift: scene.drift.map(|rates| Drift { rates, applied_minutes: 0.0 }),
             walk: scene.walk.map(|scene| Walk { scene, applied_ns: 0, rng: walk_rng }),
@@ -237,12 +233,11 @@ impl Analog {
         let changing = self.on.only(self.varying);
         let mut until_ns = None;
         if !changing.is_none() {
-            let cell = at_ns.div_euclid(self.sample_ns);
-            until_ns = Some((cell * self.sample_ns).saturating_add(self.sample_ns));
+            let cell_ns = at_ns.div_euclid(SAMPLE_NS) * SAMPLE_NS;
+            until_ns = Some(cell_ns.saturating_add(SAMPLE_NS));
             for line in changing.lines() {
                 let channel = line_index(line) - 4;
-                self.circuit.r_x[channel] =
-                    self.sources[channel].r_x(seconds(cell * self.sample_ns + self.sample_ns / 2));
+                self.circuit.r_x[channel] = self.sources[channel].r_x(seconds(cell_ns + SAMPLE_NS / 2));
             }
         }
         let flow =

@@ -3,11 +3,12 @@
 
 use super::analog::Analog;
 use super::kernel::Events;
-use super::network::{Branch, Capacitors, LINES, Sense, line_index};
+use super::network::{Branch, LINES, Sense, line_index};
 use super::scene::{AbsorptionScene, BranchScene, NodeScene, Scene, Threshold, line_named};
 use super::sensor::{Sensor, Source};
 use super::truth::Truth;
 use super::{Kind, SimCircuit, SimPins};
+use crate::circuit::Network;
 use crate::pins::MAX_CHANNELS;
 use crate::units::{Farad, Nanos, Ohm};
 use rand::SeedableRng;
@@ -38,7 +39,8 @@ impl Scene {
             }
         }
         SimCircuit {
-            capacitors: self.capacitors(),
+            // A missing capacitor has been refused by the check.
+            network: circuit.network().unwrap_or(Network::OneCapacitor { c: Farad(f64::NAN) }),
             absorption: self.absorption(),
             v_dd: circuit.v_dd.0,
             r_c1: circuit.r_c1.0,
@@ -47,17 +49,6 @@ impl Scene {
             r_o,
             r_x: [f64::INFINITY; MAX_CHANNELS],
             sense: [&circuit.node_a, &circuit.node_b].map(|node| node.sense(circuit.threshold)),
-        }
-    }
-
-    fn capacitors(&self) -> Capacitors {
-        // A missing capacitor has been refused by the check.
-        let farad = |c: Option<Farad>| c.map_or(f64::NAN, |c| c.0);
-        let circuit = &self.circuit;
-        match circuit.kind {
-            Kind::OneCapacitor => Capacitors::One { c: farad(circuit.c) },
-            Kind::SeriesCalibration => Capacitors::Series { c: farad(circuit.c) },
-            Kind::TwoCapacitor => Capacitors::Two { c_a: farad(circuit.c_a), c_b: farad(circuit.c_b) },
         }
     }
 

@@ -17,8 +17,9 @@
 //! Capacitors whose dielectric absorbs charge have a mode more for each branch: `absorption`.
 
 use super::waveform::Waveform;
-use crate::circuit::Node;
+use crate::circuit::{Kind, Network, Node};
 use crate::pins::{Drives, MAX_CHANNELS};
+use crate::units::Farad;
 
 mod absorption;
 
@@ -30,30 +31,8 @@ pub fn line_index(line: Drives) -> usize {
     (line.0.trailing_zeros() as usize).min(LINES - 1)
 }
 
-/// The capacitors and what they connect, in farad.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Capacitors {
-    /// Fig. 1(a): one capacitor from node A to ground, every resistor at node A.
-    One {
-        /// Node A to ground.
-        c: f64,
-    },
-    /// Fig. 1(b): as above, but Rc2 goes on from the far end of Rc1.
-    Series {
-        /// Node A to ground.
-        c: f64,
-    },
-    /// Fig. 1(c): C_A between the nodes, C_B from B to ground, every resistor at node A.
-    Two {
-        /// Node A to node B.
-        c_a: f64,
-        /// Node B to ground.
-        c_b: f64,
-    },
-}
-
 /// What hangs on a sense node besides the circuit proper.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Sense {
     /// A high node becomes low here, volt.
     pub falling: f64,
@@ -65,13 +44,6 @@ pub struct Sense {
     pub to_ground: f64,
     /// Conductance to V_DD (pull-up), siemens.
     pub to_v_dd: f64,
-}
-
-impl Sense {
-    /// A node with one threshold and nothing else.
-    pub fn ideal(threshold: f64) -> Sense {
-        Sense { falling: threshold, rising: threshold, leakage: 0.0, to_ground: 0.0, to_v_dd: 0.0 }
-    }
 }
 
 /// A part of a capacitor's charge that comes and goes slowly: a capacitor beside it, through a resistor.
@@ -86,8 +58,8 @@ pub struct Branch {
 /// A circuit as it is built, unknown to the estimators.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SimCircuit {
-    /// Which capacitors there are.
-    pub capacitors: Capacitors,
+    /// The capacitors and what they connect.
+    pub network: Network,
     /// What the dielectrics absorb: of C_A or the only capacitor, and of C_B.
     pub absorption: [Vec<Branch>; 2],
     /// Supply, volt.
@@ -127,12 +99,7 @@ impl Load {
 impl SimCircuit {
     /// Whether there is a node B.
     pub fn has_b(&self) -> bool {
-        matches!(self.capacitors, Capacitors::Two { .. })
-    }
-
-    /// The node voltages when charged for ever: both V_DD, so that C_A is empty.
-    pub fn charged(&self) -> [f64; 2] {
-        [self.v_dd, self.v_dd]
+        self.network.kind() == Kind::TwoCapacitor
     }
 
     /// How the nodes go on from voltages `start`, which have been there for ever, while exactly the lines of `on` drive.
@@ -151,12 +118,12 @@ impl SimCircuit {
         if self.absorption.iter().any(|branches| !branches.is_empty()) {
             return self.absorbing(start, branches, load_a, self.load_b(on));
         }
-        match self.capacitors {
-            Capacitors::One { c } | Capacitors::Series { c } => {
+        match self.network {
+            Network::OneCapacitor { c: Farad(c) } | Network::SeriesCalibration { c: Farad(c) } => {
                 let slope = load_a.current(start[0]) / c;
                 Flow::of_modes(start, [load_a.conductance / c, 0.0], [[slope, 0.0], [0.0, 0.0]])
             }
-            Capacitors::Two { c_a, c_b } => two_modes(start, load_a, self.load_b(on), c_a, c_b),
+            Network::TwoCapacitor { c_a, c_b } => two_modes(start, load_a, self.load_b(on), c_a.0, c_b.0),
         }
     }
 
@@ -195,8 +162,8 @@ impl SimCircuit {
         let sunk = |line: Drives, resistor: f64| {
             if on.contains(line) { 1.0 / (resistor + self.r_o[line_index(line)]) } else { 0.0 }
         };
-        match self.capacitors {
-            Capacitors::Series { .. } => {
+        match self.network {
+            Network::SeriesCalibration { .. } => {
                 let beyond_r_c1 = sunk(Drives::C1, 0.0) + sunk(Drives::C2, self.r_c2);
                 if beyond_r_c1 > 0.0 { 1.0 / (self.r_c1 + 1.0 / beyond_r_c1) } else { 0.0 }
             }

@@ -2,13 +2,13 @@
 
 use super::network::LINES;
 use super::sensor::Sensor;
-use crate::circuit::Kind;
+use crate::circuit::{Kind, Network};
 use crate::pins::Drives;
-use crate::pins::limits::SAMPLE_SECONDS;
 use crate::units::{Ampere, Farad, Hertz, Ohm, Seconds, Volt};
 use serde::Deserialize;
 use std::collections::BTreeMap;
-use std::path::{Path, PathBuf};
+use std::fmt::Display;
+use std::path::Path;
 
 mod check;
 
@@ -21,31 +21,15 @@ const BUILTIN: [(&str, &str); 5] = [
     ("pi5", include_str!("../../../hw/scenes/pi5.toml")),
 ];
 
-/// Why a scene cannot be used.
+/// Why a scene cannot be used: which file, with line and caret or the key, and what to do.
 #[derive(Debug, thiserror::Error)]
-pub enum SceneError {
-    /// The file, or a file that it names, cannot be read.
-    #[error("cannot read {}: {source}", path.display())]
-    Read {
-        /// Which file.
-        path: PathBuf,
-        /// Why.
-        source: std::io::Error,
-    },
-    /// It is not TOML (line and caret are in the message), or a key or its value makes no sense.
-    #[error("{}: {problem}", origin.display())]
-    Wrong {
-        /// Which file.
-        origin: PathBuf,
-        /// The key if there is one, what is wrong, and what to do.
-        problem: String,
-    },
-    /// There is no built-in scene of that name.
-    #[error("there is no built-in scene \"{name}\"; there are {}", Scene::builtin_names().collect::<Vec<_>>().join(", "))]
-    Unknown {
-        /// What was asked for.
-        name: String,
-    },
+#[error("{0}")]
+pub struct SceneError(String);
+
+impl SceneError {
+    fn wrong(origin: &Path, problem: impl Display) -> SceneError {
+        SceneError(format!("{}: {problem}", origin.display()))
+    }
 }
 
 /// A simulated board with its circuit and sensors.
@@ -60,9 +44,6 @@ pub struct Scene {
     /// What is connected to the channels, from channel 0 on; the others are open.
     #[serde(default, rename = "sensor")]
     pub sensors: Vec<Sensor>,
-    /// How long a sensor that changes with time is held constant.
-    #[serde(default = "default_sample_interval")]
-    pub sample_interval: Seconds,
     /// A clock that everything is quantised by: crossings are seen and lines switched at its edges.
     pub clock_period: Option<Seconds>,
     /// Calls that switch lines.
@@ -88,10 +69,6 @@ pub struct Scene {
 
 fn default_seed() -> u64 {
     1
-}
-
-fn default_sample_interval() -> Seconds {
-    Seconds(SAMPLE_SECONDS)
 }
 
 /// The network: `c-a` and `c-b` serve the two-capacitor circuit, `c` the others.
@@ -130,6 +107,13 @@ pub struct CircuitScene {
     /// What else there is at node B.
     #[serde(default)]
     pub node_b: NodeScene,
+}
+
+impl CircuitScene {
+    /// Its capacitors; `None` where one is missing.
+    pub fn network(&self) -> Option<Network> {
+        Network::new(self.kind, self.c_a, self.c_b, self.c)
+    }
 }
 
 /// What each capacitor absorbs, by its key in the network: nothing where no branch is named.
@@ -291,24 +275,26 @@ impl Scene {
 
     /// A scene that is part of the program.
     pub fn builtin(name: &str) -> Result<Scene, SceneError> {
-        let (name, text) = BUILTIN
-            .iter()
-            .find(|(known, _)| *known == name)
-            .ok_or_else(|| SceneError::Unknown { name: name.to_owned() })?;
+        let (name, text) = BUILTIN.iter().find(|(known, _)| *known == name).ok_or_else(|| {
+            let names = Scene::builtin_names().collect::<Vec<_>>().join(", ");
+            SceneError(format!("there is no built-in scene \"{name}\"; there are {names}"))
+        })?;
         Scene::parse(text, Path::new(name))
+    }
+
+    /// A scene from a file (`*.toml`, relative to a folder), or one that is part of the program.
+    pub fn named(name: &str, folder: &Path) -> Result<Scene, SceneError> {
+        if name.ends_with(".toml") { Scene::load(&folder.join(name)) } else { Scene::builtin(name) }
     }
 
     /// A scene from a file.
     pub fn load(path: &Path) -> Result<Scene, SceneError> {
-        let text = std::fs::read_to_string(path)
-            .map_err(|source| SceneError::Read { path: path.to_owned(), source })?;
-        Scene::parse(&text, path)
+        Scene::parse(&read(path)?, path)
     }
 
     /// A scene from its text; `origin` stands in messages, and files that the scene names are beside it.
     pub fn parse(text: &str, origin: &Path) -> Result<Scene, SceneError> {
-        let mut scene: Scene = toml::from_str(text)
-            .map_err(|error| SceneError::Wrong { origin: origin.to_owned(), problem: error.to_string() })?;
+        let mut scene: Scene = toml::from_str(text).map_err(|error| SceneError::wrong(origin, error))?;
         for sensor in &mut scene.sensors {
             sensor.read_file(origin.parent().unwrap_or(Path::new("")))?;
         }
@@ -329,11 +315,14 @@ impl Scene {
 
     /// Itself, if every value makes sense.
     fn checked(self, origin: &Path) -> Result<Scene, SceneError> {
-        match self.check() {
-            Ok(()) => Ok(self),
-            Err(problem) => Err(SceneError::Wrong { origin: origin.to_owned(), problem }),
-        }
+        self.check().map_err(|problem| SceneError::wrong(origin, problem))?;
+        Ok(self)
     }
+}
+
+fn read(path: &Path) -> Result<String, SceneError> {
+    let refused = |error| SceneError(format!("cannot read {}: {error}", path.display()));
+    std::fs::read_to_string(path).map_err(refused)
 }
 
 /// The line that is written like this in [`Drives`]' display.
@@ -345,9 +334,7 @@ impl Sensor {
     fn read_file(&mut self, folder: &Path) -> Result<(), SceneError> {
         let Sensor::File { path, points } = self else { return Ok(()) };
         let full = folder.join(path);
-        let text = std::fs::read_to_string(&full)
-            .map_err(|source| SceneError::Read { path: full.clone(), source })?;
-        for (index, line) in text.lines().enumerate() {
+        for (index, line) in read(&full)?.lines().enumerate() {
             let line = line.trim();
             if line.is_empty() || line.starts_with('#') || (index == 0 && line == "time_s,ohm") {
                 continue;
@@ -363,7 +350,7 @@ impl Sensor {
                     let problem = format!(
                         "line {number}: \"{line}\" is not time_s,ohm with a later time and a resistance"
                     );
-                    return Err(SceneError::Wrong { origin: full, problem });
+                    return Err(SceneError::wrong(&full, problem));
                 }
             }
         }

@@ -1,7 +1,7 @@
 //! The voltage of one node between two changes, V(t) = V(0) + k1 phi(r1, t) + k2 phi(r2, t) + ..., and when it passes a
 //! threshold.
 
-use crate::pins::limits::{MOST_DOUBLINGS, MOST_ROOT_STEPS, MOST_TURN_STEPS};
+use crate::pins::limits::{MOST_DOUBLINGS, MOST_ROOT_STEPS};
 
 /// A mode: how it decays (1/s, not negative), and its slope at time 0 (V/s).
 pub type Mode = (f64, f64);
@@ -163,31 +163,32 @@ impl Waveform {
         None
     }
 
-    /// The crossing in `above`..=`below`, which bracket it: Newton's method, halving where it would leave the
-    /// bracket or does not converge.
+    /// The crossing in `above`..=`below`, which bracket it.
     fn root(&self, threshold: f64, above: f64, below: f64) -> f64 {
-        let (mut above, mut below) = (above, below);
-        let mut t = 0.5 * (above + below);
-        let mut width = below - above;
-        for _ in 0..MOST_ROOT_STEPS {
-            let excess = self.at(t) - threshold;
-            if excess > 0.0 {
-                above = t;
-            } else {
-                below = t;
-            }
-            let newton = t - excess / self.slope(t);
-            if (newton - t).abs() <= 2.0 * f64::EPSILON * t || below - above <= 2.0 * f64::EPSILON * t {
-                break;
-            }
-            let inside = newton > above && newton < below;
-            let shrinks = (newton - t).abs() < 0.5 * width;
-            let next = if inside && shrinks { newton } else { 0.5 * (above + below) };
-            width = (next - t).abs();
-            t = next;
-        }
-        t
+        root(|t| (self.at(t) - threshold, self.slope(t)), above, below)
     }
+}
+
+/// Where a function, given with its slope, is zero between an instant at which it is above zero and one at which it is not:
+/// Newton's method, halving where it would leave the bracket or does not converge.
+fn root(function: impl Fn(f64) -> (f64, f64), mut above: f64, mut below: f64) -> f64 {
+    let mut t = 0.5 * (above + below);
+    let mut width = (below - above).abs();
+    for _ in 0..MOST_ROOT_STEPS {
+        let (value, slope) = function(t);
+        *(if value > 0.0 { &mut above } else { &mut below }) = t;
+        let newton = t - value / slope;
+        let (low, high) = (above.min(below), above.max(below));
+        if (newton - t).abs() <= 2.0 * f64::EPSILON * t || high - low <= 2.0 * f64::EPSILON * t {
+            break;
+        }
+        let is_inside = newton > low && newton < high;
+        let shrinks = (newton - t).abs() < 0.5 * width;
+        let next = if is_inside && shrinks { newton } else { 0.5 * (above + below) };
+        width = (next - t).abs();
+        t = next;
+    }
+    t
 }
 
 /// Where the sum of two slope exp(-rate t) is zero after time 0.
@@ -211,15 +212,20 @@ fn roots(terms: &[Mode]) -> Vec<f64> {
     if is_of_one_sign(terms) {
         return Vec::new();
     }
-    let value = |t: f64| {
-        others.iter().fold(constant, |sum, (rate, slope)| sum + slope * (-(rate - slowest) * t).exp())
-    };
     let derivative: Vec<Mode> =
         others.iter().map(|(rate, slope)| (*rate, slope * (slowest - rate))).collect();
+    let sum = |terms: &[Mode], t: f64| -> f64 {
+        terms.iter().map(|(rate, slope)| slope * (-(rate - slowest) * t).exp()).sum()
+    };
+    let value = |t: f64| constant + sum(others, t);
+    let change_of_sign = |from: f64, to: f64| {
+        let sign = value(from).signum();
+        root(|t| (sign * value(t), sign * sum(&derivative, t)), from, to)
+    };
     let (mut found, mut from) = (Vec::new(), 0.0);
     for turn in roots(&derivative) {
         if value(from) * value(turn) < 0.0 {
-            found.push(change_of_sign(value, from, turn));
+            found.push(change_of_sign(from, turn));
         }
         from = turn;
     }
@@ -229,7 +235,7 @@ fn roots(terms: &[Mode]) -> Vec<f64> {
         while value(from) * value(from + step) > 0.0 && doublings.next().is_some() {
             step *= 2.0;
         }
-        found.push(change_of_sign(value, from, from + step));
+        found.push(change_of_sign(from, from + step));
     }
     found
 }
@@ -243,31 +249,4 @@ fn is_of_one_sign(terms: &[Mode]) -> bool {
     });
     let (least, most) = sums.fold((0.0f64, 0.0f64), |(least, most), sum| (least.min(sum), most.max(sum)));
     least == 0.0 || most == 0.0
-}
-
-/// Where a function changes its sign between two instants: Ridders' method.
-fn change_of_sign(value: impl Fn(f64) -> f64, mut low: f64, mut high: f64) -> f64 {
-    let (mut at_low, mut at_high) = (value(low), value(high));
-    let mut last = f64::INFINITY;
-    for _ in 0..MOST_TURN_STEPS {
-        let middle = 0.5 * (low + high);
-        let at_middle = value(middle);
-        let root = (at_middle * at_middle - at_low * at_high).sqrt();
-        let t = middle + (middle - low) * at_low.signum() * at_middle / root;
-        if !(t > low && t < high) || (t - last).abs() <= f64::EPSILON * t {
-            break;
-        }
-        last = t;
-        let at_t = value(t);
-        for (instant, value) in [(middle, at_middle), (t, at_t)] {
-            if instant > low && instant < high {
-                if value * at_low > 0.0 {
-                    (low, at_low) = (instant, value)
-                } else {
-                    (high, at_high) = (instant, value)
-                }
-            }
-        }
-    }
-    if last.is_finite() { last } else { 0.5 * (low + high) }
 }

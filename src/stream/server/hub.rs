@@ -1,10 +1,36 @@
 //! What all clients share: the channels with their last readings, the header of a tape, the counts.
 
-use super::published::{Content, Published};
 use crate::reading::Reading;
 use crate::stream::wire::{ChannelInfo, ErrorCode, ErrorLine, ReadingLine, VersionLine, excerpt, to_line};
 use jiff::Timestamp;
+use serde::Serialize;
 use std::sync::Arc;
+
+/// A whole line, made once and shared by every client that waits for it, and what it is.
+#[derive(Debug)]
+pub(super) struct Published {
+    pub content: Content,
+    /// With its newline; of a reading: as it goes to a client that has lost nothing.
+    pub line: Vec<u8>,
+}
+
+/// What a line is, as far as that decides who gets it.
+#[derive(Debug)]
+pub(super) enum Content {
+    /// The readings after it have these channels.
+    Version,
+    /// The discharges after it belong to this tape.
+    Tape,
+    Reading(Box<ReadingLine>),
+    /// Of the sensor of a channel, or of all: a calibration.
+    Discharge(Option<String>),
+}
+
+impl Published {
+    pub fn new(content: Content, message: &impl Serialize) -> Arc<Published> {
+        Arc::new(Published { content, line: to_line(message) })
+    }
+}
 
 /// The shared state.
 #[derive(Debug)]
@@ -67,7 +93,9 @@ impl Hub {
 
     /// The last reading of the channel of that index, for those that watch.
     pub fn last_reading(&self, index: usize) -> Option<Arc<Published>> {
-        self.channels.get(index)?.last_line().map(Published::reading)
+        let reading = self.channels.get(index)?.last_line()?;
+        let line = to_line(&reading);
+        Some(Arc::new(Published { content: Content::Reading(Box::new(reading)), line }))
     }
 
     /// Appends the last reading of each channel, and one refusal for those that have none yet.

@@ -4,6 +4,7 @@
 use nix::errno::Errno;
 use nix::fcntl::{FcntlArg, FdFlag, Flock, FlockArg, fcntl};
 use nix::sys::socket::{self, AddressFamily, Backlog, SockFlag, SockType, UnixAddr, sockopt};
+use std::fmt::Display;
 use std::fs::{self, File, Metadata, Permissions};
 use std::io;
 use std::os::fd::{AsFd, AsRawFd, BorrowedFd, OwnedFd};
@@ -11,44 +12,10 @@ use std::os::unix::fs::{FileTypeExt, MetadataExt, PermissionsExt};
 use std::os::unix::net::{UnixListener, UnixStream};
 use std::path::{Path, PathBuf};
 
-/// Why there is no socket.
+/// Why there is no socket, and what to do.
 #[derive(Debug, thiserror::Error)]
-pub enum ListenError {
-    /// A live daemon has it.
-    #[error(
-        "{path} is already served by {owner}: stop that one first, or choose another path in [server] socket"
-    )]
-    Served {
-        /// The path.
-        path: PathBuf,
-        /// Its process, as "pid N (name)".
-        owner: String,
-    },
-    /// There is a file that is no socket. It is left alone.
-    #[error("{0} exists and is not a socket: remove it, or choose another path in [server] socket")]
-    NotASocket(PathBuf),
-    /// Somebody else is binding a socket in the same directory.
-    #[error("another process is just now taking {0}: try again")]
-    Contended(PathBuf),
-    /// The directory of the socket is missing.
-    #[error("the directory of {0} does not exist: create it (RuntimeDirectory= in a systemd unit does)")]
-    NoDirectory(PathBuf),
-    /// Any other failure of a call.
-    #[error("{call} {path}: {source}{hint}")]
-    Call {
-        /// The call.
-        call: &'static str,
-        /// The path.
-        path: PathBuf,
-        /// What the kernel said.
-        source: io::Error,
-        /// What to do about it; begins with ": " unless empty.
-        hint: &'static str,
-    },
-    /// What systemd passed is not one listening unix stream socket.
-    #[error("systemd passed {0}: cermd takes one ListenStream= with a path")]
-    Activation(String),
-}
+#[error("{0}")]
+pub struct ListenError(String);
 
 /// A listening unix stream socket. Dropping it removes the file that it has made, if it is still that file.
 #[derive(Debug)]
@@ -74,12 +41,12 @@ impl Listener {
     /// To be called once, at the start of the process: it takes the descriptors into its possession.
     ///
     /// # Errors
-    /// [`ListenError::Activation`]: several descriptors, or one that is not a listening unix stream socket.
+    /// Several descriptors, or one that is not a listening unix stream socket.
     pub fn from_systemd() -> Result<Option<Listener>, ListenError> {
-        let mut passed = sd_listen_fds::get()
-            .map_err(|error| ListenError::Activation(format!("something else ({error})")))?;
+        let mut passed =
+            sd_listen_fds::get().map_err(|error| not_ours(format!("something else ({error})")))?;
         if passed.len() > 1 {
-            return Err(ListenError::Activation(format!("{} sockets", passed.len())));
+            return Err(not_ours(format!("{} sockets", passed.len())));
         }
         let Some((_, fd)) = passed.pop() else { return Ok(None) };
         let fd = OwnedFd::from(UnixListener::from(fd));
@@ -91,11 +58,9 @@ impl Listener {
         let is_listening = socket::getsockopt(&fd, sockopt::AcceptConn) == Ok(true);
         let is_unix = socket::getsockname::<UnixAddr>(fd.as_raw_fd()).is_ok();
         if !(is_stream && is_listening && is_unix) {
-            return Err(ListenError::Activation(
-                "a descriptor that is not a listening unix stream socket".to_owned(),
-            ));
+            return Err(not_ours("a descriptor that is not a listening unix stream socket"));
         }
-        let unusable = |error| ListenError::Activation(format!("a descriptor that cannot be used ({error})"));
+        let unusable = |error| not_ours(format!("a descriptor that cannot be used ({error})"));
         fcntl(&fd, FcntlArg::F_SETFD(FdFlag::FD_CLOEXEC)).map_err(|errno| unusable(errno.into()))?;
         let socket = UnixListener::from(fd);
         socket.set_nonblocking(true).map_err(unusable)?;
@@ -107,7 +72,7 @@ impl Listener {
     /// A socket file that nobody serves any more (its daemon was killed) is replaced.
     ///
     /// # Errors
-    /// See [`ListenError`]. No file is removed then that was there before.
+    /// What is in the way. No file is removed then that was there before.
     pub fn bind(path: &Path, mode: u32) -> Result<Listener, ListenError> {
         let directory = match path.parent() {
             Some(parent) if !parent.as_os_str().is_empty() => parent,
@@ -115,15 +80,10 @@ impl Listener {
         };
         // From here to listen() only one daemon at a time: else two could find the same stale file, and the
         // second would remove the fresh socket of the first.
-        let directory = File::open(directory).map_err(|source| match source.kind() {
-            io::ErrorKind::NotFound => ListenError::NoDirectory(path.to_owned()),
-            _ => failed("open the directory of", path, source),
-        })?;
-        let _lock =
-            Flock::lock(directory, FlockArg::LockExclusiveNonblock).map_err(|(_, errno)| match errno {
-                Errno::EWOULDBLOCK => ListenError::Contended(path.to_owned()),
-                _ => failed("lock the directory of", path, errno),
-            })?;
+        let directory =
+            File::open(directory).map_err(|source| failed("open the directory of", path, source))?;
+        let _lock = Flock::lock(directory, FlockArg::LockExclusiveNonblock)
+            .map_err(|(_, errno)| failed("lock the directory of", path, errno))?;
         remove_stale(path)?;
         bind_and_listen(path, mode)
     }
@@ -150,15 +110,22 @@ impl Drop for Listener {
     }
 }
 
-fn failed(call: &'static str, path: &Path, source: impl Into<io::Error>) -> ListenError {
+/// What systemd passed is not one listening unix stream socket.
+fn not_ours(passed: impl Display) -> ListenError {
+    ListenError(format!("systemd passed {passed}: cermd takes one ListenStream= with a path"))
+}
+
+fn failed(call: &str, path: &Path, source: impl Into<io::Error>) -> ListenError {
     let source = source.into();
     let hint = match source.raw_os_error().map(Errno::from_raw) {
         Some(Errno::EACCES | Errno::EPERM) => ": run cermd as a user that may write there",
         Some(Errno::EROFS) => ": the unit needs ReadWritePaths= or RuntimeDirectory= for it",
         Some(Errno::ENAMETOOLONG) => ": a socket path has at most 107 bytes",
+        Some(Errno::ENOENT) => ": it does not exist: create it (RuntimeDirectory= in a systemd unit does)",
+        Some(Errno::EWOULDBLOCK) => ": another process is just now binding a socket there; try again",
         _ => "",
     };
-    ListenError::Call { call, path: path.to_owned(), source, hint }
+    ListenError(format!("{call} {}: {source}{hint}", path.display()))
 }
 
 /// A stream socket that never waits, and the address of the path.
@@ -190,18 +157,22 @@ fn remove_stale(path: &Path) -> Result<(), ListenError> {
         Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(()),
         Err(error) => return Err(failed("stat", path, error)),
         Ok(metadata) if !metadata.file_type().is_socket() => {
-            return Err(ListenError::NotASocket(path.to_owned()));
+            return Err(ListenError(format!(
+                "{} exists and is not a socket: remove it, or choose another path in [server] socket",
+                path.display()
+            )));
         }
         Ok(_) => {}
     }
     // Without blocking: the queue of a daemon that hangs may be full.
     let (probe, address) = unix_socket(path)?;
+    let served = |owner: &str| {
+        let stop = "stop that one first, or choose another path in [server] socket";
+        Err(ListenError(format!("{} is already served by {owner}: {stop}", path.display())))
+    };
     match socket::connect(probe.as_raw_fd(), &address) {
-        Ok(()) => Err(ListenError::Served { path: path.to_owned(), owner: owner_of(&probe) }),
-        Err(Errno::EAGAIN) => {
-            let owner = "a process that does not answer (its queue is full)".to_owned();
-            Err(ListenError::Served { path: path.to_owned(), owner })
-        }
+        Ok(()) => served(&owner_of(&probe)),
+        Err(Errno::EAGAIN) => served("a process that does not answer (its queue is full)"),
         Err(Errno::ECONNREFUSED) => {
             log::info!("replacing {}, which nobody serves any more", path.display());
             fs::remove_file(path).map_err(|source| failed("remove the stale", path, source))
@@ -269,11 +240,12 @@ mod tests {
     fn what_is_no_socket_is_left_alone() {
         let (directory, path) = socket_path();
         fs::write(&path, "precious").unwrap();
-        assert!(matches!(Listener::bind(&path, 0o600), Err(ListenError::NotASocket(_))));
+        let refused = |path: &Path| Listener::bind(path, 0o600).unwrap_err().to_string();
+        assert!(refused(&path).contains("is not a socket: remove it"), "{}", refused(&path));
         assert_eq!(fs::read_to_string(&path).unwrap(), "precious");
         let link = directory.path().join("link");
         std::os::unix::fs::symlink(&path, &link).unwrap();
-        assert!(matches!(Listener::bind(&link, 0o600), Err(ListenError::NotASocket(_))));
+        assert!(refused(&link).contains("is not a socket: remove it"), "{}", refused(&link));
     }
 
     #[test]
@@ -290,11 +262,13 @@ mod tests {
     fn errors_say_what_to_do() {
         let (directory, path) = socket_path();
         let missing = Listener::bind(&directory.path().join("no/s"), 0o600).unwrap_err().to_string();
+        assert!(missing.contains("the directory of"), "{missing}");
         assert!(missing.contains("does not exist: create it"), "{missing}");
         let long = Listener::bind(&directory.path().join("x".repeat(200)), 0o600).unwrap_err().to_string();
         assert!(long.contains("107 bytes"), "{long}");
         let lock = Flock::lock(File::open(directory.path()).unwrap(), FlockArg::LockExclusive).unwrap();
-        assert!(matches!(Listener::bind(&path, 0o600), Err(ListenError::Contended(_))));
+        let contended = Listener::bind(&path, 0o600).unwrap_err().to_string();
+        assert!(contended.contains("another process is just now"), "{contended}");
         drop(lock);
     }
 

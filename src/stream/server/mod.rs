@@ -12,7 +12,6 @@
 mod hub;
 mod listener;
 mod peer;
-mod published;
 mod session;
 mod subscription;
 
@@ -25,13 +24,12 @@ use super::tape::{DischargeLine, Header};
 use super::wire::{ChannelInfo, ErrorCode, ErrorLine, InstrumentStats, to_line};
 use crate::reading::Reading;
 use crate::units::Nanos;
-use hub::Hub;
+use hub::{Content, Hub, Published};
 use jiff::Timestamp;
 use nix::errno::Errno;
 use nix::sys::epoll::{Epoll, EpollCreateFlags, EpollEvent, EpollFlags, EpollTimeout};
 use nix::sys::socket::{self, sockopt};
 use peer::{Peer, SEND};
-use published::{Content, Published};
 use std::collections::BTreeMap;
 use std::io;
 use std::os::fd::{AsFd, AsRawFd, BorrowedFd};

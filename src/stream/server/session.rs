@@ -1,9 +1,8 @@
 //! One client's part of the conversation, without its socket: which line it gets next.
 
 use super::StatsSource;
-use super::hub::Hub;
-use super::published::{Content, Published};
-use super::subscription::{RateLimit, Subscription};
+use super::hub::{Content, Hub, Published};
+use super::subscription::Subscription;
 use crate::stream::limits::serving::{KEPT_OUTPUT_BYTES, KEPT_QUEUE_LINES};
 use crate::stream::wire::{
     ErrorCode, ErrorLine, LineSplitter, LineTooLong, ReadingLine, Request, StatsLine, Watch, to_line,
@@ -73,15 +72,15 @@ impl Session {
     }
 
     pub fn watches(&self) -> bool {
-        self.subscription.enable
+        self.subscription.watch.enable
     }
 
     pub fn wants_raw(&self) -> bool {
-        self.watches() && self.subscription.raw
+        self.watches() && self.subscription.watch.raw
     }
 
     pub fn wants_readings(&self) -> bool {
-        self.watches() && !self.subscription.raw
+        self.watches() && !self.subscription.watch.raw
     }
 
     /// Takes what was published into the queue. Returns how many wanted lines had to go for it.
@@ -121,10 +120,10 @@ impl Session {
     /// Readings and discharges were lost to everybody before they could be published. Of which channel they were is
     /// unknown, so they count whatever the filter. Returns how many count.
     pub fn miss(&mut self, readings: u64, discharges: u64) -> u64 {
-        let counted = match (self.watches(), self.subscription.raw) {
-            (false, _) => 0,
-            (true, false) => readings,
-            (true, true) => discharges,
+        let counted = match (self.wants_readings(), self.wants_raw()) {
+            (true, _) => readings,
+            (_, true) => discharges,
+            _ => 0,
         };
         self.lost += counted;
         counted
@@ -213,15 +212,14 @@ impl Session {
     fn watch(&mut self, watch: Watch, hub: &Hub) -> Result<(), ErrorLine> {
         hub.knows(watch.channels.as_deref().unwrap_or_default())?;
         let was_raw = self.wants_raw();
-        if !self.subscription.enable || watch.raw != self.subscription.raw {
+        if !self.watches() || watch.raw != self.wants_raw() {
             // Another stream begins: it has no past, and nothing of it was lost. Otherwise what is still to be
             // sent goes through the new filter.
             let mut versions = self.queue.drain(..).filter(|line| matches!(line.content, Content::Version));
             self.version_due = versions.next_back().or(self.version_due.take());
             self.lost = 0;
         }
-        let Watch { enable, channels, max_hz, raw } = watch;
-        self.subscription = Subscription { enable, channels, raw, limit: max_hz.map(RateLimit::new) };
+        self.subscription = Subscription::new(watch);
         if !was_raw || !self.wants_raw() {
             self.tape_due = if self.wants_raw() { hub.tape_header.clone() } else { None };
         }

@@ -1,32 +1,27 @@
 //! What one client wants of the stream: the filters of WATCH.
 
-use super::published::Content;
+use super::hub::Content;
+use crate::stream::wire::Watch;
 use crate::units::Nanos;
 
 /// What one client wants. A new client wants every reading.
-#[derive(Debug)]
+#[derive(Debug, Default)]
 pub(super) struct Subscription {
-    pub enable: bool,
-    /// Ids; `None`: every channel.
-    pub channels: Option<Vec<String>>,
-    /// Lines of a tape in the place of readings.
-    pub raw: bool,
-    pub limit: Option<RateLimit>,
-}
-
-impl Default for Subscription {
-    fn default() -> Subscription {
-        Subscription { enable: true, channels: None, raw: false, limit: None }
-    }
+    pub watch: Watch,
+    limit: Option<RateLimit>,
 }
 
 impl Subscription {
+    pub fn new(watch: Watch) -> Subscription {
+        Subscription { limit: watch.max_hz.map(RateLimit::new), watch }
+    }
+
     /// Whether lines of this kind are a part of the stream at all.
     pub fn is_of(&self, content: &Content) -> bool {
         match content {
             Content::Version => true,
-            Content::Reading(_) => self.enable && !self.raw,
-            Content::Tape | Content::Discharge(_) => self.enable && self.raw,
+            Content::Reading(_) => self.watch.enable && !self.watch.raw,
+            Content::Tape | Content::Discharge(_) => self.watch.enable && self.watch.raw,
         }
     }
 
@@ -47,20 +42,20 @@ impl Subscription {
     }
 
     fn wants_channel(&self, channel: &str) -> bool {
-        self.channels.as_ref().is_none_or(|wanted| wanted.iter().any(|id| id == channel))
+        self.watch.channels.as_ref().is_none_or(|wanted| wanted.iter().any(|id| id == channel))
     }
 }
 
 /// Thins the readings of each channel to a rate, by the instants at which they were measured.
 #[derive(Debug)]
-pub(super) struct RateLimit {
+struct RateLimit {
     period: Nanos,
     /// From when on the next reading of a channel passes.
     due: Vec<(String, Nanos)>,
 }
 
 impl RateLimit {
-    pub fn new(max_hz: f64) -> RateLimit {
+    fn new(max_hz: f64) -> RateLimit {
         RateLimit { period: Nanos::from_seconds(1.0 / max_hz), due: Vec::new() }
     }
 
@@ -112,10 +107,10 @@ mod tests {
     #[test]
     fn filters() {
         let mut all = Subscription::default();
-        let mut thumb = Subscription { channels: Some(vec![THUMB.to_owned()]), ..Subscription::default() };
-        let mut raw_thumb =
-            Subscription { channels: Some(vec![THUMB.to_owned()]), raw: true, ..Subscription::default() };
-        let mut none = Subscription { enable: false, ..Subscription::default() };
+        let of_thumb = Watch { channels: Some(vec![THUMB.to_owned()]), ..Watch::default() };
+        let mut thumb = Subscription::new(of_thumb.clone());
+        let mut raw_thumb = Subscription::new(Watch { raw: true, ..of_thumb });
+        let mut none = Subscription::new(Watch { enable: false, ..Watch::default() });
         let mut wanted_by = |content: Content| {
             [all.wants(&content), thumb.wants(&content), raw_thumb.wants(&content), none.wants(&content)]
         };

@@ -2,7 +2,7 @@
 
 use super::{Header, PROTO_MAJOR, TapeCircuit};
 use crate::record::{LONGEST_LATENCY, MAX_CHANNELS, Record};
-use crate::sensor::{Channel, Force, Law};
+use crate::sensor::{Channel, Force};
 use crate::stream::limits::{LARGEST, LONGEST_NS};
 
 impl Header {
@@ -48,38 +48,11 @@ fn check_channel(channel: &Channel) -> Result<(), String> {
     if channel.zero_ohm.abs() > LARGEST {
         return Err(format!("zero_ohm = {:e} is no resistance of wires and pins", channel.zero_ohm));
     }
-    if let Some(Force { u, range_n, .. }) = &channel.force {
-        let is_range = range_n.is_none_or(|[least, greatest]| is_of_a_part(least) && least < greatest);
-        if u.is_some_and(|u| !(u > 0.0 && u <= 1.0)) || !is_range {
-            return Err("u is a part of 1, and range_n a lesser and a greater force".to_owned());
-        }
-    }
-    match channel.force.as_ref().map(|force| &force.law) {
-        Some(&Law::Calibrated { fc1_n, fc2_n })
-            if !(is_of_a_part(fc1_n) && is_of_a_part(fc2_n) && fc1_n > fc2_n) =>
-        {
-            Err(format!(
-                "fc1_n = {fc1_n:e} must exceed fc2_n = {fc2_n:e}, and both be above 0: more force, less resistance"
-            ))
-        }
-        Some(Law::Alpha { alpha_n_ohm }) if !is_of_a_part(*alpha_n_ohm) => {
-            Err(format!("alpha_n_ohm = {alpha_n_ohm:e} must be above 0, such as 13346"))
-        }
-        Some(&Law::Power { at_1_kohm_n, exponent })
-            if !(is_of_a_part(at_1_kohm_n) && is_of_a_part(exponent)) =>
-        {
-            Err(format!("at_1_kohm_n = {at_1_kohm_n:e} and exponent = {exponent:e} must be above 0"))
-        }
-        Some(Law::Table { table })
-            if !table.pairs().iter().all(|(r_ohm, f_n)| is_of_a_part(*r_ohm) && is_of_a_part(*f_n)) =>
-        {
-            Err("the pairs of the table, ohm and newton, must be above 0".to_owned())
-        }
-        _ => Ok(()),
-    }
+    let defect = channel.force.as_ref().and_then(Force::defect);
+    defect.map_or(Ok(()), |(defect, _)| Err(defect))
 }
 
-/// Whether a force or a resistance is that of a part.
+/// Whether a resistance is that of a part.
 fn is_of_a_part(value: f64) -> bool {
     (1.0 / LARGEST..=LARGEST).contains(&value)
 }

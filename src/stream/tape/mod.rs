@@ -19,7 +19,7 @@ mod reader;
 pub use reader::Reader;
 
 pub(crate) use super::limits::PROTO_MAJOR;
-use super::line::{Class, is_unknown, maybe_ns, ns, uncertainty, value};
+use super::line::{Class, is_unknown, ns, uncertainty, value};
 use crate::circuit::Kind;
 use crate::record::{Record, Switch, Through};
 use crate::sensor::Channel;
@@ -53,7 +53,7 @@ pub struct Header {
 #[serde(default)]
 pub struct TapeOffset {
     /// The latency offset d of the crossings, ns.
-    #[serde(serialize_with = "maybe_ns", skip_serializing_if = "is_unknown")]
+    #[serde(serialize_with = "ns", skip_serializing_if = "is_unknown")]
     pub offset_ns: Option<f64>,
     /// 1 sigma, ns.
     #[serde(serialize_with = "uncertainty", skip_serializing_if = "is_unknown")]
@@ -101,19 +101,19 @@ pub struct DischargeLine {
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub held: bool,
     /// The second of two resistors was sunk by then; absent: at the start.
-    #[serde(default, serialize_with = "maybe_ns", skip_serializing_if = "is_unknown")]
+    #[serde(default, serialize_with = "ns", skip_serializing_if = "is_unknown")]
     pub second_ns: Option<f64>,
     /// Where it was switched to another resistor.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub switch: Option<SwitchLine>,
     /// The crossing of node A; absent: not seen.
-    #[serde(default, serialize_with = "maybe_ns", skip_serializing_if = "is_unknown")]
+    #[serde(default, serialize_with = "ns", skip_serializing_if = "is_unknown")]
     pub a_ns: Option<f64>,
     /// The crossing of node B; absent: not seen.
-    #[serde(default, serialize_with = "maybe_ns", skip_serializing_if = "is_unknown")]
+    #[serde(default, serialize_with = "ns", skip_serializing_if = "is_unknown")]
     pub b_ns: Option<f64>,
     /// When a wait for a crossing ended in vain, the node being above its threshold still.
-    #[serde(default, serialize_with = "maybe_ns", skip_serializing_if = "is_unknown")]
+    #[serde(default, serialize_with = "ns", skip_serializing_if = "is_unknown")]
     pub waited_ns: Option<f64>,
 }
 
@@ -135,18 +135,15 @@ pub struct SwitchLine {
 
 /// What a discharge runs through.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
 pub enum Resistor {
     /// Rc1.
-    #[serde(rename = "c1")]
     C1,
     /// Rc2.
-    #[serde(rename = "c2")]
     C2,
     /// Rc1 and Rc2 in series.
-    #[serde(rename = "c12")]
     C12,
     /// The sensor.
-    #[serde(rename = "x")]
     X,
     /// The sensor, and Rc1 and Rc2 in series, at once.
     #[serde(rename = "x+c12")]

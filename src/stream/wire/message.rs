@@ -32,13 +32,7 @@ pub enum ServerMessage {
 /// A line that is not of this protocol.
 #[derive(Debug, thiserror::Error)]
 #[error("the server sent what is not a line of this protocol ({0}); is it a cermd of this major version?")]
-pub struct UnreadableLine(String);
-
-impl UnreadableLine {
-    pub(crate) fn new(why: impl Into<String>) -> UnreadableLine {
-        UnreadableLine(why.into())
-    }
-}
+pub struct UnreadableLine(pub(crate) String);
 
 impl ServerMessage {
     /// Reads a line of the server.
@@ -47,7 +41,7 @@ impl ServerMessage {
     /// It is not a JSON object with a class, or a field has another type than this protocol says.
     pub fn parse(line: &[u8]) -> Result<ServerMessage, UnreadableLine> {
         fn read<T: DeserializeOwned>(line: &[u8]) -> Result<T, UnreadableLine> {
-            serde_json::from_slice(line).map_err(|error| UnreadableLine::new(error.to_string()))
+            serde_json::from_slice(line).map_err(|error| UnreadableLine(error.to_string()))
         }
         let Class { class } = read(line)?;
         Ok(match class.as_str() {
@@ -171,6 +165,12 @@ pub struct StateLine {
     /// The force is outside those that the sensor was calibrated with.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub extrapolated: bool,
+    /// The sensor changed while it was read; `r_u_ohm` and what follows from it contain that.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub moving: bool,
+    /// `r_u_ohm` and what follows from it are still a prior, and wide.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub settling: bool,
     /// Open: lower bound, ohm.
     #[serde(serialize_with = "value", skip_serializing_if = "is_unknown")]
     pub r_min_ohm: Option<f64>,
@@ -216,13 +216,14 @@ impl StateLine {
     pub fn new(status: &Status, method: Method) -> StateLine {
         let mut line = StateLine::default();
         match *status {
-            Status::Ok { branch, r_ohm, f_n } => {
+            Status::Ok { branch, r_ohm, f_n, is_moving, is_settling } => {
                 line.status = StatusName::Ok;
                 (line.r_ohm, line.r_u_ohm) = (Some(r_ohm.value), r_ohm.u);
                 line.f_n = f_n.map(|f_n| f_n.value);
                 line.f_u_n = f_n.and_then(|f_n| f_n.u);
                 line.f_repeat_u_n = f_n.and_then(|f_n| f_n.repeat_u);
                 line.extrapolated = f_n.is_some_and(|f_n| f_n.is_extrapolated);
+                (line.moving, line.settling) = (is_moving, is_settling);
                 line.method = Some(method.to_string());
                 line.branch = Some(branch.to_string());
             }

@@ -2,7 +2,7 @@
 
 use super::{ErrorCode, ErrorLine, LineTooLong, MAX_LINE_BYTES, to_line};
 use crate::stream::limits::{COMPLAINT, EXCERPT};
-use crate::stream::line::{is_unknown, rate};
+use crate::stream::line::{is_unknown, time};
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value};
 
@@ -32,7 +32,7 @@ pub struct Watch {
     #[serde(skip_serializing_if = "Option::is_none")]
     pub channels: Option<Vec<String>>,
     /// At most so many readings a second of each channel, Hz. Default: every reading.
-    #[serde(serialize_with = "rate", skip_serializing_if = "is_unknown")]
+    #[serde(serialize_with = "time", skip_serializing_if = "is_unknown")]
     pub max_hz: Option<f64>,
     /// The discharges themselves, as lines of a tape, in the place of readings. Default: false.
     #[serde(skip_serializing_if = "std::ops::Not::not")]

@@ -1,6 +1,6 @@
 //! STATS: what the server and the instrument behind it have counted and learned.
 
-use crate::stream::line::{is_unknown, seconds, uncertainty, value};
+use crate::stream::line::{is_unknown, time, uncertainty, value};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
@@ -29,7 +29,7 @@ pub struct InstrumentStats {
     /// Whether the GPIO lines can be used at present.
     pub gpio_works: bool,
     /// Since the daemon was started, s.
-    #[serde(serialize_with = "seconds")]
+    #[serde(serialize_with = "time")]
     pub uptime_s: f64,
     /// Cycles of the instrument.
     pub cycles: u64,
@@ -37,6 +37,9 @@ pub struct InstrumentStats {
     pub readings: u64,
     /// Readings with a number.
     pub ok: u64,
+    /// Those of a sensor that changed while it was read.
+    #[serde(default)]
+    pub moving: u64,
     /// Readings above what the deadline resolves.
     pub open: u64,
     /// Readings that cannot be told from a short circuit.

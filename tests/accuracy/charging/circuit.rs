@@ -10,12 +10,16 @@ use cermd::units::{Farad, Nanos, Ohm, Volt};
 const BOTH: [(f64, f64, f64); 4] =
     [(2.2e-6, 680e-9, 1.1), (10e-6, 680e-9, 1.3), (330e-9, 22e-9, 1.441), (1e-6, 600e-9, 1.6)];
 
-pub fn nominal(wiring: network::Capacitors, v_th: f64) -> Circuit {
-    let network = match wiring {
-        network::Capacitors::Two { c_a, c_b } => Network::TwoCapacitor { c_a: Farad(c_a), c_b: Farad(c_b) },
-        network::Capacitors::One { c } => Network::OneCapacitor { c: Farad(c) },
-        network::Capacitors::Series { c } => Network::SeriesCalibration { c: Farad(c) },
-    };
+/// A node with one threshold and nothing else.
+pub fn ideal(v_th: f64) -> network::Sense {
+    network::Sense { falling: v_th, rising: v_th, ..Default::default() }
+}
+
+pub fn two(c_a: f64, c_b: f64) -> Network {
+    Network::TwoCapacitor { c_a: Farad(c_a), c_b: Farad(c_b) }
+}
+
+pub fn nominal(network: Network, v_th: f64) -> Circuit {
     let (r_c1, r_c2) = (Ohm(470.0), Ohm(12_700.0));
     let (v_dd, r_charge, r_o) = (Volt(3.3), NOMINAL_R_CHARGE, Ohm(40.0));
     Circuit { network, r_c1, r_c2, v_dd, v_th: Volt(v_th), r_charge, r_o }
@@ -23,8 +27,8 @@ pub fn nominal(wiring: network::Capacitors, v_th: f64) -> Circuit {
 
 /// The crossing of a node through Rc2 after a charge of so many seconds from a depth, s.
 fn crossing(circuit: &network::SimCircuit, chargers: Chargers, node: Node, depth: f64, seconds: f64) -> f64 {
-    let k = match circuit.capacitors {
-        network::Capacitors::Two { c_a, c_b } => c_a / (c_a + c_b),
+    let k = match circuit.network {
+        Network::TwoCapacitor { c_a, c_b } => c_a.0 / (c_a.0 + c_b.0),
         _ => 0.0,
     };
     let start = [1.0 - depth, 1.0 - k * depth].map(|share| share * circuit.v_dd);
@@ -36,13 +40,13 @@ fn crossing(circuit: &network::SimCircuit, chargers: Chargers, node: Node, depth
 
 #[test]
 fn what_a_charge_remembers_is_what_the_network_does() {
-    let two = BOTH.map(|(c_a, c_b, v_th)| (network::Capacitors::Two { c_a, c_b }, v_th));
-    let boards = two.into_iter().chain([(network::Capacitors::One { c: 470e-9 }, 1.1)]);
+    let two = BOTH.map(|(c_a, c_b, v_th)| (two(c_a, c_b), v_th));
+    let boards = two.into_iter().chain([(Network::OneCapacitor { c: Farad(470e-9) }, 1.1)]);
     for (wiring, v_th) in boards {
         let nominal = nominal(wiring, v_th);
         let mut circuit = Scene::builtin("ideal").unwrap().network();
-        circuit.capacitors = wiring;
-        circuit.sense = [network::Sense::ideal(v_th); 2];
+        circuit.network = wiring;
+        circuit.sense = [ideal(v_th); 2];
         let nodes = if circuit.has_b() { &Node::BOTH[..] } else { &[Node::A] };
         for (node, chargers) in
             nodes.iter().flat_map(|node| [Chargers::OfA, Chargers::All].map(|chargers| (*node, chargers)))
@@ -69,7 +73,7 @@ fn a_discharge_that_timed_out_is_drained_before_the_charge() {
     let scene = Scene::builtin("ideal").unwrap().with_kind(Kind::TwoCapacitor).unwrap();
     let scene = scene.with_sensors(vec![Sensor::Constant(Ohm(10e6))]).unwrap();
     let mut pins = SimPins::new(&scene, Some(crate::common::seed::seed(1)));
-    let nominal = nominal(network::Capacitors::Two { c_a: 2.2e-6, c_b: 680e-9 }, 1.3);
+    let nominal = nominal(two(2.2e-6, 680e-9), 1.3);
     let taus = 6.0;
     let charge = Nanos::from_seconds(taus * nominal.charge_tau(Chargers::All).0);
     let mut take = |through, drain_s: f64| -> Record {

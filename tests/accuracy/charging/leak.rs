@@ -1,10 +1,10 @@
 //! What a leak at B does, where B has its charger for a part of each charge only.
 
-use super::circuit::nominal;
+use super::circuit::{ideal, nominal, two};
 use cermd::circuit::{Chargers, Node};
 use cermd::instrument::discharge::{Charge, Plan, run};
 use cermd::pins::Drives;
-use cermd::pins::sim::{Kind, Scene, SimPins, network};
+use cermd::pins::sim::{Kind, Scene, SimPins};
 use cermd::record::{Record, Through};
 use cermd::units::Nanos;
 
@@ -15,7 +15,7 @@ const V_TH: f64 = 1.1;
 const UNTIL_STEADY: usize = 40;
 
 fn board() -> cermd::circuit::Circuit {
-    nominal(network::Capacitors::Two { c_a: C_A, c_b: C_B }, V_TH)
+    nominal(two(C_A, C_B), V_TH)
 }
 
 /// The last two of many discharges through Rc2 with such charges.
@@ -23,7 +23,7 @@ fn steady(leak_ohm: f64, charge: Charge) -> [Record; 2] {
     let scene = Scene::builtin("ideal").unwrap().with_kind(Kind::TwoCapacitor).unwrap();
     let mut pins = SimPins::new(&scene, None);
     pins.alter(|circuit| {
-        circuit.sense = [network::Sense::ideal(V_TH); 2];
+        circuit.sense = [ideal(V_TH); 2];
         circuit.sense[1].to_ground = 1.0 / leak_ohm;
     });
     let plan = Plan::full(Through::C2, Node::B, charge, Nanos(50_000_000));
@@ -36,7 +36,7 @@ fn steady(leak_ohm: f64, charge: Charge) -> [Record; 2] {
 /// beside V_DD at A and at B then, in volts for a coulomb of the latter.
 fn after_together(together: f64) -> (f64, [f64; 2]) {
     let mut circuit = Scene::builtin("ideal").unwrap().network();
-    circuit.capacitors = network::Capacitors::Two { c_a: C_A, c_b: C_B };
+    circuit.network = two(C_A, C_B);
     let lost = C_A + C_B;
     let full = circuit.v_dd;
     let [a, b] = circuit.flow([full, full - 1.0], Drives::CHARGE).after(together).map(|v| full - v);

@@ -1,12 +1,12 @@
 //! Random circuits, and the discharges that Kirchhoff's laws give for them.
 
-use cermd::circuit::Node;
+use cermd::circuit::{Network, Node};
 use cermd::pins::sim::SimCircuit;
-use cermd::pins::sim::network::{Capacitors, LINES, Sense};
+use cermd::pins::sim::network::{LINES, Sense};
 use cermd::pins::{Drives, MAX_CHANNELS};
 use cermd::reading::{Branch, Method};
 use cermd::record::{Record, Switch, Through};
-use cermd::units::Nanos;
+use cermd::units::{Farad, Nanos};
 use proptest::prelude::*;
 
 /// What a sensor is read by: a method and the line of its equation, in a circuit with one or two nodes.
@@ -54,6 +54,11 @@ fn log_uniform(from: f64, to: f64) -> impl Strategy<Value = f64> {
     (from.ln()..to.ln()).prop_map(f64::exp)
 }
 
+/// A node with one threshold and nothing else.
+fn ideal(v_th: f64) -> Sense {
+    Sense { falling: v_th, rising: v_th, ..Default::default() }
+}
+
 /// Capacitors from 1 nF to 100 uF, Rc1 < Rc2, V_DD and V_Th such that node B crosses, R_x from 10 ohm to 1 Mohm, Ro from
 /// 0 to 100 ohm, d from 0 to 50 us, charged for ever or for 1 to 20 time constants from empty.
 pub fn cases() -> impl Strategy<Value = Case> {
@@ -65,17 +70,20 @@ pub fn cases() -> impl Strategy<Value = Case> {
         |(way, (c_a, b_share), (v_dd, th_share), (r_c1, r_c2_by, r_x, r_o), timing)| {
             let (d_ns, switch_share, gap_ns, charge_taus) = timing;
             let v_th = v_dd * th_share;
-            let capacitors = match (way.method, way.nodes) {
-                (Method::Qerm, _) => Capacitors::Series { c: c_a },
-                (_, 1) => Capacitors::One { c: c_a },
+            let network = match (way.method, way.nodes) {
+                (Method::Qerm, _) => Network::SeriesCalibration { c: Farad(c_a) },
+                (_, 1) => Network::OneCapacitor { c: Farad(c_a) },
                 // Node B crosses as long as C_B (V_DD - V_Th) < C_A V_Th.
-                _ => Capacitors::Two { c_a, c_b: b_share * c_a * v_th / (v_dd - v_th) },
+                _ => {
+                    let c_b = b_share * c_a * v_th / (v_dd - v_th);
+                    Network::TwoCapacitor { c_a: Farad(c_a), c_b: Farad(c_b) }
+                }
             };
             let r_p = 180.0;
             let mut r_x_of = [f64::INFINITY; MAX_CHANNELS];
             r_x_of[0] = r_x;
             let circuit = SimCircuit {
-                capacitors,
+                network,
                 absorption: Default::default(),
                 v_dd,
                 r_c1,
@@ -83,7 +91,7 @@ pub fn cases() -> impl Strategy<Value = Case> {
                 r_p,
                 r_o: [r_o; LINES],
                 r_x: r_x_of,
-                sense: [Sense::ideal(v_th); 2],
+                sense: [ideal(v_th); 2],
             };
             let charge = charge_taus.map_or(Charge::Full, |taus| {
                 // Of the slower mode where C_A is much greater than C_B; the charge must lift both nodes.
@@ -152,7 +160,7 @@ impl Case {
 
     fn start(&self) -> [f64; 2] {
         match self.charge {
-            Charge::Full => self.circuit.charged(),
+            Charge::Full => [self.circuit.v_dd; 2],
             Charge::For(seconds) => self.circuit.flow([0.0; 2], Drives::CHARGE).after(seconds),
         }
     }

@@ -79,6 +79,38 @@ pub static LINES: [Row; 8] = [
     },
 ];
 
+/// Beginning with the first reading after a start, whose uncertainty is a prior.
+const FIRST_READINGS: Row = Row {
+    seconds: [0.0, f64::INFINITY],
+    readings: 30,
+    least_numbers: 0.9,
+    cases: &[
+        (Tracked, &[100.0, 1000.0, 16_200.0]),
+        (Cerm, &[100.0, 1000.0, 16_200.0]),
+        (Tcdic, &[100.0, 1000.0, 16_200.0]),
+        (Tpcm, &[1000.0]),
+        (Qerm, &[1000.0]),
+    ],
+    ..ROW
+};
+
+pub static STARTS: [Row; 6] = [
+    Row { name: "the first readings", ..FIRST_READINGS },
+    Row { name: "the first readings: pi-zero", base: "pi-zero", ..FIRST_READINGS },
+    Row { name: "the first readings: pi5", base: "pi5", ..FIRST_READINGS },
+    Row {
+        name: "the first readings: stamps jitter by 5 us",
+        scene: "[stamps]\njitter = '5 us'\nmean = '20 us'",
+        ..FIRST_READINGS
+    },
+    Row { name: "the first readings: 2 mV of noise", scene: "[noise]\nvoltage = '2 mV'", ..FIRST_READINGS },
+    Row {
+        name: "the first readings: starts and switches scatter by 2 us",
+        scene: "[calls]\nfixed = '0 s'\nper-line = '1.15 us'\nmoves-at = [0.0, 6.0]",
+        ..FIRST_READINGS
+    },
+];
+
 pub static STAMPS: [Row; 6] = [
     Row { name: "B is stamped 3 us later than A", scene: "[events]\nb-later = '3 us'", cases: ALL, ..ROW },
     Row {
@@ -168,6 +200,19 @@ pub static LEAKS: [Row; 12] = [
     Row { name: "3 Mohm at B, later", scene: B_3_MOHM, cases: AT_B, ..LATER },
 ];
 
+/// Every method takes Ro for that of all pins.
+const ALIKE_ONLY: &[(Method, f64)] = &[
+    (Tracked, 100.0),
+    (Tracked, 1000.0),
+    (Tracked, 5000.0),
+    (Cerm, 100.0),
+    (Cerm, 1000.0),
+    (Cerm, 5000.0),
+    (Tcdic, 100.0),
+    (Tcdic, 1000.0),
+    (Tcdic, 5000.0),
+];
+
 pub static PINS: [Row; 4] = [
     Row {
         name: "Ro walks by 1 ohm in a second",
@@ -181,34 +226,14 @@ pub static PINS: [Row; 4] = [
         name: "Ro is 47 ohm at Rc1, 38 at Rc2, 41 at x",
         scene: "[circuit.r-o-of]\nc1 = '47 ohm'\nc2 = '38 ohm'\nx0 = '41 ohm'",
         cases: ALL,
-        fails: &[
-            (Tracked, 100.0),
-            (Tracked, 1000.0),
-            (Tracked, 5000.0),
-            (Cerm, 100.0),
-            (Cerm, 1000.0),
-            (Cerm, 5000.0),
-            (Tcdic, 100.0),
-            (Tcdic, 1000.0),
-            (Tcdic, 5000.0),
-        ],
+        fails: ALIKE_ONLY,
         ..ROW
     },
     Row {
         name: "Ro is 55 ohm at Rc1 and 33 at Rc2",
         scene: "[circuit.r-o-of]\nc1 = '55 ohm'\nc2 = '33 ohm'",
         cases: ALL,
-        fails: &[
-            (Tracked, 100.0),
-            (Tracked, 1000.0),
-            (Tracked, 5000.0),
-            (Cerm, 100.0),
-            (Cerm, 1000.0),
-            (Cerm, 5000.0),
-            (Tcdic, 100.0),
-            (Tcdic, 1000.0),
-            (Tcdic, 5000.0),
-        ],
+        fails: ALIKE_ONLY,
         ..ROW
     },
 ];

@@ -3,55 +3,22 @@
 use super::*;
 use crate::config::{Config, Finding, Severity};
 use crate::config_file;
+use crate::decorated::Decorated;
 use crate::pins::sim::{Scene, Sensor, SimPins};
-use crate::pins::{Armed, Bracket, Edge, Levels, Particulars};
 use crate::units::Farad;
 
 fn config() -> Config {
     config_file::config(|c| c.channel("thumb").set("mock.scene", "ideal")).parse()
 }
 
-/// Wires that are cut: those lines drive nothing.
-struct Cut(SimPins, Drives);
-
-impl Pins for Cut {
-    fn now(&mut self) -> Nanos {
-        self.0.now()
-    }
-    fn drive(&mut self, on: Drives) -> Result<Bracket, PinsError> {
-        self.0.drive(on.without(self.1))
-    }
-    fn arm(&mut self) -> Result<Armed, PinsError> {
-        self.0.arm()
-    }
-    fn edge(&mut self, until: Nanos) -> Result<Option<Edge>, PinsError> {
-        self.0.edge(until)
-    }
-    fn sleep_until(&mut self, at: Nanos) -> Result<(), PinsError> {
-        self.0.sleep_until(at)
-    }
-    fn levels(&mut self) -> Result<Levels, PinsError> {
-        self.0.levels()
-    }
-    fn rest_until(&mut self, at: Nanos) -> Result<(), PinsError> {
-        self.0.rest_until(at)
-    }
-    fn rest_before_edge(&mut self, at: Nanos) -> Result<(), PinsError> {
-        self.0.rest_before_edge(at)
-    }
-    fn particulars(&self) -> Particulars<'_> {
-        self.0.particulars()
-    }
-}
-
 fn found(board: impl FnOnce(&mut Scene), cut: Drives) -> Vec<Finding> {
     let mut scene = Scene::builtin("ideal").unwrap();
     board(&mut scene);
     let config = config();
-    let mut pins = Cut(SimPins::new(&scene, None), cut);
+    let mut pins = Decorated::cut(SimPins::new(&scene, None), cut);
     let mut findings = Findings::default();
     test(&mut pins, &config, &mut findings).unwrap();
-    assert_eq!(pins.0.conflicts(), 0);
+    assert_eq!(pins.pins.conflicts(), 0);
     findings.0
 }
 
@@ -85,10 +52,10 @@ fn what_an_earlier_charge_has_left_does_not_pass_for_chargers() {
     let config = config();
     let mut pins = SimPins::new(&Scene::builtin("ideal").unwrap(), None);
     let charging = pins.drive(Drives::CHARGE).unwrap();
-    pins.sleep_until(charging.after + config.charge_time()).unwrap();
+    pins.sleep_until(charging.after + config.charges().anew.time()).unwrap();
     pins.drive(Drives::NONE).unwrap();
     let mut findings = Findings::default();
-    test(&mut Cut(pins, Drives::CHARGE), &config, &mut findings).unwrap();
+    test(&mut Decorated::cut(pins, Drives::CHARGE), &config, &mut findings).unwrap();
     let findings = findings.0;
     says(&findings[0].to_string(), &["error: gpio.charge-a", "low after the charge"]);
 }
@@ -149,17 +116,18 @@ fn a_pull_beside_a_node_is_found() {
         &down[0].to_string(),
         &["error: gpio.sense-a", "falls by itself", "pull-downs (some drivers leave them on)"],
     );
-    let weak = |name| {
-        complaint(
-            |scene| {
-                *scene = Scene::builtin(name).unwrap();
-                scene.circuit.node_a.leakage_resistance = Some(Ohm(1e6));
-            },
-            Drives::NONE,
-        )
+    let weak = |name, change: fn(&mut Scene)| {
+        let board = |scene: &mut Scene| {
+            *scene = Scene::builtin(name).unwrap();
+            change(scene);
+        };
+        complaint(board, Drives::NONE)
     };
     for name in ["ideal", "pi4"] {
-        says(&weak(name), &["warning: wiring", "charge leaks away as through", "moisture"]);
+        let leaks = weak(name, |scene| scene.circuit.node_a.leakage_resistance = Some(Ohm(1e6)));
+        says(&leaks, &["warning: wiring", "charge leaks away as through", "Mohm", "moisture"]);
+        let feeds = weak(name, |scene| scene.circuit.node_a.pull_up = Some(Ohm(5e6)));
+        says(&feeds, &["warning: wiring", "charge comes in as through", "pull-ups"]);
     }
     let up = found(|scene| scene.circuit.node_a.pull_up = Some(Ohm(50e3)), Drives::NONE);
     says(

@@ -4,7 +4,8 @@
 //! conductances is symmetric. So, in the coordinates sqrt(C) x, the modes are orthogonal and decay with real rates, as
 //! those of the plain circuit, and there is one for each capacitor.
 
-use super::{Capacitors, Flow, Load, SimCircuit};
+use super::{Flow, Load, SimCircuit};
+use crate::circuit::Network;
 use crate::pins::limits::{MOST_BRANCHES, MOST_SWEEPS};
 use crate::pins::sim::waveform::Waveform;
 
@@ -48,11 +49,13 @@ impl SimCircuit {
             conductance: [[0.0; MODES]; MODES],
         };
         let (i_a, i_b) = (a.current(start[0]), b.current(start[1]));
-        match self.capacitors {
-            Capacitors::One { c } | Capacitors::Series { c } => dense.add(c, start[0], i_a, a.conductance),
-            Capacitors::Two { c_a, c_b } => {
-                dense.add(c_a, start[0] - start[1], i_a, a.conductance);
-                dense.add(c_b, start[1], i_a + i_b, a.conductance + b.conductance);
+        match self.network {
+            Network::OneCapacitor { c } | Network::SeriesCalibration { c } => {
+                dense.add(c.0, start[0], i_a, a.conductance);
+            }
+            Network::TwoCapacitor { c_a, c_b } => {
+                dense.add(c_a.0, start[0] - start[1], i_a, a.conductance);
+                dense.add(c_b.0, start[1], i_a + i_b, a.conductance + b.conductance);
                 (dense.conductance[0][1], dense.conductance[1][0]) = (a.conductance, a.conductance);
             }
         }

@@ -30,7 +30,7 @@ pub fn exact_discharge(
     switch: Option<(f64, Drives)>,
 ) -> Crossings {
     let start = match charge {
-        Charge::Full => circuit.charged(),
+        Charge::Full => [circuit.v_dd; 2],
         Charge::For(seconds) => circuit.flow([0.0, 0.0], Drives::CHARGE).after(seconds),
     };
     let first = circuit.flow(start, through);
@@ -53,9 +53,14 @@ pub fn exact_discharge(
 
 const X: Drives = Drives::x(0);
 
-fn circuit(capacitors: Capacitors) -> SimCircuit {
+/// A node with one threshold and nothing else.
+fn ideal(v_th: f64) -> Sense {
+    Sense { falling: v_th, rising: v_th, ..Default::default() }
+}
+
+fn circuit(network: Network) -> SimCircuit {
     SimCircuit {
-        capacitors,
+        network,
         absorption: Default::default(),
         v_dd: 3.3,
         r_c1: 2320.0,
@@ -63,12 +68,12 @@ fn circuit(capacitors: Capacitors) -> SimCircuit {
         r_p: 180.0,
         r_o: [40.0; LINES],
         r_x: [1000.0; MAX_CHANNELS],
-        sense: [Sense::ideal(1.3); 2],
+        sense: [ideal(1.3); 2],
     }
 }
 
 fn two(c_a: f64, c_b: f64) -> SimCircuit {
-    circuit(Capacitors::Two { c_a, c_b })
+    circuit(Network::TwoCapacitor { c_a: Farad(c_a), c_b: Farad(c_b) })
 }
 
 fn assert_close(found: f64, wanted: f64, relative: f64) {
@@ -84,7 +89,7 @@ struct Anything {
 }
 
 fn anything() -> impl Strategy<Value = Anything> {
-    let farad = || (-9.0..-5.0f64).prop_map(|e| 10f64.powf(e));
+    let farad = || (-9.0..-5.0f64).prop_map(|e| Farad(10f64.powf(e)));
     let ohm = || (1.0..6.0f64).prop_map(|e| 10f64.powf(e));
     let siemens = || prop_oneof![Just(0.0), (-7.0..-3.0f64).prop_map(|e| 10f64.powf(e))];
     let sense = move || {
@@ -93,9 +98,9 @@ fn anything() -> impl Strategy<Value = Anything> {
         )
     };
     let capacitors = prop_oneof![
-        (farad(), farad()).prop_map(|(c_a, c_b)| Capacitors::Two { c_a, c_b }),
-        farad().prop_map(|c| Capacitors::One { c }),
-        farad().prop_map(|c| Capacitors::Series { c }),
+        (farad(), farad()).prop_map(|(c_a, c_b)| Network::TwoCapacitor { c_a, c_b }),
+        farad().prop_map(|c| Network::OneCapacitor { c }),
+        farad().prop_map(|c| Network::SeriesCalibration { c }),
     ];
     let lines = prop::collection::vec(any::<bool>(), 6);
     let state = (0.0..3.3f64, 0.0..3.3f64);
@@ -135,7 +140,7 @@ fn currents(circuit: &SimCircuit, on: Drives, [v_a, v_b]: [f64; 2]) -> [f64; 2] 
         }
     }
     let (c1, c2) = (on.contains(Drives::C1), on.contains(Drives::C2));
-    if let Capacitors::Series { .. } = circuit.capacitors {
+    if let Network::SeriesCalibration { .. } = circuit.network {
         // The voltage between Rc1 and Rc2 by nodal analysis.
         let (g1, g_near) = (1.0 / circuit.r_c1, if c1 { 1.0 / r_o } else { 0.0 });
         let g_far = if c2 { 1.0 / (circuit.r_c2 + r_o) } else { 0.0 };
@@ -150,12 +155,12 @@ fn currents(circuit: &SimCircuit, on: Drives, [v_a, v_b]: [f64; 2]) -> [f64; 2] 
 
 /// Charge that has left the nodes, by the capacitors' voltages, between two states.
 fn charge_gained(circuit: &SimCircuit, from: [f64; 2], to: [f64; 2]) -> [f64; 2] {
-    match circuit.capacitors {
-        Capacitors::Two { c_a, c_b } => {
-            let across_c_a = c_a * ((to[0] - to[1]) - (from[0] - from[1]));
-            [across_c_a, c_b * (to[1] - from[1]) - across_c_a]
+    match circuit.network {
+        Network::TwoCapacitor { c_a, c_b } => {
+            let across_c_a = c_a.0 * ((to[0] - to[1]) - (from[0] - from[1]));
+            [across_c_a, c_b.0 * (to[1] - from[1]) - across_c_a]
         }
-        Capacitors::One { c } | Capacitors::Series { c } => [c * (to[0] - from[0]), 0.0],
+        Network::OneCapacitor { c } | Network::SeriesCalibration { c } => [c.0 * (to[0] - from[0]), 0.0],
     }
 }
 
@@ -199,9 +204,9 @@ proptest! {
             }
         }
         let gained = charge_gained(&circuit, start, flow.after(end));
-        let farad = match circuit.capacitors {
-            Capacitors::Two { c_a, c_b } => c_a + c_b,
-            Capacitors::One { c } | Capacitors::Series { c } => c,
+        let farad = match circuit.network {
+            Network::TwoCapacitor { c_a, c_b } => c_a.0 + c_b.0,
+            Network::OneCapacitor { c } | Network::SeriesCalibration { c } => c.0,
         };
         let nodes = if circuit.has_b() { 2 } else { 1 };
         for i in 0..nodes {
@@ -252,13 +257,13 @@ proptest! {
     /// Eq. (2): T = (R + Ro) C ln(V_DD / V_Th), and eq. (6) on the way.
     #[test]
     fn one_capacitor_is_eq_2(r in 10.0..1e6f64, c in 1e-9..1e-5f64, v_th in 0.1..3.2f64, r_o in 1.0..100.0f64) {
-        let mut circuit = circuit(Capacitors::One { c });
-        (circuit.r_x[0], circuit.r_o, circuit.sense[0]) = (r, [r_o; LINES], Sense::ideal(v_th));
+        let mut circuit = circuit(Network::OneCapacitor { c: Farad(c) });
+        (circuit.r_x[0], circuit.r_o, circuit.sense[0]) = (r, [r_o; LINES], ideal(v_th));
         let found = exact_discharge(&circuit, Charge::Full, X, None);
         let wanted = (r + r_o) * c * (3.3 / v_th).ln();
         assert_close(found.a.unwrap(), wanted, 1e-13);
         prop_assert_eq!(found.b, None);
-        let v = circuit.flow(circuit.charged(), X).after(wanted / 3.0)[0];
+        let v = circuit.flow([circuit.v_dd; 2], X).after(wanted / 3.0)[0];
         assert_close(v, 3.3 * (-wanted / 3.0 / ((r + r_o) * c)).exp(), 1e-13);
     }
 
@@ -269,7 +274,7 @@ proptest! {
     ) {
         let c_b = c_a * ratio;
         let mut circuit = two(c_a, c_b);
-        (circuit.r_x[0], circuit.r_o, circuit.sense) = (r, [r_o; LINES], [Sense::ideal(v_th); 2]);
+        (circuit.r_x[0], circuit.r_o, circuit.sense) = (r, [r_o; LINES], [ideal(v_th); 2]);
         let c_t = c_a * c_b / (c_a + c_b);
         let found = exact_discharge(&circuit, Charge::Full, X, None);
         assert_close(found.a.unwrap(), (r + r_o) * c_t * (3.3 / v_th).ln(), 1e-12);
@@ -281,7 +286,7 @@ proptest! {
             prop_assert_eq!(found.b, None);
         }
         let t = r * c_t;
-        let [v_a, v_b] = circuit.flow(circuit.charged(), X).after(t);
+        let [v_a, v_b] = circuit.flow([circuit.v_dd; 2], X).after(t);
         assert_close(v_a, 3.3 * (-t / ((r + r_o) * c_t)).exp(), 1e-12);
         assert_close(v_b, (v_a * c_a + 3.3 * c_b) / (c_a + c_b), 1e-12);
     }
@@ -303,7 +308,7 @@ proptest! {
 
 #[test]
 fn series_calibration_goes_through_both_resistors() {
-    let circuit = circuit(Capacitors::Series { c: 470e-9 });
+    let circuit = circuit(Network::SeriesCalibration { c: Farad(470e-9) });
     let g = 470e-9 * (3.3f64 / 1.3).ln();
     let time = |on| exact_discharge(&circuit, Charge::Full, on, None).a.unwrap();
     assert_close(time(Drives::C1), g * (2320.0 + 40.0), 1e-13);
@@ -324,7 +329,7 @@ fn a_short_charge_starts_lower() {
     assert!(circuit.flow([0.0; 2], Drives::CHARGE).after(1e-3)[0] > 3.3);
     assert!(short.a.unwrap() > full.a.unwrap() && short.b.unwrap() < full.b.unwrap());
     // In the one-capacitor circuit the start is known in closed form.
-    circuit.capacitors = Capacitors::One { c: 470e-9 };
+    circuit.network = Network::OneCapacitor { c: Farad(470e-9) };
     let charged = 3.3 * -(-1e-4f64 / (220.0 * 470e-9)).exp_m1();
     let wanted = 2360.0 * 470e-9 * (charged / 1.3).ln();
     assert_close(exact_discharge(&circuit, Charge::For(1e-4), Drives::C1, None).a.unwrap(), wanted, 1e-12);

@@ -17,7 +17,6 @@ const POSITIVE: Range = Range(|value| value > 0.0 && value.is_finite(), "has to 
 const NOT_NEGATIVE: Range = Range(|value| value >= 0.0 && value.is_finite(), "must not be negative");
 const PROBABILITY: Range =
     Range(|value| (0.0..=1.0).contains(&value), "is a probability: write a number from 0 to 1");
-const FINITE: Range = Range(f64::is_finite, "has to be finite");
 
 /// What a range is for.
 trait Value {
@@ -57,9 +56,13 @@ fn all(range: Range, table: &str, rows: &[Row]) -> Result<(), String> {
     })
 }
 
+/// Two keys of a table that mean nothing without each other.
+fn together<A, B>(table: &str, keys: &str, one: Option<A>, other: Option<B>) -> Result<(), String> {
+    demand(one.is_some() == other.is_some(), table, format!("{keys} belong together: name both or neither"))
+}
+
 fn tail(table: &str, probability: Option<f64>, mean: Option<Seconds>) -> Result<(), String> {
-    const APART: &str = "tail-probability and tail-mean belong together: name both or neither";
-    demand(probability.is_some() == mean.is_some(), table, APART)?;
+    together(table, "tail-probability and tail-mean", probability, mean)?;
     all(PROBABILITY, table, &[("tail-probability", &probability)])?;
     all(POSITIVE, table, &[("tail-mean", &mean)])
 }
@@ -83,8 +86,7 @@ impl NodeScene {
             ("pull-up", &self.pull_up),
             ("pull-down", &self.pull_down),
         ];
-        all(POSITIVE, key, resistances)?;
-        all(FINITE, key, &[("leakage", &self.leakage)])
+        all(POSITIVE, key, resistances)
     }
 }
 
@@ -132,15 +134,11 @@ impl Sensor {
 
 impl CircuitScene {
     fn check(&self) -> Result<(), String> {
-        let wanted = match self.kind {
-            Kind::TwoCapacitor => &[("c-a", self.c_a), ("c-b", self.c_b)][..],
-            Kind::OneCapacitor | Kind::SeriesCalibration => &[("c", self.c)],
-        };
-        for (key, capacitor) in wanted {
-            let otherwise = "is missing: this kind of circuit has it";
-            demand(capacitor.is_some(), format!("circuit.{key}"), otherwise)?;
-            all(POSITIVE, "circuit", &[(key, capacitor)])?;
-        }
+        let capacitors: &[Row] = &[("c-a", &self.c_a), ("c-b", &self.c_b), ("c", &self.c)];
+        all(POSITIVE, "circuit", capacitors)?;
+        let wanted = if self.kind == Kind::TwoCapacitor { "c-a and c-b" } else { "c" };
+        let missing = format!("has to have {wanted}: {} is its kind", self.kind);
+        demand(self.network().is_some(), "circuit", missing)?;
         let values: &[Row] =
             &[("v-dd", &self.v_dd), ("r-c1", &self.r_c1), ("r-c2", &self.r_c2), ("r-o", &self.r_o)];
         all(POSITIVE, "circuit", values)?;
@@ -166,9 +164,6 @@ impl Scene {
         for (channel, sensor) in self.sensors.iter().enumerate() {
             sensor.check(&format!("sensor {channel}"))?;
         }
-        // At least half a nanosecond, so that it rounds to one.
-        let is_long_enough = (POSITIVE.0)(self.sample_interval.0 - 0.5e-9);
-        demand(is_long_enough, "sample-interval", POSITIVE.1)?;
         self.check_clock()?;
         self.check_latencies()?;
         self.check_effects()
@@ -197,8 +192,7 @@ impl Scene {
                 &[("fixed", &calls.fixed), ("per-line", &calls.per_line), ("jitter", &calls.jitter)];
             all(NOT_NEGATIVE, "calls", values)?;
             tail("calls", calls.tail_probability, calls.tail_mean)?;
-            let is_whole = calls.asleep_after.is_some() == calls.wakes_in.is_some();
-            demand(is_whole, "calls.asleep-after", "and wakes-in belong together: name both or neither")?;
+            together("calls", "asleep-after and wakes-in", calls.asleep_after, calls.wakes_in)?;
             let values: &[Row] = &[("asleep-after", &calls.asleep_after), ("wakes-in", &calls.wakes_in)];
             all(POSITIVE, "calls", values)?;
             let is_ordered =
@@ -215,26 +209,20 @@ impl Scene {
         let is_kept = events.buffer.is_none_or(|buffer| (1..=MOST_EVENTS).contains(&buffer));
         demand(is_kept, "events.buffer", format!("the kernel allows 1 to {MOST_EVENTS} events"))?;
         all(PROBABILITY, "events", &[("lost", &events.lost), ("coalesced", &events.coalesced)])?;
-        let is_whole = events.coalesced.is_some() == events.bounce.is_some();
-        demand(is_whole, "events.bounce", "and coalesced belong together: name both or neither")?;
+        together("events", "coalesced and bounce", events.coalesced, events.bounce)?;
         all(POSITIVE, "events", &[("bounce", &events.bounce)])?;
         all(NOT_NEGATIVE, "events", &[("b-later", &events.b_later)])?;
-        let is_whole = events.deep_sleep_after.is_some() == events.deep_sleep_late.is_some();
-        let otherwise = "and deep-sleep-late belong together: name both or neither";
-        demand(is_whole, "events.deep-sleep-after", otherwise)?;
+        let keys = "deep-sleep-after and deep-sleep-late";
+        together("events", keys, events.deep_sleep_after, events.deep_sleep_late)?;
         let sleeps: &[Row] =
             &[("deep-sleep-after", &events.deep_sleep_after), ("deep-sleep-late", &events.deep_sleep_late)];
         all(POSITIVE, "events", sleeps)?;
         if let Some(NoiseScene { voltage, bandwidth }) = &self.noise {
             all(POSITIVE, "noise", &[("voltage", voltage), ("bandwidth", bandwidth)])?;
         }
-        let drift = self.drift.unwrap_or_default();
-        let rates: &[Row] = &[
-            ("c-per-minute", &drift.c_per_minute),
-            ("v-th-per-minute", &drift.v_th_per_minute),
-            ("v-dd-per-minute", &drift.v_dd_per_minute),
-        ];
-        all(FINITE, "drift", rates)?;
+        // Quantities are finite as they are read.
+        let is_finite = self.drift.is_none_or(|drift| drift.c_per_minute.is_finite());
+        demand(is_finite, "drift.c-per-minute", "has to be finite")?;
         all(POSITIVE, "walk", &[("r-o", &self.walk.map(|walk| walk.r_o))])
     }
 }

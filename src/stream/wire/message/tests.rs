@@ -31,7 +31,7 @@ fn ok() -> Status {
     let r_ohm = Measured { value: 2841.3, u: Some(1.2) };
     let f_n = MeasuredForce { value: 4.697, u: Some(0.41), repeat_u: Some(0.002), is_extrapolated: false };
     let f_n = Some(f_n);
-    Status::Ok { branch: Branch::Direct, r_ohm, f_n }
+    Status::Ok { branch: Branch::Direct, r_ohm, f_n, is_moving: false, is_settling: false }
 }
 
 #[test]
@@ -41,6 +41,14 @@ fn the_lines_of_the_protocol_byte_by_byte() {
         "{\"class\":\"READING\",\"channel\":\"thumb\",\"seq\":1041,\"time\":\"2026-11-21T03:40:00.123456789Z\",\
          \"t_mono_ns\":81234567890,\"status\":\"ok\",\"r_ohm\":2841.3,\"r_u_ohm\":1.2,\"f_n\":4.697,\
          \"f_u_n\":0.41,\"f_repeat_u_n\":0.002,\"method\":\"cerm\",\"branch\":\"direct\",\"duration_us\":18230,\"lost\":0}\n"
+    );
+    let Status::Ok { branch, r_ohm, .. } = ok() else { panic!("{:?}", ok()) };
+    let moving = written(Status::Ok { branch, r_ohm, f_n: None, is_moving: true, is_settling: true });
+    assert!(
+        moving.contains(
+            "\"r_ohm\":2841.3,\"r_u_ohm\":1.2,\"moving\":true,\"settling\":true,\"method\":\"cerm\""
+        ),
+        "{moving}"
     );
     let head = "{\"class\":\"READING\",\"channel\":\"thumb\",\"seq\":1041,\
                 \"time\":\"2026-11-21T03:40:00.123456789Z\",\"t_mono_ns\":81234567890,\"status\":";

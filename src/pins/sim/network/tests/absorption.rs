@@ -1,6 +1,7 @@
 //! Capacitors whose dielectric absorbs charge.
 
 use super::*;
+use crate::units::Farad;
 
 fn branches(of: &[(f64, f64)]) -> Vec<Branch> {
     of.iter().map(|&(share, tau)| Branch { share, tau }).collect()
@@ -8,12 +9,12 @@ fn branches(of: &[(f64, f64)]) -> Vec<Branch> {
 
 #[test]
 fn without_a_share_the_matrix_is_the_closed_form() {
-    for capacitors in [
-        Capacitors::One { c: 470e-9 },
-        Capacitors::Two { c_a: 2.2e-6, c_b: 680e-9 },
-        Capacitors::Two { c_a: 1e-6, c_b: 1e-6 },
+    for network in [
+        Network::OneCapacitor { c: Farad(470e-9) },
+        Network::TwoCapacitor { c_a: Farad(2.2e-6), c_b: Farad(680e-9) },
+        Network::TwoCapacitor { c_a: Farad(1e-6), c_b: Farad(1e-6) },
     ] {
-        let mut plain = circuit(capacitors);
+        let mut plain = circuit(network);
         plain.sense[0].to_ground = 1e-6;
         plain.sense[1].to_v_dd = 3e-7;
         let absorbing =
@@ -37,7 +38,7 @@ fn without_a_share_the_matrix_is_the_closed_form() {
 #[test]
 fn a_shorted_capacitor_recovers_what_its_branch_kept() {
     let (share, tau) = (0.025, 10e-3);
-    let mut circuit = circuit(Capacitors::One { c: 1e-6 });
+    let mut circuit = circuit(Network::OneCapacitor { c: Farad(1e-6) });
     (circuit.r_c1, circuit.r_o) = (1e-6, [1e-6; LINES]);
     circuit.absorption[0] = branches(&[(share, tau)]);
     let shorted = circuit.flow([3.3; 2], Drives::C1);
@@ -122,9 +123,9 @@ impl Kept {
 
     fn slopes(&self, circuit: &SimCircuit, on: Drives) -> Kept {
         let [i_a, i_b] = currents(circuit, on, self.nodes(circuit));
-        let (farad, mut into) = match circuit.capacitors {
-            Capacitors::Two { c_a, c_b } => ([c_a, c_b], [i_a, i_a + i_b]),
-            Capacitors::One { c } | Capacitors::Series { c } => ([c, 1.0], [i_a, 0.0]),
+        let (farad, mut into) = match circuit.network {
+            Network::TwoCapacitor { c_a, c_b } => ([c_a.0, c_b.0], [i_a, i_a + i_b]),
+            Network::OneCapacitor { c } | Network::SeriesCalibration { c } => ([c.0, 1.0], [i_a, 0.0]),
         };
         let mut branches = self.branches.clone();
         for i in 0..2 {

@@ -1,0 +1,79 @@
+//! What has come of a channel since it was last published, where that is the mean over a time.
+
+use crate::estimate::mean::{Basis, Mean};
+use crate::estimate::tracker::Tracker;
+use crate::reading::{Measured, MeasuredForce, Status};
+use crate::units::Nanos;
+
+/// The readings of one window.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct Window {
+    began: Option<Nanos>,
+    mean: Mean,
+    /// The last number, and whether the sensor moved in any, or its u was a prior.
+    number: Option<Status>,
+    is_moving: bool,
+    is_settling: bool,
+    /// The sum of when they were, since it began, ns.
+    at_ns: f64,
+    /// The last state, and how many were no numbers but bounds.
+    state: Option<(Status, Nanos)>,
+    bounds: usize,
+}
+
+impl Window {
+    /// Takes what a discharge that began at `began` has told, about the instant `at`; zero is on in `r_ohm` as in the status.
+    pub fn add(&mut self, status: Status, basis: &Basis, [began, at]: [Nanos; 2], tracker: Option<&Tracker>) {
+        let first = *self.began.get_or_insert(began);
+        match status {
+            Status::Ok { r_ohm, is_moving, is_settling, .. } => {
+                self.mean.add(r_ohm, basis, tracker);
+                self.at_ns += (at - first).as_ns();
+                self.is_moving |= is_moving;
+                self.is_settling |= is_settling;
+                self.number = Some(status);
+            }
+            Status::Open { .. } | Status::Short { .. } => {
+                self.bounds += 1;
+                self.state = Some((status, at));
+            }
+            // A fault among numbers or bounds is one reading less.
+            Status::Fault(_) if self.bounds == 0 => self.state = Some((status, at)),
+            Status::Fault(_) => {}
+        }
+    }
+
+    /// After a calibration discharge.
+    pub fn calibrated(&mut self, tracker: &Tracker) {
+        self.mean.calibrated(tracker);
+    }
+
+    /// Whether it has lasted for so long; the next one begins where this one was to end, if that is not long ago.
+    pub fn is_over(&self, now: Nanos, length: Nanos) -> bool {
+        self.began.is_some_and(|began| now - began >= length)
+    }
+
+    /// What is to be published, and since when and of when it is: the mean of the numbers, or the last state where there are more bounds than numbers
+    /// or no numbers at all. Begins anew.
+    pub fn take(
+        &mut self,
+        length: Nanos,
+        now: Nanos,
+        tracker: Option<&Tracker>,
+        force_at: impl Fn(Measured) -> Option<MeasuredForce>,
+    ) -> Option<(Status, [Nanos; 2])> {
+        let began = self.began?;
+        let done = *self;
+        let due = began + length;
+        *self = Window { began: Some(if now - due < length { due } else { now }), ..Window::default() };
+        let mean = done.mean.result(tracker).filter(|_| done.mean.count() >= done.bounds);
+        match (mean, done.number) {
+            (Some(r_ohm), Some(Status::Ok { branch, .. })) => {
+                let at = began + Nanos((done.at_ns / done.mean.count() as f64) as i64);
+                let f_n = force_at(r_ohm);
+                Some((Status::Ok { branch, r_ohm, f_n, is_moving: done.is_moving, is_settling: done.is_settling }, [began, at]))
+            }
+            _ => done.state.map(|(status, at)| (status, [began, at])),
+        }
+    }
+}
