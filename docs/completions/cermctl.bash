@@ -334,7 +334,7 @@ _cermctl() {
             return 0
             ;;
         cermctl__subcmd__demo)
-            opts="-h --scene --seconds --seed --method --help"
+            opts="-h --scene --seconds --seed --method --wiring --help"
             if [[ ${cur} == -* || ${COMP_CWORD} -eq 2 ]] ; then
                 COMPREPLY=( $(compgen -W "${opts}" -- "${cur}") )
                 return 0
@@ -354,6 +354,10 @@ _cermctl() {
                     ;;
                 --method)
                     COMPREPLY=($(compgen -W "tpcm qerm tcdic cerm tracked" -- "${cur}"))
+                    return 0
+                    ;;
+                --wiring)
+                    COMPREPLY=($(compgen -W "one two series" -- "${cur}"))
                     return 0
                     ;;
                 *)

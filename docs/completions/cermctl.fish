@@ -44,7 +44,10 @@ qerm\t''
 tcdic\t''
 cerm\t''
 tracked\t''"
-complete -c cermctl -n "__fish_cermctl_using_subcommand demo" -s h -l help -d 'Print help'
+complete -c cermctl -n "__fish_cermctl_using_subcommand demo" -l wiring -d 'How it is wired [default: as the scene, or as the method needs it]' -r -f -a "one\t'One capacitor: least parts, most readings a second'
+two\t'Two capacitors: each reading can be checked by a second crossing'
+series\t'One capacitor, Rc2 in series with Rc1: for qerm'"
+complete -c cermctl -n "__fish_cermctl_using_subcommand demo" -s h -l help -d 'Print help (see more with \'--help\')'
 complete -c cermctl -n "__fish_cermctl_using_subcommand watch" -l max-hz -d 'At most so many readings of each channel per second' -r
 complete -c cermctl -n "__fish_cermctl_using_subcommand watch" -l socket -d 'The socket of the daemon' -r -F
 complete -c cermctl -n "__fish_cermctl_using_subcommand watch" -l json -d 'The lines of the stream as they come'

@@ -1,6 +1,7 @@
 //! The command lines of both programs: arguments and their help texts, from which the manual pages are made, too.
 #![expect(missing_docs, reason = "a text at a flattened group would replace that of its verb")]
 
+use crate::circuit::Kind;
 use crate::instrument::settings::OffsetSource;
 use crate::reading::Method;
 use crate::record::LONGEST_LATENCY;
@@ -86,6 +87,30 @@ pub struct Demo {
     /// How to estimate [default: the best that the circuit allows]
     #[arg(long)]
     pub method: Option<Method>,
+    /// How it is wired [default: as the scene, or as the method needs it]
+    #[arg(long)]
+    pub wiring: Option<Wiring>,
+}
+
+/// The wirings of the drawings.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum Wiring {
+    /// One capacitor: least parts, most readings a second
+    One,
+    /// Two capacitors: each reading can be checked by a second crossing
+    Two,
+    /// One capacitor, Rc2 in series with Rc1: for qerm
+    Series,
+}
+
+impl From<Wiring> for Kind {
+    fn from(wiring: Wiring) -> Kind {
+        match wiring {
+            Wiring::One => Kind::OneCapacitor,
+            Wiring::Two => Kind::TwoCapacitor,
+            Wiring::Series => Kind::SeriesCalibration,
+        }
+    }
 }
 
 /// `cermctl watch`.

@@ -104,5 +104,6 @@ fn introduction(board: &Board, arguments: &cli::Demo) -> [String; 3] {
     );
     let sensors =
         if board::is_file(scene) { "the sensors of the scene" } else { "a hand pressing an FSR 402" };
-    [first, style(format!(" {sensors}; open: untouched")).dim().to_string(), String::new()]
+    let wiring = arguments.wiring.map_or_else(String::new, |_| format!("{}, ", board.config.circuit.kind()));
+    [first, style(format!(" {wiring}{sensors}; open: untouched")).dim().to_string(), String::new()]
 }

@@ -14,7 +14,7 @@ const READINGS: usize = 100;
 const HEAD: &str = "# Methods, speed against accuracy
 
 Every figure on this page is **simulated**: scene `pi4` (2.2 uF / 680 nF, or 470 nF for the circuit with series calibration;
-Rc 2320 / 12700 ohm; latencies, noise and thresholds as `hw/scenes/pi4.toml` says, some of them assumed), no sensor but a
+Rc 470 / 12700 ohm; latencies, noise and thresholds as `hw/scenes/pi4.toml` says, some of them assumed), no sensor but a
 constant resistor, 40 instruments with 100 readings each. The page is written by
 `UPDATE_DOCS=1 cargo test --test accuracy methods`, and the same test fails when it is out of date.
 

@@ -42,14 +42,16 @@ const CERM: Way = Way {
 const CERM_WITHOUT_OFFSET: Way =
     Way { measure: "offset = \"0 us\"\nt-l = \"12.32 us\"\nswitch-fraction = 1.0", ..CERM };
 
-/// The board `scene` as it is, or with components within 1 % of that, so that crossings fall anywhere in a cycle.
+/// The board `scene` with the resistors of the paper, or with components within 1 % of that, so that crossings fall anywhere in a cycle.
 fn bench(scene: &str, way: Way, r_ohm: f64, seed: u64, tolerance: f64) -> (Bench, f64) {
     let timing = if scene == "fpga-paper" { SECTION_IV } else { "" };
     let measure = format!("{timing}{}", way.measure);
     let mut bench = Bench::with_kind(scene, way.kind, way.method, r_ohm, seed, &measure);
     let mut rng = rng(seed);
     let mut about = |value: f64| value * (1.0 + tolerance * rng.random_range(-1.0..1.0));
+    bench.config.set("circuit.r-c1", format!("{R_C1} ohm"));
     let circuit = &mut bench.scene.circuit;
+    circuit.r_c1 = Ohm(R_C1);
     for c in [&mut circuit.c_a, &mut circuit.c_b, &mut circuit.c].into_iter().flatten() {
         *c = Farad(about(c.0));
     }

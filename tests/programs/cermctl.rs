@@ -241,3 +241,15 @@ fn the_demo_runs_every_board_by_every_method_it_allows() {
         assert!(text.contains(&format!("board {scene}, method {method}")), "{text}");
     }
 }
+
+#[test]
+fn the_demo_runs_on_one_capacitor() {
+    let text = output(&mut ctl(&["demo", "--seconds", "1", "--wiring", "one"]));
+    assert!(text.contains("board pi4, method tracked") && text.contains(" one-capacitor, a hand"), "{text}");
+    let numbers = text.split(" numbers").next().and_then(|text| text.rsplit(' ').next());
+    assert!(numbers.and_then(|count| count.parse().ok()).is_some_and(|count: usize| count > 10), "{text}");
+    // Which has no second node for this.
+    let error = ctl(&["demo", "--wiring", "one", "--method", "tcdic"]).assert().failure();
+    let error = String::from_utf8_lossy(&error.get_output().stderr).into_owned();
+    assert!(error.contains("needs kind = \"two-capacitor\""), "{error}");
+}

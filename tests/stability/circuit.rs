@@ -65,7 +65,8 @@ pub fn node_b() -> Scenario {
         }
         if method == Method::Tracked {
             let of_bound = errors.rms_ratio(bound(&parts, PI4_NOISE, r_ohm));
-            it.promise("tracked: error, of the bound of its discharge in full", of_bound, 1.0..=1.2);
+            // It is switched, and tells more than that.
+            it.promise("tracked: error, of the bound of a discharge in full", of_bound, 0.7..=1.0);
         }
         let good = errors.rms_ratio(r_ohm).below(0.002) & is_true(&errors);
         it.cell(method, truth(&errors, r_ohm), good, matches!(method, Method::Tpcm | Method::Tracked));
@@ -101,7 +102,7 @@ pub fn close_resistors() -> Scenario {
         let most = if method == Method::Tracked { 1.0 / 1.3 } else { 1.0 - FIRST_ORDER };
         it.promise(format!("{}: error, of u", method.as_str()), errors.pulls(), most..=1.0 + FIRST_ORDER);
         let figure =
-            format!("{}, {:.0} times that of 2.32 kohm", truth(&errors, r_ohm), rms(&errors) / rms(&usual));
+            format!("{}, {:.0} times that of 470 ohm", truth(&errors, r_ohm), rms(&errors) / rms(&usual));
         let good = errors.rms_ratio(r_ohm).below(0.02) & is_true(&errors);
         it.cell(method, figure, good, matches!(method, Method::Qerm | Method::Tracked));
     }
@@ -201,6 +202,8 @@ pub fn fast_drift() -> Scenario {
     it
 }
 
+/// What B keeps, in one charge, of what it is beside the supply: half a time constant of its charger.
+const B_KEEPS: f64 = 0.606_531;
 /// The supply changes from charge to charge, V rms.
 const SUPPLY: f64 = 5e-3;
 
@@ -257,32 +260,31 @@ pub fn restless_supply() -> Scenario {
         "the numbers are true, and the error is below 0.15 %",
         "0..20",
     );
-    // Both crossings of a discharge move together, in proportion to R + Ro.
-    let by_volt = |r: f64| {
-        let with = |v_dd: f64| {
-            let c_t = parts.c_a * parts.c_b / (parts.c_a + parts.c_b);
-            let b = v_dd * parts.c_a / (parts.v_th * (parts.c_a + parts.c_b) - v_dd * parts.c_b);
-            [c_t * (v_dd / parts.v_th).ln(), c_t * b.ln()]
-        };
-        let ([a0, b0], [a1, b1]) = (with(V_DD - 1e-4), with(V_DD + 1e-4));
-        [(a1 - a0) / 2e-4 * (r + R_O), (b1 - b0) / 2e-4 * (r + R_O)]
+    // Of a discharge through R, when the supply was another so many charges ago. A follows the supply of its own charge; B is moved
+    // with A through C_A, and with half a time constant of its own charger comes only a part of the way that is left.
+    let by_volt = |r: f64, ago: i32| {
+        let c_t = parts.c_a * parts.c_b / (parts.c_a + parts.c_b);
+        let (k, left) = (parts.c_a / (parts.c_a + parts.c_b), (-parts.g()[1] / c_t).exp());
+        let own = f64::from(u8::from(ago == 0));
+        let v_b = if ago < 0 { 0.0 } else { k * own + (1.0 - k) * (1.0 - B_KEEPS) * B_KEEPS.powi(ago) };
+        [own, (v_b - k * own * (1.0 - left)) / (k * left)].map(|by| SUPPLY / V_DD * c_t * by * (r + R_O))
     };
     let exact = Times::of(&parts, r_ohm, 0.0);
-    let zero = Times { c1: [0.0; 2], c2: [0.0; 2], x: [0.0; 2], switch: 0.0 };
     for (method, equation) in [(Method::Tpcm, paper::tpcm as paper::Equation), (Method::Tcdic, paper::tcdic)]
     {
-        let of_supply: f64 = [
-            Times { c1: by_volt(parts.r_c1), ..zero },
-            Times { c2: by_volt(parts.r_c2), ..zero },
-            Times { x: by_volt(r_ohm), ..zero },
-        ]
-        .iter()
-        .map(|late| {
-            let scaled = |t: [f64; 2]| t.map(|t| SUPPLY * t);
-            let late = Times { c1: scaled(late.c1), c2: scaled(late.c2), x: scaled(late.x), switch: 0.0 };
-            (equation(&parts, &exact.plus(late)) - r_ohm).powi(2)
-        })
-        .sum();
+        // The discharges of a cycle and those before it.
+        let of_supply: f64 = (-12..3)
+            .map(|charge| {
+                let late = |r, place| by_volt(r, place - charge);
+                let late = Times {
+                    c1: late(parts.r_c1, 0),
+                    c2: late(parts.r_c2, 1),
+                    x: late(r_ohm, 2),
+                    switch: 0.0,
+                };
+                (equation(&parts, &exact.plus(late)) - r_ohm).powi(2)
+            })
+            .sum();
         let of_noise = exact.scatter(PI4_NOISE.of_times(&parts, r_ohm), |times| equation(&parts, times));
         let errors = restless_errors(&board, method, r_ohm);
         expect_errors(&mut it, method, &errors, (of_supply + of_noise * of_noise).sqrt());
@@ -292,7 +294,7 @@ pub fn restless_supply() -> Scenario {
         let good = is_true(&errors) & errors.rms_ratio(r_ohm).below(0.0015);
         it.cell(method, truth(&errors, r_ohm), good, method == Method::Tracked);
     }
-    it.why = "the charge is another one each time, and with it both crossings, in proportion to R + Ro: no calibration before or after \
+    it.why = "the charge is another one each time, and with it the crossings, in proportion to R + Ro: no calibration before or after \
               can take it out. What A and B share of it is learned, so that u is right, and `tracked` takes the greater part of it out \
               by the difference of both."
         .to_owned();

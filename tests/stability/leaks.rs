@@ -1,6 +1,7 @@
 //! Leakage at node A, from a defect to nothing: from where on it is told, and what it does to a reading where it is not.
 
 use crate::common::{Bench, Errors, read, settle};
+use crate::paper::Parts;
 use cermd::reading::{Fault, Method, Reading, Status};
 use std::fmt::Write;
 
@@ -91,7 +92,8 @@ fn examine_sudden() -> (String, String) {
     }
     let mut wrong = String::new();
     // That of the chord from Rc1 to Rc2, and more while the state is on its way.
-    let predicted = (r_ohm - 2320.0) * (12_700.0 - r_ohm) / leak_ohm;
+    let Parts { r_c1, r_c2, .. } = Parts::PI4;
+    let predicted = (r_ohm - r_c1) * (r_c2 - r_ohm) / leak_ohm;
     let is_known = soon.mean_error().times(1.0 / predicted).is_in(0.0..=3.0);
     if !is_known || !late.within_2u().is_in(LEAST_COVERAGE..=1.0) {
         let [soon, late] = [&soon, &late].map(Errors::within_2u);

@@ -18,9 +18,10 @@ pub const R_O: f64 = 40.0;
 
 impl Parts {
     pub const PI4: Parts =
-        Parts { c_a: 2.2e-6, c_b: 680e-9, c: 470e-9, r_c1: 2320.0, r_c2: 12_700.0, v_th: 1.1 };
+        Parts { c_a: 2.2e-6, c_b: 680e-9, c: 470e-9, r_c1: 470.0, r_c2: 12_700.0, v_th: 1.1 };
     /// Section IV.
-    pub const PAPER: Parts = Parts { c_a: 330e-9, c_b: 22e-9, c: 20e-9, v_th: 1.441, ..Parts::PI4 };
+    pub const PAPER: Parts =
+        Parts { c_a: 330e-9, c_b: 22e-9, c: 20e-9, r_c1: 2320.0, v_th: 1.441, ..Parts::PI4 };
 
     /// g_A and g_B: eq. (10) divided by R + Ro.
     pub fn g(&self) -> [f64; 2] {

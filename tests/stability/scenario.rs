@@ -102,6 +102,8 @@ impl Scenario {
 pub struct Board {
     pub scene: Scene,
     pub parts: Parts,
+    /// `None`: that of the method.
+    pub kind: Option<Kind>,
     /// More lines of `[measure]`.
     pub measure: String,
 }
@@ -115,7 +117,7 @@ impl Board {
 
     /// `pi4` with other capacitors and resistors.
     pub fn pi4(parts: Parts) -> Board {
-        Board { scene: Scene::builtin("pi4").unwrap(), parts, measure: String::new() }
+        Board { scene: Scene::builtin("pi4").unwrap(), parts, kind: None, measure: String::new() }
     }
 
     /// The board of the paper.
@@ -124,6 +126,7 @@ impl Board {
         Board {
             scene: Scene::builtin("fpga-paper").unwrap(),
             parts: Parts::PAPER,
+            kind: None,
             measure: measure.to_owned(),
         }
     }
@@ -135,7 +138,7 @@ impl Board {
 
     pub fn bench(&self, method: Method, r_ohm: f64, seed: u64) -> Bench {
         let Parts { c_a, c_b, c, r_c1, r_c2, v_th } = self.parts;
-        let kind = kind_of(method);
+        let kind = self.kind.unwrap_or(kind_of(method));
         let mut scene = self.scene.clone();
         let circuit = &mut scene.circuit;
         (circuit.c_a, circuit.c_b, circuit.c) = (Some(Farad(c_a)), Some(Farad(c_b)), Some(Farad(c)));
@@ -279,7 +282,7 @@ impl<P: Pins> ByHand<P> {
     /// The same with something around the pins.
     pub fn with(board: &Board, r_ohm: f64, seed: u64, around: impl FnOnce(SimPins) -> P) -> ByHand<P> {
         let (pins, settings) = board.bench(Method::Tcdic, r_ohm, seed).parts();
-        ByHand { pins: around(pins), charge: settings.charge.anew.time(), offset: 0.0, pause: SETTLE }
+        ByHand { pins: around(pins), charge: settings.charge.anew.together, offset: 0.0, pause: SETTLE }
     }
 
     /// Crossings of one discharge, with a switch to Rc2 after so many seconds, and when that really came; `None` if one is

@@ -32,8 +32,8 @@ impl Board {
         let scene = if is_file(&arguments.scene) { scene } else { scene.with_sensors(vec![hand()])? };
         let circuits = arguments.method.map(|method| method.rules().circuits);
         let other = circuits.filter(|kinds| !kinds.contains(&scene.circuit.kind)).and_then(<[Kind]>::first);
-        let scene = match other {
-            Some(kind) => scene.with_kind(*kind)?,
+        let scene = match arguments.wiring.map(Kind::from).or(other.copied()) {
+            Some(kind) => scene.with_kind(kind)?,
             None => scene,
         };
         Ok(Board { config: config(&scene, arguments, socket), seed: arguments.seed, scene })

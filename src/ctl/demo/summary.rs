@@ -10,7 +10,7 @@ use std::collections::BTreeMap;
 
 /// What to do next.
 const HINTS: [(&str, &str); 3] = [
-    ("cermctl demo --scene pi5", "another board; or --method tcdic"),
+    ("cermctl demo --scene pi5", "another board, --wiring one, --method tcdic"),
     ("cermctl check --config FILE", "what to expect of your own circuit"),
     ("cermd --config FILE, cermctl watch", "on hardware; start from hw/cermd.toml"),
 ];

@@ -4,6 +4,8 @@ use crate::common::chance::{Figure, mean_of};
 use crate::common::{Bench, Errors, quiet, seed, settle};
 use cermd::circuit::{Chargers, Node};
 use cermd::config::Config;
+use cermd::instrument::discharge::Charge;
+use cermd::instrument::settings::{Charges, Settings};
 use cermd::instrument::{Instrument, Message};
 use cermd::pins::sim::{Sensor, SimPins};
 use cermd::pins::{Armed, Bracket, Drives, Edge, Levels, Particulars, Pins, PinsError};
@@ -64,6 +66,9 @@ impl Pins for Late {
     }
 }
 
+/// Which chargers make the charges of an instrument, and for how many of their time constants.
+pub type Charging = (Chargers, f64);
+
 /// A method and the sensor that is looked at.
 #[derive(Debug, Clone, Copy)]
 pub struct Board {
@@ -77,6 +82,8 @@ pub struct Found {
     means: Vec<f64>,
     pub mean_u: f64,
     pub within_2u: Figure,
+    /// The share of readings without a number.
+    pub missing: f64,
 }
 
 impl Found {
@@ -92,20 +99,38 @@ impl Found {
 }
 
 impl Board {
-    fn config(self, measure: &str) -> Config {
-        Bench::new("pi4", self.method, self.r_ohm, 0, measure).config.channel("y").parse()
+    fn config(self) -> Config {
+        Bench::new("pi4", self.method, self.r_ohm, 0, "").config.channel("y").parse()
     }
 
-    pub fn tau(self) -> Seconds {
-        self.config("").circuit.charge_tau(Chargers::All)
+    pub fn tau(self, chargers: Chargers) -> Seconds {
+        self.config().circuit.charge_tau(chargers)
     }
 
-    pub fn automatic_taus(self) -> f64 {
-        self.config("").charge_time().as_seconds() / self.tau().0
+    /// What is charged when nothing is said: through A alone for so long, then through all chargers for so long.
+    pub fn automatic(self) -> Charge {
+        let charges = self.config().charges();
+        if self.config().last_node() == Node::B { charges.to_b } else { charges.to_a }
     }
 
-    fn charge(self, taus: f64) -> String {
-        format!("charge-time = \"{} s\"", taus * self.tau().0)
+    /// The automatic time through these chargers, if no others were used.
+    pub fn automatic_taus(self, chargers: Chargers) -> f64 {
+        self.config().shortest_charge(chargers).0 / self.tau(chargers).0
+    }
+
+    /// Through A alone for another time, what B gets being as it is; or all of it through all chargers.
+    fn settings(self, (chargers, taus): Charging) -> Settings {
+        let mut settings = self.config().settings().unwrap();
+        let time = Nanos::from_seconds(taus * self.tau(chargers).0);
+        let charges = settings.charge;
+        settings.charge = match chargers {
+            Chargers::OfA => {
+                let to_b = Charge { alone: time, ..charges.to_b };
+                Charges { to_a: Charge::alone(time), to_b, ..charges }
+            }
+            Chargers::All => Charges::alike(Charge::together(time)),
+        };
+        settings
     }
 
     fn pins(self, sensors: &[f64], seed: u64) -> Late {
@@ -116,26 +141,35 @@ impl Board {
     }
 
     /// Readings of the second channel, after those of another resistance on the first.
-    pub fn measure(self, neighbour_ohm: f64, taus: f64) -> Found {
-        let config = self.config(&self.charge(taus));
+    pub fn measure(self, neighbour_ohm: f64, charging: Charging) -> Found {
+        self.measure_leaking(neighbour_ohm, charging, f64::INFINITY)
+    }
+
+    /// The same with a resistance from B to ground.
+    pub fn measure_leaking(self, neighbour_ohm: f64, charging: Charging, leak_ohm: f64) -> Found {
+        let settings = self.settings(charging);
         let (mut all, mut means) = (Errors::default(), Vec::new());
         for seed in 0..INSTRUMENTS {
-            let settings = config.settings().unwrap();
-            let mut instrument = Instrument::new(self.pins(&[neighbour_ohm, self.r_ohm], seed), settings);
+            let mut pins = self.pins(&[neighbour_ohm, self.r_ohm], seed);
+            pins.pins.alter(|circuit| circuit.sense[1].to_ground = 1.0 / leak_ohm);
+            let mut instrument = Instrument::new(pins, settings.clone());
             let mut errors = Errors::default();
             settle(&mut instrument);
             readings(&mut instrument, 1, BEFORE, |_| {});
             readings(&mut instrument, 1, READINGS, |reading| errors.add(reading, self.r_ohm));
-            means.push(errors.mean());
+            if errors.count() > 0 {
+                means.push(errors.mean());
+            }
             all.add_board(errors);
         }
-        Found { means, mean_u: all.mean_u(), within_2u: all.within_2u() }
+        let missing = 1.0 - all.count() as f64 / (INSTRUMENTS as f64 * READINGS as f64);
+        Found { means, mean_u: all.mean_u(), within_2u: all.within_2u(), missing }
     }
 
     /// Readings per second of a sensor that is alone.
-    pub fn rate_alone(self, taus: f64) -> f64 {
-        let bench = Bench::new("pi4", self.method, self.r_ohm, 0, &self.charge(taus));
-        let settings = bench.config.parse().settings().unwrap();
+    pub fn rate_alone(self, charging: Charging) -> f64 {
+        let mut settings = self.settings(charging);
+        settings.channels.truncate(1);
         let mut instrument = Instrument::new(self.pins(&[self.r_ohm], 1), settings);
         settle(&mut instrument);
         readings(&mut instrument, 0, BEFORE, |_| {});
@@ -147,17 +181,18 @@ impl Board {
     /// The mean error that charges of so many time constants make by the closed form, ohm: eq. (3) or (11) of discharges that
     /// follow R_x (that through R_1), R_1 (that through R_2) and the neighbour (that of the sensor). For the methods and
     /// resistances that use these equations.
-    pub fn predicted_ohm(self, taus: f64) -> Option<f64> {
-        let nodes = match self.method {
-            Method::Tpcm => &[Node::A][..],
-            Method::Tcdic => &Node::BOTH,
+    pub fn predicted_ohm(self, (chargers, taus): Charging) -> Option<f64> {
+        let nodes = match (self.method, chargers) {
+            (Method::Tpcm, _) => &[Node::A][..],
+            // All of the charge through A: what B gets after that takes a part of it away.
+            (Method::Tcdic, Chargers::All) => &Node::BOTH,
             _ => return None,
         };
-        let circuit = self.config("").circuit;
+        let circuit = self.config().circuit;
         let g_of = |node: &Node| circuit.g(*node).unwrap().0;
         let (mut memory, mut g) = (0.0, 0.0);
         for node in nodes {
-            memory += g_of(node) * circuit.charge_memory(*node, Chargers::All)?;
+            memory += g_of(node) * circuit.charge_memory(*node, chargers)?;
             g += g_of(node);
         }
         let with_r_o = |r: Ohm| r.0 + circuit.r_o.0;
@@ -171,7 +206,7 @@ impl Board {
         let after_neighbour = depth(with_r_o(Ohm(NEIGHBOUR_OHM)));
         let depths = rx * after_neighbour - (1.0 - rho) * r1 * depth(rx) - rho * r2 * depth(r1);
         // The charge lasts until the program is awake.
-        let late = LATE_NS[0] * 1e-9 / self.tau().0;
+        let late = LATE_NS[0] * 1e-9 / self.tau(chargers).0;
         Some(memory / g * depths * (-taus - late).exp())
     }
 }
