@@ -345,17 +345,15 @@ impl Cycle {
 
     fn sensor_done(&mut self, channel: usize, outcome: &Outcome, now: Nanos) -> Reading {
         self.diagnosis.take_sensor(outcome);
-        let settings = &self.settings.channels[channel];
-        let (zero_ohm, memory) = (settings.zero_ohm, &mut self.memory[channel]);
+        let (sensor, memory) = (&self.settings.channels[channel], &mut self.memory[channel]);
         let (status, at) = match &outcome.result {
             Ok(record) => {
-                let (force, motion) = (settings.force.as_ref(), &mut memory.motion);
-                let (status, at_ns) = self.estimator.status_in_motion(record, zero_ohm, force, motion);
+                let (status, at_ns) = self.estimator.status_in_motion(record, sensor, &mut memory.motion);
                 (status, record.start + Nanos(at_ns as i64))
             }
             Err(fault) => (Status::Fault(*fault), now),
         };
-        memory.take(&status, outcome.result.ok(), zero_ohm, &mut self.estimator);
+        memory.take(&status, outcome.result.ok(), sensor, &mut self.estimator);
         self.report(channel, status, at, now)
     }
 

@@ -245,7 +245,7 @@ proptest! {
         let f_n = [alpha / R_C1, alpha / R_C2];
         let pair = Force::from(Law::Calibrated { fc1_n: f_n[0], fc2_n: f_n[1] });
         let force = |ratio: f64| {
-            pair.at(Measured { value: R_C1 + ratio * (R_C2 - R_C1), u: None }, [R_C1, R_C2]).unwrap().value
+            pair.at(Measured { value: R_C1 + ratio * (R_C2 - R_C1), u: None }, 0.0, [R_C1, R_C2]).unwrap().value
         };
         let direct = full.x.map(|crossing| crossing.unwrap() - d);
         for (found, printed) in [

@@ -164,8 +164,9 @@ pub fn readings(config: &Config, settings: &Settings, noise: Noise, how: &str, f
     findings.info("measure.method", format!("{} with {how}: {text}", config.method()));
     for channel in &settings.channels {
         let Some(force) = &channel.force else { continue };
+        let pins_u_ohm = |r_ohm| channel.pins_u_ohm(r_ohm, settings.r_ohm());
         let of = |Prediction { r, u, .. }: &Prediction| {
-            let f_n = force.at(Measured { value: r.0, u: Some(u.0) }, settings.r_ohm())?;
+            let f_n = force.at(Measured { value: r.0, u: Some(u.0) }, pins_u_ohm(r.0), settings.r_ohm())?;
             let repeat = f_n.repeat_u.map(|u| rough(u, "N")).unwrap_or_default();
             Some(format!("{} (readout {repeat})", measured(f_n.value, f_n.u, "N", false)))
         };

@@ -11,6 +11,7 @@ use crate::instrument::limits::{
     CALIBRATION_SHARE, HYSTERESIS, LONGEST_IDLE, OFFSET_SHARE, OUTLIERS_OF_DOUBT, SWITCH_FRACTIONS,
 };
 use crate::record::Switch;
+use crate::sensor::Channel;
 use crate::units::Nanos;
 
 /// What is remembered of a channel for the plan of its next discharge.
@@ -36,7 +37,7 @@ impl Memory {
         &mut self,
         status: &Status,
         record: Option<Record>,
-        zero_ohm: f64,
+        sensor: &Channel,
         estimator: &mut Estimator,
     ) {
         if let Some(record) = record {
@@ -50,9 +51,10 @@ impl Memory {
         match status {
             Status::Ok { branch, r_ohm, is_moving, .. } => {
                 self.inferred = *branch == Branch::Inferred;
-                self.r_ohm = Some(r_ohm.value + zero_ohm);
+                let as_read_ohm = sensor.as_read(r_ohm.value);
+                self.r_ohm = Some(as_read_ohm);
                 let switch = record.and_then(|record| record.switch).filter(|_| self.inferred);
-                let predicted = estimator.predict_tracked(r_ohm.value + zero_ohm, switch, self.u_switch_ns);
+                let predicted = estimator.predict_tracked(as_read_ohm, switch, self.u_switch_ns);
                 self.dependence = predicted.zip(estimator.tracker()).map(|(predicted, tracker)| {
                     let part = tracker.variance(&predicted.by_state);
                     (predicted.by_state, (predicted.variance - part).max(0.0))

@@ -2,7 +2,7 @@
 
 use super::{Header, PROTO_MAJOR, TapeCircuit};
 use crate::record::{LONGEST_LATENCY, MAX_CHANNELS, Record};
-use crate::sensor::{Channel, Force, Law};
+use crate::sensor::{Channel, Force, Law, SCALES};
 use crate::stream::limits::{LARGEST, LONGEST_NS};
 
 impl Header {
@@ -45,8 +45,11 @@ impl Header {
 }
 
 fn check_channel(channel: &Channel) -> Result<(), String> {
-    if channel.zero_ohm.abs() > LARGEST {
-        return Err(format!("zero_ohm = {:e} is no resistance of wires and pins", channel.zero_ohm));
+    if let Some(zero_ohm) = channel.zero_ohm.filter(|zero_ohm| zero_ohm.abs() > LARGEST) {
+        return Err(format!("zero_ohm = {zero_ohm:e} is no resistance of wires and pins"));
+    }
+    if let Some(scale) = channel.scale.filter(|scale| !SCALES.contains(scale)) {
+        return Err(format!("scale = {scale:e} is no part of a resistance that is near 1"));
     }
     if let Some(Force { u, range_n, .. }) = &channel.force {
         let is_range = range_n.is_none_or(|[least, greatest]| is_of_a_part(least) && least < greatest);
