@@ -126,9 +126,14 @@ pub struct ChannelTable {
     pub id: String,
     /// The line that sinks the sensor's far end. Required, except with the simulated circuit.
     pub sink: Option<LineName>,
-    /// What the instrument reads with a short circuit in the sensor's place, ohm; subtracted. Default: 0.
-    #[serde(default, deserialize_with = "number::number")]
-    pub zero_ohm: f64,
+    /// What the instrument reads with a short circuit in the sensor's place, ohm; subtracted. Default: not known, and in the
+    /// uncertainty.
+    #[serde(default, deserialize_with = "number::optional")]
+    pub zero_ohm: Option<f64>,
+    /// What it reads with a known resistor there, less the zero, as a part of its resistance; divided by. Default: as for the
+    /// zero.
+    #[serde(default, deserialize_with = "number::optional")]
+    pub scale: Option<f64>,
     /// It is read in every so manieth cycle, 1 to 1000. Default: in each.
     #[serde(default = "each")]
     pub every: u32,

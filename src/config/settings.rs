@@ -36,7 +36,7 @@ impl Config {
             };
             let failed = |reason| SettingsError { id: channel.id.clone(), reason };
             let force = channel.force.as_ref().map(read).transpose().map_err(failed)?;
-            Ok(Channel { id: channel.id.clone(), zero_ohm: channel.zero_ohm, force })
+            Ok(Channel { id: channel.id.clone(), zero_ohm: channel.zero_ohm, scale: channel.scale, force })
         });
         Ok(Settings {
             method: self.method(),

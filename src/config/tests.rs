@@ -46,7 +46,7 @@ fn everything_can_be_said() {
     assert_eq!(config.measure.offset, Some(OffsetSource::Auto));
     assert_eq!(config.measure.t_l, Some(Nanos(616_000)));
     assert_eq!(config.switch_fraction(), 0.8);
-    assert_eq!(config.channels[0].zero_ohm, 1.5);
+    assert_eq!((config.channels[0].zero_ohm, config.channels[0].scale), (Some(1.5), Some(1.002)));
     assert_eq!(config.channels[0].force, Some(Law::Calibrated { fc1_n: 5.75, fc2_n: 1.05 }.into()));
     assert_eq!(
         config.channels[1].force,

@@ -409,18 +409,14 @@ impl Cycle {
 
     fn sensor_done(&mut self, channel: usize, outcome: &Outcome, now: Nanos) -> Option<Reading> {
         self.diagnosis.take_sensor(outcome);
-        let settings = &self.settings.channels[channel];
-        let (zero_ohm, memory) = (settings.zero_ohm, &mut self.memory[channel]);
+        let (sensor, memory) = (&self.settings.channels[channel], &mut self.memory[channel]);
         let (judged, began) = match &outcome.result {
-            Ok(record) => {
-                let force = settings.force.as_ref();
-                (self.estimator.judge(record, zero_ohm, force, &mut memory.motion), record.start)
-            }
+            Ok(record) => (self.estimator.judge(record, sensor, &mut memory.motion), record.start),
             Err(fault) => {
                 (Judged { status: Status::Fault(*fault), at_ns: 0.0, basis: Basis::default() }, now)
             }
         };
-        memory.take(&judged, outcome.result.ok(), zero_ohm, &mut self.estimator);
+        memory.take(&judged, outcome.result.ok(), sensor, &mut self.estimator);
         self.publish(channel, &judged, began, now)
     }
 
@@ -441,9 +437,8 @@ impl Cycle {
         };
         let (window, tracker) = (&mut self.memory[channel].window, self.estimator.tracker());
         window.add(judged.status, &judged.basis, [share_began, at], tracker);
-        let force = self.settings.channels[channel].force.as_ref();
-        let known = self.settings.r_ohm();
-        let force_at = |r_ohm| force.and_then(|force| force.at(r_ohm, known));
+        let (sensor, known) = (&self.settings.channels[channel], self.settings.r_ohm());
+        let force_at = |r_ohm| sensor.force_at(r_ohm, known);
         let over = window.is_over(now, length).then(|| window.take(length, now, tracker, force_at)).flatten();
         let reading = over.map(|(status, [began, at])| self.told(channel, status, at, now - began));
         self.go_on(channel, now);

@@ -16,6 +16,7 @@ use crate::instrument::limits::{
     RESTLESS_KEEPS, RETRY_EARLIER, YOUNG, YOUNG_EVERY,
 };
 use crate::instrument::settings::Charges;
+use crate::sensor::Channel;
 use crate::units::Nanos;
 
 /// What is remembered of a channel for the plan of its next discharge.
@@ -47,7 +48,7 @@ impl Memory {
         &mut self,
         Judged { status, basis, .. }: &Judged,
         record: Option<Record>,
-        zero_ohm: f64,
+        sensor: &Channel,
         estimator: &mut Estimator,
     ) {
         if let Some(record) = record {
@@ -61,7 +62,7 @@ impl Memory {
         match status {
             Status::Ok { branch, r_ohm, is_moving, .. } => {
                 self.inferred = *branch == Branch::Inferred;
-                self.moved_to(r_ohm.value + zero_ohm);
+                self.moved_to(sensor.as_read(r_ohm.value));
                 self.dependence = basis.by_state.map(|by_state| (by_state, basis.own));
                 let switched = basis.by_switch.filter(|_| !is_moving).map(|by_switch| {
                     let steady = basis.own / by_switch.powi(2);
