@@ -14,6 +14,7 @@ use cermd::instrument::discharge::{self, Charge, Plan};
 use cermd::pins::sim::{Scene, SimPins};
 use cermd::reading::{Branch, Method, Status};
 use cermd::record::{Record, Through};
+use cermd::sensor::Channel;
 use cermd::units::Nanos;
 use common::{Bench, read, settle};
 use criterion::Criterion;
@@ -62,9 +63,10 @@ fn estimates(criterion: &mut Criterion) {
         for (branch, r_ohm) in [(Branch::Direct, 20_000.0), (Branch::Inferred, 500.0)] {
             let found = record_of(&Bench::new("pi4", method, r_ohm, 1, ""), branch);
             let Some((estimator, record)) = found else { continue };
+            let sensor = Channel { id: String::new(), zero_ohm: None, scale: None, force: None };
             let name = format!("{}/{}", method.as_str(), branch.as_str());
             criterion.bench_function(&format!("estimate/{name}"), |bencher| {
-                bencher.iter(|| estimator.status(black_box(&record), 0.0, None));
+                bencher.iter(|| estimator.status(black_box(&record), &sensor));
             });
             if branch == Branch::Inferred {
                 criterion.bench_function(&format!("predict/{}", method.as_str()), |bencher| {

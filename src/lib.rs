@@ -31,8 +31,8 @@
 //! | [`ctl`] | what a person types, and what is shown | GPIO calls |
 //!
 //! Pure code takes time as an argument; only [`daemon`] and the pins know that time passes by itself. The simulated
-//! circuit ([`pins::sim`]) shares nothing with the estimators but constants and units, so that an error in the physics of
-//! either shows.
+//! circuit ([`pins::sim`]) shares nothing with the estimators but constants, units and the list of capacitors, so that an
+//! error in the physics of either shows.
 //!
 //! Equation numbers are those of the paper on the compact error reduction method (wide range calibration for direct
 //! interface circuits).

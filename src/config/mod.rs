@@ -58,7 +58,7 @@ pub struct Config {
     pub server: Server,
     /// The simulated circuit. Default: none.
     pub mock: Option<Mock>,
-    /// The folder that relative file names count from: that of the configuration file.
+    /// The folder that the names of files count from: that of the configuration file.
     #[serde(skip)]
     pub base: PathBuf,
 }
@@ -126,9 +126,14 @@ pub struct ChannelTable {
     pub id: String,
     /// The line that sinks the sensor's far end. Required, except with the simulated circuit.
     pub sink: Option<LineName>,
-    /// What the instrument reads with a short circuit in the sensor's place, ohm; subtracted. Default: 0.
-    #[serde(default, deserialize_with = "number::number")]
-    pub zero_ohm: f64,
+    /// What the instrument reads with a short circuit in the sensor's place, ohm; subtracted. Default: not known, and in the
+    /// uncertainty.
+    #[serde(default, deserialize_with = "number::optional")]
+    pub zero_ohm: Option<f64>,
+    /// What it reads with a known resistor there, less the zero, as a part of its resistance; divided by. Default: as for the
+    /// zero.
+    #[serde(default, deserialize_with = "number::optional")]
+    pub scale: Option<f64>,
     /// It is read in every so manieth cycle, 1 to 1000. Default: in each.
     #[serde(default = "each")]
     pub every: u32,
@@ -207,11 +212,6 @@ impl Config {
     /// When it cannot be parsed.
     pub fn parse(text: &str, origin: &str) -> Result<Config, ConfigError> {
         toml::from_str(text).map_err(|error| ConfigError(format!("{origin}: {error}")))
-    }
-
-    /// A file that the configuration names, relative to the configuration file.
-    pub fn path(&self, file: &Path) -> PathBuf {
-        self.base.join(file)
     }
 }
 

@@ -30,13 +30,13 @@ impl Config {
             let read = |Characteristic { law, u, range_n }: &Characteristic| {
                 let law = match law {
                     Source::Given(law) => law.clone(),
-                    Source::File(file) => Law::Table { table: pairs::load_table(&self.path(file))? },
+                    Source::File(file) => Law::Table { table: pairs::load_table(&self.base.join(file))? },
                 };
                 Ok(Force { law, u: *u, range_n: *range_n })
             };
             let failed = |reason| SettingsError { id: channel.id.clone(), reason };
             let force = channel.force.as_ref().map(read).transpose().map_err(failed)?;
-            Ok(Channel { id: channel.id.clone(), zero_ohm: channel.zero_ohm, force })
+            Ok(Channel { id: channel.id.clone(), zero_ohm: channel.zero_ohm, scale: channel.scale, force })
         });
         Ok(Settings {
             method: self.method(),

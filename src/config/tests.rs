@@ -2,8 +2,8 @@
 
 use super::*;
 use crate::circuit::{Chargers, Network};
-use crate::sensor::Law;
 use crate::instrument::settings::Charges;
+use crate::sensor::Law;
 use crate::units::{Farad, Ohm, Seconds, Volt};
 use std::fs;
 
@@ -46,7 +46,7 @@ fn everything_can_be_said() {
     assert_eq!(config.measure.offset, Some(OffsetSource::Auto));
     assert_eq!(config.measure.t_l, Some(Nanos(616_000)));
     assert_eq!(config.switch_fraction(), 0.8);
-    assert_eq!(config.channels[0].zero_ohm, 1.5);
+    assert_eq!((config.channels[0].zero_ohm, config.channels[0].scale), (Some(1.5), Some(1.002)));
     assert_eq!(config.channels[0].force, Some(Law::Calibrated { fc1_n: 5.75, fc2_n: 1.05 }.into()));
     assert_eq!(
         config.channels[1].force,
@@ -189,9 +189,8 @@ fn files_count_from_the_configuration() {
     let file = folder.path().join("cermd.toml");
     fs::write(&file, FULL).unwrap();
     let config = Config::load(&file).unwrap();
-    assert_eq!(config.path(Path::new("index.csv")), folder.path().join("index.csv"));
-    assert_eq!(config.path(Path::new("/etc/x.csv")), Path::new("/etc/x.csv"));
-    assert_eq!(parse(FULL).path(Path::new("index.csv")), Path::new("index.csv"));
+    assert_eq!(config.base.join("index.csv"), folder.path().join("index.csv"));
+    assert_eq!(parse(FULL).base.join("index.csv"), Path::new("index.csv"));
 }
 
 /// Serde names the keys of a table when it refuses another one.

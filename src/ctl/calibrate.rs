@@ -105,16 +105,20 @@ fn wait_for<T>(
     })
 }
 
-/// Whether the next line of standard input is a yes; its end is a no. The question goes to standard error, because
-/// standard output may be for a machine.
-fn ask(question: &str) -> Result<bool, CtlError> {
+/// The next line of standard input; `None` where its end came first: without its newline it was cut off. The question goes to
+/// standard error, because standard output may be for a machine.
+fn typed_line(question: &str) -> Result<Option<String>, CtlError> {
     eprint!("{question}");
-    let mut answer = String::new();
-    io::stdin().lock().read_line(&mut answer).map_err(CtlError::system("standard input"))?;
+    let mut text = String::new();
+    io::stdin().lock().read_line(&mut text).map_err(CtlError::system("standard input"))?;
+    Ok(text.ends_with('\n').then_some(text))
+}
+
+/// Whether the next line is a yes.
+fn ask(question: &str) -> Result<bool, CtlError> {
+    let answer = typed_line(question)?.unwrap_or_default();
     if !io::stdin().is_terminal() {
         eprintln!();
     }
-    // Without its newline it was cut off.
-    let is_whole = answer.ends_with('\n');
-    Ok(is_whole && matches!(answer.trim().to_ascii_lowercase().as_str(), "y" | "yes"))
+    Ok(matches!(answer.trim().to_ascii_lowercase().as_str(), "y" | "yes"))
 }

@@ -237,7 +237,7 @@ pub struct Calibrate {
 pub enum CalibrateBy {
     /// With a short circuit in the sensor's place: find the zero
     Zero(Zero),
-    /// With a known low resistor in the sensor's place: find the zero
+    /// With a known resistor in the sensor's place: below r-c1 find the zero, from there on the scale
     Reference(Reference),
     /// With weights on the sensor: find how its resistance becomes force
     Force(Force),

@@ -307,7 +307,10 @@ impl Daemon {
         if !self.heartbeat.is_due(now, self.measuring.beat()) {
             return;
         }
-        let status = publish::status_line(&self.known.stats, self.server.clients());
+        let stats = &self.known.stats;
+        let (faults, clients) = (stats.faults.iter().sum::<u64>(), self.server.clients());
+        // One line for `systemctl status`.
+        let status = format!("{} readings, {faults} faults, {clients} clients", stats.readings);
         let states = [NotifyState::Status(&status), NotifyState::Watchdog];
         notify(if self.has_watchdog { &states } else { &states[..1] });
     }

@@ -161,9 +161,3 @@ pub fn log_offset(stats: &Stats) {
         );
     }
 }
-
-/// One line for `systemctl status`.
-pub fn status_line(stats: &Stats, clients: usize) -> String {
-    let faults: u64 = stats.faults.iter().sum();
-    format!("{} readings, {} faults, {} clients", stats.readings, faults, clients)
-}

@@ -48,7 +48,8 @@ pub struct Crossing {
     pub ns: f64,
     /// By the state.
     pub by_state: State,
-    /// By the instant of the switch (both its ends), without a unit.
+    /// By the time that it ran through the first resistor, without a unit. When the next one was sunk is uncertain as a start is:
+    /// that is part of the crossing's own noise.
     pub by_switch: f64,
 }
 
@@ -66,7 +67,7 @@ impl Route {
                 let done = switch.at_ns / first;
                 by_state[node] = next;
                 by_state[R_O] = g - done + done * next / first;
-                Crossing { ns: d + switch.on_ns + (g - done) * next, by_state, by_switch: 1.0 - next / first }
+                Crossing { ns: d + switch.on_ns + (g - done) * next, by_state, by_switch: -next / first }
             }
             _ => {
                 by_state[node] = first;
@@ -128,7 +129,7 @@ mod tests {
                 prop_assert!(close, "{index}: {found} {crossing:?}");
             }
             let by_switch = slope(&|by| {
-                let switch = switch.map(|(s, next)| (Switch { at_ns: s.at_ns + by, on_ns: s.on_ns + by, ..s }, next));
+                let switch = switch.map(|(s, next)| (Switch { at_ns: s.at_ns + by, ..s }, next));
                 Route { first_ohm, switch }.crossing(&state, node).ns
             }, 1e6);
             prop_assert!((by_switch - crossing.by_switch).abs() < 1e-5 * (1.0 + by_switch.abs()));

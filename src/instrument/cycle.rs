@@ -27,7 +27,7 @@ use crate::estimate::offset::{Offset, SplitCalibration};
 use crate::instrument::diagnosis::Diagnosis;
 use crate::instrument::discharge::{Outcome, Plan};
 use crate::instrument::limits::{
-    FOLLOW_EVERY, MOST_CALIBRATIONS, MOST_OF_SENSOR, OVERHEAD_STEP, RETRIES, ROUNDS, WINDOW,
+    FOLLOW_EVERY, MOST_CALIBRATIONS, MOST_OF_SENSOR, OVERHEAD_STEP, RETRIES, ROUNDS, WINDOW, YOUNG,
 };
 use crate::instrument::settings::Settings;
 use crate::instrument::stats::Stats;
@@ -80,6 +80,9 @@ pub struct Cycle {
     /// Calibration discharges of this cycle, and when the last one was.
     calibrations: u32,
     calibrated_at: Option<Nanos>,
+    /// Cycles since, and calibration discharges that the tracked state has had, as long as they are few.
+    since_calibration: u32,
+    young: u32,
     /// When the last discharge was asked for, and what discharges take beside what is planned of them, ns.
     asked: Nanos,
     overhead_ns: f64,
@@ -126,6 +129,8 @@ impl Cycle {
             retries: 0,
             calibrations: 0,
             calibrated_at: None,
+            since_calibration: 0,
+            young: 0,
             asked: Nanos::ZERO,
             overhead_ns: 0.0,
             planned: Nanos::ZERO,
@@ -356,6 +361,8 @@ impl Cycle {
             self.retries = 0;
             self.calibrations += 1;
             self.calibrated_at = Some(self.asked);
+            self.since_calibration = 0;
+            self.young = if tracks { (self.young + 1).min(YOUNG) } else { 0 };
             self.step = self.next_calibration(Some(kind));
             return;
         }
@@ -402,18 +409,14 @@ impl Cycle {
 
     fn sensor_done(&mut self, channel: usize, outcome: &Outcome, now: Nanos) -> Option<Reading> {
         self.diagnosis.take_sensor(outcome);
-        let settings = &self.settings.channels[channel];
-        let (zero_ohm, memory) = (settings.zero_ohm, &mut self.memory[channel]);
+        let (sensor, memory) = (&self.settings.channels[channel], &mut self.memory[channel]);
         let (judged, began) = match &outcome.result {
-            Ok(record) => {
-                let force = settings.force.as_ref();
-                (self.estimator.judge(record, zero_ohm, force, &mut memory.motion), record.start)
-            }
+            Ok(record) => (self.estimator.judge(record, sensor, &mut memory.motion), record.start),
             Err(fault) => {
                 (Judged { status: Status::Fault(*fault), at_ns: 0.0, basis: Basis::default() }, now)
             }
         };
-        memory.take(&judged, outcome.result.ok(), zero_ohm, &mut self.estimator);
+        memory.take(&judged, outcome.result.ok(), sensor, &mut self.estimator);
         self.publish(channel, &judged, began, now)
     }
 
@@ -434,9 +437,8 @@ impl Cycle {
         };
         let (window, tracker) = (&mut self.memory[channel].window, self.estimator.tracker());
         window.add(judged.status, &judged.basis, [share_began, at], tracker);
-        let force = self.settings.channels[channel].force.as_ref();
-        let known = self.settings.r_ohm();
-        let force_at = |r_ohm| force.and_then(|force| force.at(r_ohm, known));
+        let (sensor, known) = (&self.settings.channels[channel], self.settings.r_ohm());
+        let force_at = |r_ohm| sensor.force_at(r_ohm, known);
         let over = window.is_over(now, length).then(|| window.take(length, now, tracker, force_at)).flatten();
         let reading = over.map(|(status, [began, at])| self.told(channel, status, at, now - began));
         self.go_on(channel, now);
@@ -481,6 +483,7 @@ impl Cycle {
                 self.failed = None;
                 self.stats.cycles += 1;
                 self.turn += 1;
+                self.since_calibration = self.since_calibration.saturating_add(1);
                 self.after_sensors(now)
             }
         };

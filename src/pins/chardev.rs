@@ -17,8 +17,6 @@ use std::os::fd::{AsRawFd, BorrowedFd};
 
 pub(super) mod chips;
 pub(super) mod error;
-mod names;
-pub(super) mod release;
 mod request;
 mod v2;
 mod wait;
@@ -26,7 +24,7 @@ pub(super) mod wiring;
 
 pub use chips::{ChipListing, LineListing, list};
 pub use error::ChardevError;
-pub use release::release_lines;
+pub use v2::release_lines;
 pub use wiring::Wiring;
 
 /// What errors call all sense lines together.
@@ -180,7 +178,7 @@ impl Pins for Chardev {
     }
 
     fn particulars(&self) -> Particulars<'_> {
-        let (spin_margin, renewed) = (Some(self.margin.get()), self.renewed);
+        let (spin_margin, renewed) = (Some(self.margin.0), self.renewed);
         Particulars { spin_margin, renewed, blind_spots: &self.blind_spots }
     }
 }

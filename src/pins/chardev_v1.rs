@@ -13,7 +13,6 @@
 
 use super::chardev::chips::{Chip, refused_edges};
 use super::chardev::error::ChardevError;
-use super::chardev::release::each_line;
 use super::chardev::wiring::{WiredLine, Wiring};
 use super::chardev::{Chardev, Failed, Held};
 use super::{Drives, Edge, Node, clock, kernel, monotonic};
@@ -92,7 +91,7 @@ pub fn release_lines(wiring: &Wiring) -> Result<(), ChardevError> {
     let chip = Chip::find(&wiring.chip)?;
     let (lines, mut requests) = (wiring.resolve(&chip)?, Requests::new(&chip)?);
     let input = LineRequestFlags::INPUT;
-    each_line(&lines, |line| {
+    lines.release_each(|line| {
         requests
             .ask("GET_LINEHANDLE", line, |found| found.request(input.clone(), 0, &wiring.consumer))
             .map(drop)

@@ -6,8 +6,8 @@
 //! on the load of the host.
 //!
 //! [`network`] solves the voltages, [`waveform`] inverts them, [`scene`] describes a board, [`sensor`] what is
-//! connected to it. With the estimators it shares constants and units, and nothing else: an error in the physics of either
-//! shows.
+//! connected to it. With the estimators it shares constants, units and the list of capacitors, and nothing else: an error in
+//! the physics of either shows.
 
 use super::{Armed, Bracket, Drives, Edge, Levels, Particulars, Pins, PinsError};
 use crate::units::{Nanos, Seconds};
@@ -95,10 +95,6 @@ impl SimPins {
     /// R_x of a channel at an instant, ohm; `None` without such a channel in the scene.
     pub fn r_x(&self, channel: usize, at: Nanos) -> Option<f64> {
         self.analog.r_x(channel, (at - self.epoch).0)
-    }
-
-    fn stamp(&self, ns: i64) -> Nanos {
-        Nanos(ns) + self.epoch
     }
 
     /// Moves virtual time on, never back.
@@ -189,7 +185,7 @@ impl SimPins {
 
 impl Pins for SimPins {
     fn now(&mut self) -> Nanos {
-        let now = self.stamp(self.now_ns);
+        let now = Nanos(self.now_ns) + self.epoch;
         self.spend(self.scene.reads.clock);
         now
     }

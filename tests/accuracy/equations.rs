@@ -246,7 +246,7 @@ proptest! {
         let law = Law::Calibrated { fc1_n: f_n[0], fc2_n: f_n[1] };
         let pair = Force { law, u: None, range_n: None };
         let force = |ratio: f64| {
-            pair.at(Measured { value: R_C1 + ratio * (R_C2 - R_C1), u: None }, [R_C1, R_C2]).unwrap().value
+            pair.at(Measured { value: R_C1 + ratio * (R_C2 - R_C1), u: None }, 0.0, [R_C1, R_C2]).unwrap().value
         };
         let direct = full.x.map(|crossing| crossing.unwrap() - d);
         for (found, printed) in [

@@ -35,6 +35,8 @@ struct Row {
     measure: &'static str,
     /// Of the circuit; `None`: that of the method.
     kind: Option<Kind>,
+    /// What is known of the sensor's pin, as lines of its `[[channel]]`.
+    channel: &'static str,
     /// A hand presses the sensor of a second channel.
     beside_a_hand: bool,
     /// The seconds since the start whose readings count, and how many of them.
@@ -54,6 +56,7 @@ impl Row {
         let kind = self.kind.unwrap_or(kind_of(method));
         let mut bench = Bench::with_kind(self.base, kind, method, r_ohm, 0, self.measure);
         bench.config.lines("circuit", self.circuit);
+        bench.config.unset(&["channel.x.zero-ohm", "channel.x.scale"]).lines("channel.x", self.channel);
         let mut sensors = vec![Sensor::Constant(Ohm(r_ohm))];
         if self.beside_a_hand {
             bench.config.channel("hand");

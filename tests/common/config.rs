@@ -57,9 +57,10 @@ impl ConfigFile {
         self.unset(&["circuit.c-a", "circuit.c-b"]).set("circuit.kind", kind).set("circuit.c", c)
     }
 
-    /// One more channel.
+    /// One more channel, whose pin is known to be like the others.
     pub fn channel(&mut self, id: &str) -> &mut ConfigFile {
-        self.one_more("channel", "id", id)
+        self.one_more("channel", "id", id);
+        self.set(&format!("channel.{id}.zero-ohm"), 0.0).set(&format!("channel.{id}.scale"), 1.0)
     }
 
     /// One more sensor of a scene.

@@ -25,7 +25,11 @@ fn daemon_by(method: &str, thumb: &str, index: &str) -> Daemon {
 fn daemon_with(method: &str, pins: &str, [thumb, index]: [&str; 2]) -> Daemon {
     let mut scene = scene();
     scene.lines("circuit", pins).set("sensor.0.constant", thumb).set("sensor.1.constant", index);
-    Daemon::start_as(config().set("measure.method", method), &scene)
+    // Nobody has looked at its pins yet.
+    let unknown =
+        ["thumb", "index"].map(|id| [format!("channel.{id}.zero-ohm"), format!("channel.{id}.scale")]);
+    let unknown: Vec<&str> = unknown.as_flattened().iter().map(String::as_str).collect();
+    Daemon::start_as(config().set("measure.method", method).unset(&unknown), &scene)
 }
 
 /// `cermctl calibrate` for the daemon's own configuration.
@@ -94,6 +98,28 @@ fn a_reference_is_taken_off() {
     zero(&json, 4.0);
     assert_eq!(serde_json::from_str::<Value>(&json).unwrap()["updated"], false);
     assert!(kept(daemon.folder.path()).is_empty());
+}
+
+/// Rc1 and Rc2 seem to be 22 ohm closer together than they are.
+#[test]
+fn a_reference_of_kilohms_takes_out_what_a_zero_leaves() {
+    let pins = "r-o-of = { c1 = \"55 ohm\", c2 = \"33 ohm\" }";
+    let daemon = daemon_with("cerm", pins, [SHORT, "12 kohm"]);
+    let reference = ["reference", "12000", "--channel", "index", "--count", "200", "--yes", "--json"];
+    let error =
+        String::from_utf8(calibrate(&daemon, &reference).assert().code(1).get_output().stderr.clone())
+            .unwrap();
+    assert!(error.contains("first `cermctl calibrate zero`"), "{error}");
+    let mut file = ConfigFile::of(&config_of(&daemon));
+    fs::write(daemon.path("cermd.toml"), file.set("channel.index.zero-ohm", -19.96).to_string()).unwrap();
+    let line: Value = serde_json::from_str(&stdout(&mut calibrate(&daemon, &reference))).unwrap();
+    let (scale, u) = (line["scale"].as_f64().unwrap(), line["scale_u"].as_f64().unwrap());
+    assert!(u < 2e-4 && (scale - 10_380.0 / 10_358.0).abs() < 4.0 * u, "{line}");
+    assert!(
+        config_of(&daemon).lines().any(|line| line.starts_with("scale = 1.00")),
+        "{}",
+        config_of(&daemon)
+    );
 }
 
 #[test]

@@ -4,7 +4,7 @@ use crate::config::Findings;
 use crate::config::limits::{ABSURD_ZERO_OHM, EVERY, LARGEST_ZERO_OHM, LONGEST_ID};
 use crate::config::{ChannelTable, Characteristic, Severity, Source};
 use crate::pins::MAX_CHANNELS;
-use crate::sensor::{self, UNCALIBRATED_U};
+use crate::sensor::{self, SCALES, UNCALIBRATED_U, UNLIKE_PINS_OHM};
 use crate::units::Ohm;
 
 /// The name of a channel's key: by the channel's id, or by its number (from 1) where the id is unfit to print.
@@ -40,7 +40,7 @@ pub fn check(channels: &[ChannelTable], findings: &mut Findings) {
         id(index, channels, findings);
         zero(index, channel, findings);
         every(index, channel, findings);
-        every(index, channel, findings);
+        scale(index, channel, findings);
         if let Some(characteristic) = &channel.force {
             force(&key(index, channel, "force"), characteristic, findings);
         }
@@ -72,7 +72,7 @@ fn every(index: usize, channel: &ChannelTable, findings: &mut Findings) {
 
 fn zero(index: usize, channel: &ChannelTable, findings: &mut Findings) {
     let key = key(index, channel, "zero-ohm");
-    let zero = Ohm(channel.zero_ohm);
+    let zero = Ohm(channel.zero_ohm.unwrap_or(0.0));
     let reason = format!("{zero} is more than pins and a series resistor make up");
     let remedy = "0.0, or what a short circuit in the sensor's place reads";
     if !zero.0.is_finite() {
@@ -81,6 +81,38 @@ fn zero(index: usize, channel: &ChannelTable, findings: &mut Findings) {
         findings.error(key, reason, remedy);
     } else if zero.0.abs() > LARGEST_ZERO_OHM {
         findings.warning(key, reason, remedy);
+    }
+}
+
+/// A scale is of what a zero leaves; and what is not known.
+fn scale(index: usize, channel: &ChannelTable, findings: &mut Findings) {
+    let at = |name| key(index, channel, name);
+    match (channel.zero_ohm, channel.scale) {
+        (_, Some(scale)) if !SCALES.contains(&scale) => findings.error(
+            at("scale"),
+            format!("{scale} is not between {} and {}", SCALES.start(), SCALES.end()),
+            "what `cermctl calibrate reference` finds, near 1",
+        ),
+        (None, Some(_)) => findings.error(
+            at("scale"),
+            "it has no zero-ohm, which a scale is found with",
+            "`cermctl calibrate zero`, then `cermctl calibrate reference`",
+        ),
+        (None, None) => findings.add(
+            Severity::Info,
+            at("zero-ohm"),
+            format!(
+                "none: pins may differ by {UNLIKE_PINS_OHM} ohm (1 sigma), and each uncertainty contains that"
+            ),
+            Some("`cermctl calibrate zero`"),
+        ),
+        (Some(_), None) => findings.add(
+            Severity::Info,
+            at("scale"),
+            "none: what pins may differ by is in the uncertainty, in proportion to the resistance",
+            Some("`cermctl calibrate reference` with a known resistor of about r-c2"),
+        ),
+        (Some(_), Some(_)) => {}
     }
 }
 

@@ -55,10 +55,15 @@ fn rates(measure: &Measure, findings: &mut Findings) {
         findings.warning("measure.idle", "not used: there is no rate-hz to be idle between", "rate-hz = 10");
     }
     let period = measure.rate_hz.map(|hertz| Nanos::from_seconds(1.0 / hertz));
-    if let Some((average, period)) = measure.average.zip(period).filter(|(average, period)| average > period) {
+    if let Some((average, period)) = measure.average.zip(period).filter(|(average, period)| average > period)
+    {
         findings.error(
             "measure.average",
-            format!("{:.3} is longer than the {:.3} between readings", Seconds::from(average), Seconds::from(period)),
+            format!(
+                "{:.3} is longer than the {:.3} between readings",
+                Seconds::from(average),
+                Seconds::from(period)
+            ),
             "without it: all that rate-hz leaves",
         );
     }

@@ -19,6 +19,8 @@ use toml_edit::{DocumentMut, InlineTable, Item, TableLike};
 pub enum Value {
     /// `zero-ohm`.
     ZeroOhm(f64),
+    /// `scale`.
+    Scale(f64),
     /// `force`; a table becomes a file beside the configuration.
     Force(Force, Vec<Pair>),
 }
@@ -91,6 +93,7 @@ fn edit(text: &str, id: &str, value: &Value, table_name: &str) -> Result<String,
     let channel = find(channels, id).ok_or_else(|| format!("there is no [[channel]] with id = \"{id}\""))?;
     match value {
         Value::ZeroOhm(ohm) => set(channel, "zero-ohm", to_places(*ohm, 4).into()),
+        Value::Scale(scale) => set(channel, "scale", to_places(*scale, 6).into()),
         Value::Force(force, _) => set(channel, "force", characteristic(force, table_name).into()),
     }
     Ok(document.to_string())

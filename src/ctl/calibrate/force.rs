@@ -2,7 +2,7 @@
 //!
 //! Pairs come from a file, from the keyboard, or are measured while weights lie on the sensor.
 
-use super::{CtlError, Target, Value, plot, wait_for};
+use super::{CtlError, Target, Value, plot, typed_line, wait_for};
 use crate::circuit::Circuit;
 use crate::config::pairs;
 use crate::ctl::cli::{Force, Model};
@@ -15,7 +15,7 @@ use serde::Serialize;
 use std::collections::BTreeMap;
 use std::fmt::Write;
 use std::fs;
-use std::io::{self, BufRead, IsTerminal};
+use std::io::{self, IsTerminal};
 
 /// Columns of the bar that stands for the greatest residual, to either side.
 const BAR: usize = 12;
@@ -52,14 +52,12 @@ fn typed(target: &Target, arguments: &Force) -> Result<Vec<Pair>, CtlError> {
     eprintln!("With a resistance behind it (\"1.2 N, 11122 ohm\") nothing is measured. An empty line ends.");
     let mut pairs = Vec::new();
     for number in 1.. {
-        eprint!("weight {}: ", pairs.len() + 1);
-        let mut text = String::new();
-        io::stdin().lock().read_line(&mut text).map_err(CtlError::system("standard input"))?;
+        let typed = typed_line(&format!("weight {}: ", pairs.len() + 1))?;
         let wrong = |reason: String| CtlError::Said(format!("standard input, line {number}: {reason}"));
-        if !text.ends_with('\n') {
+        let Some(text) = typed else {
             eprintln!();
             return Err(wrong("the input ends before the empty line that ends the weights".to_owned()));
-        }
+        };
         if text.trim().is_empty() {
             break;
         }

@@ -9,7 +9,8 @@ use crate::ctl::cli::Zero;
 use crate::ctl::replay::Replay;
 use crate::ctl::stream::Stream;
 use crate::estimate::fit;
-use crate::reading::{Fault, Method};
+use crate::reading::{Fault, Measured, Method};
+use crate::sensor::SCALES;
 use crate::stream::wire::ServerMessage;
 use crate::units::measured;
 use serde::Serialize;
@@ -26,12 +27,27 @@ struct ZeroLine<'a> {
     discharges: usize,
 }
 
+/// The same of a scale.
+#[derive(Serialize)]
+#[serde(tag = "class", rename = "SCALE")]
+struct ScaleLine<'a> {
+    channel: &'a str,
+    scale: f64,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    scale_u: Option<f64>,
+    reference_ohm: f64,
+    discharges: usize,
+}
+
 /// Measures with `reference_ohm` in the sensor's place.
 pub fn run(arguments: &Zero, reference_ohm: f64) -> Result<(), CtlError> {
     let target = Target::new(&arguments.update)?;
     let part = if reference_ohm > 0.0 { "reference resistor" } else { "short circuit" };
     let numbers = take(&target, arguments, part)?;
     let Some(mean) = fit::mean(&numbers) else { return Err(silent("number")) };
+    if reference_ohm >= target.config.circuit.r_c1.0 {
+        return scale(&target, mean, reference_ohm, numbers.len());
+    }
     let zero_ohm = mean.value - reference_ohm;
     if zero_ohm.is_nan() || zero_ohm.abs() > LARGEST_ZERO_OHM {
         return Err(CtlError::Said(format!(
@@ -40,6 +56,7 @@ pub fn run(arguments: &Zero, reference_ohm: f64) -> Result<(), CtlError> {
     }
     let text = measured(zero_ohm, mean.u, "ohm", false);
     target.say(&format!("{}: zero {text}, from {} discharges", target.id, numbers.len()))?;
+    target.say("with it, what pins differ by is out of low resistances; a reference of about r-c2 takes out the rest")?;
     let result = ZeroLine {
         channel: &target.id,
         zero_ohm,
@@ -48,6 +65,28 @@ pub fn run(arguments: &Zero, reference_ohm: f64) -> Result<(), CtlError> {
         discharges: numbers.len(),
     };
     target.offer(&Value::ZeroOhm(zero_ohm), result)
+}
+
+/// What is left of it beside the zero, as a part of the reference.
+fn scale(target: &Target, mean: Measured, reference_ohm: f64, discharges: usize) -> Result<(), CtlError> {
+    let channel = target.config.channels.iter().find(|channel| channel.id == target.id);
+    let Some(zero_ohm) = channel.and_then(|channel| channel.zero_ohm) else {
+        return Err(CtlError::said(
+            "a resistor of kilohms tells what pins differ by only beside the zero; first `cermctl calibrate zero`",
+        ));
+    };
+    let (scale, u) = ((mean.value - zero_ohm) / reference_ohm, mean.u.map(|u| u / reference_ohm));
+    if !SCALES.contains(&scale) {
+        return Err(CtlError::Said(format!(
+            "{:.1} ohm were read; is the reference resistor in the sensor's place, and are r-c1 and r-c2 as measured?",
+            mean.value
+        )));
+    }
+    let u_text = u.map(|u| format!(" +- {u:.5}")).unwrap_or_default();
+    target.say(&format!("{}: scale {scale:.5}{u_text}, from {discharges} discharges", target.id))?;
+    target.say("with it, what pins differ by is out of the uncertainty")?;
+    let result = ScaleLine { channel: &target.id, scale, scale_u: u, reference_ohm, discharges };
+    target.offer(&Value::Scale(scale), result)
 }
 
 /// Signed estimates of as many discharges as were asked for; those that gave none are left out.

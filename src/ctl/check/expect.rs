@@ -66,12 +66,12 @@ fn rehearse(settings: &Settings, scene: &Scene, r_ohm: f64) -> Option<Expected> 
     let sensors = vec![Sensor::Constant(Ohm(r_ohm)); settings.channels.len()];
     let scene = scene.clone().with_sensors(sensors).ok()?;
     let mut instrument = Instrument::new(SimPins::new(&scene, None), settings.clone());
-    let zero_ohm: Vec<f64> = settings.channels.iter().map(|channel| channel.zero_ohm).collect();
+    let channels = settings.channels.len();
     let (mut began, mut readings, mut discharges) = (None, 0usize, 0usize);
     let (mut squares, mut numbers, mut now) = (0.0, 0usize, Nanos::ZERO);
     let least = settings.average.unwrap_or_default().max(settings.period.unwrap_or_default());
     let end = |began: Nanos| began + REHEARSED.max(Nanos(3 * least.0));
-    while readings < REHEARSED_READINGS * zero_ohm.len() && began.is_none_or(|began| now < end(began)) {
+    while readings < REHEARSED_READINGS * channels && began.is_none_or(|began| now < end(began)) {
         // What is settling, with the offset or the state still to be found, is not what comes after it.
         let is_warm = began.is_some() || now > WARM && instrument.cycle().offset_is_known();
         if !is_warm && now > COLD.max(Nanos(2 * least.0)) {
@@ -96,7 +96,7 @@ fn rehearse(settings: &Settings, scene: &Scene, r_ohm: f64) -> Option<Expected> 
     Some(Expected {
         r_ohm,
         u_ohm: (2 * numbers > readings).then(|| (squares / numbers as f64).sqrt()),
-        rate_hz: readings as f64 / zero_ohm.len() as f64 / seconds,
+        rate_hz: readings as f64 / channels as f64 / seconds,
         discharges_hz: discharges as f64 / seconds,
     })
 }
@@ -115,10 +115,12 @@ pub fn readings(config: &Config, settings: &Settings, jitter: Option<Seconds>, f
     let text = all.iter().map(says).collect::<Vec<_>>().join(", ");
     findings.info("measure.method", format!("{} simulated, by {how}: {text}", config.method()));
     for channel in &settings.channels {
-        let Some(force) = &channel.force else { continue };
+        if channel.force.is_none() {
+            continue;
+        }
         let says = |Expected { r_ohm, u_ohm, .. }: &Expected| {
             let r_ohm = Measured { value: *r_ohm, u: Some((*u_ohm)?) };
-            let MeasuredForce { value, u, repeat_u, .. } = force.at(r_ohm, settings.r_ohm())?;
+            let MeasuredForce { value, u, repeat_u, .. } = channel.force_at(r_ohm, settings.r_ohm())?;
             let repeat = repeat_u.map(|u| rough(u, "N")).unwrap_or_default();
             Some(format!("{} (readout {repeat})", measured(value, u, "N", false)))
         };

@@ -36,6 +36,7 @@ fn a_report_of_errors() {
     error: circuit.r-c1: 2.32 kohm is not below r-c2 = 1.27 kohm; try the lower resistor as r-c1
     error: channel.index.sink: missing; try the line that the sensor is wired to
     info: channel.thumb.force: it has no u: the data sheet of an FSR 402 stands in, 7.8 % (part to part 6 %, hysteresis 10 %); try `cermctl calibrate force`: it stores the residual of the sensor itself
+    info: channel.index.zero-ohm: none: pins may differ by 8 ohm (1 sigma), and each uncertainty contains that; try `cermctl calibrate zero`
     info: channel.index.force: it has no u: the data sheet of an FSR 402 stands in, 7.8 % (part to part 6 %, hysteresis 10 %); try `cermctl calibrate force`: it stores the residual of the sensor itself
     cermd.toml: not usable: 2 error(s), 0 warning(s)
     "#);
@@ -47,6 +48,7 @@ fn a_report_of_warnings() {
     assert!(usable);
     insta::assert_snapshot!(text, @r#"
     info: channel.thumb.force: it has no u: the data sheet of an FSR 402 stands in, 7.8 % (part to part 6 %, hysteresis 10 %); try `cermctl calibrate force`: it stores the residual of the sensor itself
+    info: channel.index.zero-ohm: none: pins may differ by 8 ohm (1 sigma), and each uncertainty contains that; try `cermctl calibrate zero`
     info: channel.index.force: it has no u: the data sheet of an FSR 402 stands in, 7.8 % (part to part 6 %, hysteresis 10 %); try `cermctl calibrate force`: it stores the residual of the sensor itself
     warning: measure.charge-time: 300 us is 1.8 time constants: the discharge before changes a reading by up to 228.96 of its u (at 62 kohm); try at least "1.6 ms", or without it
     info: circuit.r-c1: through Rc1, node A after 1.12 ms, node B after 1.89 ms

@@ -70,7 +70,9 @@ fn config(scene: &Scene, arguments: &cli::Demo, socket: &Path) -> Config {
     let channel = |index: usize| ChannelTable {
         id: FINGERS.get(index).map_or_else(|| format!("x{index}"), |name| (*name).to_owned()),
         sink: None,
-        zero_ohm: 0.0,
+        // As after commissioning: the simulated pins are alike.
+        zero_ohm: Some(0.0),
+        scale: Some(1.0),
         every: 1,
         force: Some(Characteristic {
             law: Source::Given(Law::Alpha { alpha_n_ohm: FSR_402.0 }),

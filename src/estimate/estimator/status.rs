@@ -7,7 +7,7 @@ use crate::estimate::method::tracked;
 use crate::estimate::motion::Motion;
 use crate::reading::{Fault, Measured, Status};
 use crate::record::Record;
-use crate::sensor::Force;
+use crate::sensor::Channel;
 use crate::units::Nanos;
 
 /// What an x discharge has told.
@@ -48,25 +48,18 @@ impl Estimator {
     }
 
     /// What is known about the sensor after an x discharge alone.
-    pub fn status(&self, record: &Record, zero_ohm: f64, force: Option<&Force>) -> Status {
-        let motion = &mut Motion::default();
-        self.judge(record, zero_ohm, force, motion).status
+    pub fn status(&self, record: &Record, sensor: &Channel) -> Status {
+        self.judge(record, sensor, &mut Motion::default()).status
     }
 
     /// What is known about the sensor after an x discharge.
-    pub fn judge(
-        &self,
-        record: &Record,
-        zero_ohm: f64,
-        force: Option<&Force>,
-        motion: &mut Motion,
-    ) -> Judged {
+    pub fn judge(&self, record: &Record, sensor: &Channel, motion: &mut Motion) -> Judged {
         let at_ns = middle_ns(record);
         let mut judged = Judged { status: Status::Fault(Fault::Implausible), at_ns, basis: Basis::default() };
-        judged.status = self.status_of(record, zero_ohm, force, motion, &mut judged);
+        judged.status = self.status_of(record, sensor, motion, &mut judged);
         match judged.status {
             Status::Open { r_min_ohm, .. } => {
-                motion.is_open(record.start + Nanos(judged.at_ns as i64), r_min_ohm + zero_ohm);
+                motion.is_open(record.start + Nanos(judged.at_ns as i64), sensor.as_read(r_min_ohm));
             }
             Status::Short { .. } => motion.forget(),
             Status::Ok { .. } | Status::Fault(_) => {}
@@ -77,18 +70,17 @@ impl Estimator {
     fn status_of(
         &self,
         record: &Record,
-        zero_ohm: f64,
-        force: Option<&Force>,
+        sensor: &Channel,
         motion: &mut Motion,
         judged: &mut Judged,
     ) -> Status {
         if let Err(fault) = self.check_paths() {
             return Status::Fault(fault);
         }
-        let known = [self.r1_ohm, self.r2_ohm];
+        let (known, force) = ([self.r1_ohm, self.r2_ohm], sensor.force.as_ref());
         let at_bound = |r_ohm: f64| force.and_then(|force| force.at_bound(r_ohm, known));
         let open = |r_ohm: f64| {
-            let r_min_ohm = (r_ohm - zero_ohm).max(0.0);
+            let r_min_ohm = sensor.corrected(r_ohm).max(0.0);
             Status::Open { r_min_ohm, f_max_n: at_bound(r_min_ohm) }
         };
         if let (None, Some(waited_ns)) = (record.crossing(self.last()), record.waited_ns) {
@@ -96,7 +88,7 @@ impl Estimator {
             if record.switch.is_some() {
                 return Status::Fault(Fault::NoCalibration);
             }
-            let bound = self.bound_ohm(waited_ns).filter(|r_ohm| *r_ohm > zero_ohm);
+            let bound = self.bound_ohm(waited_ns).filter(|r_ohm| sensor.corrected(*r_ohm) > 0.0);
             return bound.map_or(Status::Fault(Fault::Implausible), open);
         }
         if let Some(r_ohm) = self.beyond(record) {
@@ -120,7 +112,9 @@ impl Estimator {
             let Measured { value, u } = measured;
             return open(value / (1.0 + COVERAGE * u.unwrap_or(0.0) / value));
         };
-        let r_ohm = Measured { value: r_ohm.value - zero_ohm, u: r_ohm.u };
+        let (value, readout_u) = (sensor.corrected(r_ohm.value), r_ohm.u);
+        let pins_u_ohm = sensor.pins_u_ohm(value, known);
+        let r_ohm = Measured { value, u: readout_u.map(|u| u.hypot(pins_u_ohm)) };
         let is_settling = self.is_settling(record, estimate.branch);
         let is_resolved = r_ohm.u.is_none_or(|u| r_ohm.value > COVERAGE * u);
         match r_ohm.u {
@@ -141,7 +135,7 @@ impl Estimator {
                 is_moving: moved.is_some_and(|moved| moved.is_moving),
                 is_settling,
                 // The reciprocal of a resistance that may be 0 is anything.
-                f_n: force.filter(|_| is_resolved).and_then(|force| force.at(r_ohm, known)),
+                f_n: is_resolved.then(|| sensor.force_at(r_ohm, known)).flatten(),
             },
         }
     }

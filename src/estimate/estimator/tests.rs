@@ -4,7 +4,7 @@
 use super::*;
 use crate::reading::Status;
 use crate::record::Switch;
-use crate::sensor::Law;
+use crate::sensor::{Channel, Law};
 use crate::units::Nanos;
 use proptest::prelude::*;
 
@@ -120,6 +120,7 @@ proptest! {
         x in prop::array::uniform2(-1e7..1e9f64),
         at in prop::option::of(-1e6..1e6f64),
         method in prop::sample::select(Method::ALL.to_vec()),
+        zeroed in any::<bool>(),
     ) {
         let record = |through, [a, b]: [f64; 2]| Record {
             through, start: Nanos::ZERO, second_ns: None, switch: None, a_ns: Some(a), b_ns: Some(b), u_switch_ns: None, waited_ns: None,
@@ -130,7 +131,13 @@ proptest! {
         estimator.calibrate(&record(Through::C2, c2)).unwrap();
         let mut x = record(Through::X(0), x);
         x.switch = at.map(|at| Switch { at_ns: at, on_ns: at, to: Through::C2 });
-        match estimator.status(&x, 0.0, Some(&Law::Alpha { alpha_n_ohm: 13346.46 }.into())) {
+        let sensor = Channel {
+            id: String::new(),
+            zero_ohm: zeroed.then_some(0.0),
+            scale: None,
+            force: Some(Law::Alpha { alpha_n_ohm: 13346.46 }.into()),
+        };
+        match estimator.status(&x, &sensor) {
             Status::Ok { r_ohm, f_n, .. } => {
                 prop_assert!(r_ohm.value > 0.0 && r_ohm.value.is_finite());
                 prop_assert!(f_n.is_none_or(|f| f.value > 0.0 && f.value.is_finite()));

@@ -142,9 +142,9 @@ impl Equation {
         -self.next.unwrap_or(y)
     }
 
-    /// With the instant of the switch, both its ends, per ohm.
+    /// With the time until the switch, per ohm; when the next resistor was sunk is part of the crossing's own noise.
     fn by_switch(&self, y: f64) -> f64 {
-        self.next.map_or(0.0, |next| next - y)
+        self.next.map_or(0.0, |_| -y)
     }
 
     /// With the state, at a given R_x.

@@ -13,9 +13,10 @@ use crate::estimate::scatter::expected_ns;
 use crate::instrument::discharge::Charge;
 use crate::instrument::limits::{
     B_FORGOTTEN, B_LEFT_ALONE, CALIBRATION_PAYS, HYSTERESIS, LONGEST_IDLE, OFFSET_SHARE, OUTLIERS_OF_DOUBT,
-    RESTLESS_KEEPS, RETRY_EARLIER,
+    RESTLESS_KEEPS, RETRY_EARLIER, YOUNG, YOUNG_EVERY,
 };
 use crate::instrument::settings::Charges;
+use crate::sensor::Channel;
 use crate::units::Nanos;
 
 /// What is remembered of a channel for the plan of its next discharge.
@@ -47,7 +48,7 @@ impl Memory {
         &mut self,
         Judged { status, basis, .. }: &Judged,
         record: Option<Record>,
-        zero_ohm: f64,
+        sensor: &Channel,
         estimator: &mut Estimator,
     ) {
         if let Some(record) = record {
@@ -61,7 +62,7 @@ impl Memory {
         match status {
             Status::Ok { branch, r_ohm, is_moving, .. } => {
                 self.inferred = *branch == Branch::Inferred;
-                self.moved_to(r_ohm.value + zero_ohm);
+                self.moved_to(sensor.as_read(r_ohm.value));
                 self.dependence = basis.by_state.map(|by_state| (by_state, basis.own));
                 let switched = basis.by_switch.filter(|_| !is_moving).map(|by_switch| {
                     let steady = basis.own / by_switch.powi(2);
@@ -290,6 +291,11 @@ impl Cycle {
             all.map(|discharge| (discharge, value(discharge))).max_by(|a, b| a.1.total_cmp(&b.1))?;
         let is_doubted =
             tracker.is_doubted() || self.memory.iter().any(|memory| memory.outliers >= OUTLIERS_OF_DOUBT);
+        // How noisy all is has to be known, too, before a plan can trust it: each kind of discharge in turn.
+        if self.young < YOUNG && self.since_calibration >= YOUNG_EVERY {
+            let kind = CalibrationKind::ALL[self.young as usize % 3];
+            return Some((kind, best.1));
+        }
         let is_old = self.calibrated_at.is_none_or(|at| self.asked - at > LONGEST_IDLE);
         (pays > CALIBRATION_PAYS || is_doubted || is_old).then_some(best)
     }

@@ -71,7 +71,16 @@ impl Window {
             (Some(r_ohm), Some(Status::Ok { branch, .. })) => {
                 let at = began + Nanos((done.at_ns / done.mean.count() as f64) as i64);
                 let f_n = force_at(r_ohm);
-                Some((Status::Ok { branch, r_ohm, f_n, is_moving: done.is_moving, is_settling: done.is_settling }, [began, at]))
+                Some((
+                    Status::Ok {
+                        branch,
+                        r_ohm,
+                        f_n,
+                        is_moving: done.is_moving,
+                        is_settling: done.is_settling,
+                    },
+                    [began, at],
+                ))
             }
             _ => done.state.map(|(status, at)| (status, [began, at])),
         }

@@ -7,9 +7,12 @@
 
 use super::chips::{Chip, refused_edges};
 use super::error::{ChardevError, as_io};
-use super::request::{INPUT, SENSE, all, charging, drive_config, drive_request, sense_request, switching};
+use super::request::{
+    INPUT, SENSE, all, charging, drive_config, drive_request, release_request, sense_request, switching,
+};
 use super::wiring::{Lines, WiredLine, Wiring, titles};
 use super::{Chardev, Failed, Held, SENSE_LINES};
+use crate::circuit::Node;
 use crate::pins::{Drives, Edge};
 use crate::units::Nanos;
 use gpiocdev_uapi::v2::{self, LineConfig, LineEdgeEvent, LineValues};
@@ -56,6 +59,20 @@ impl Chardev {
         let held = V2 { lines, drive_file, sense_file, watching: true };
         Ok(Chardev::new(Box::new(held), chip.title(), wired, Vec::new()))
     }
+}
+
+/// Makes every line of the wiring an input, one by one, and lets go of it: for after a kill. Raspberry Pi kernels leave outputs
+/// driving when their owner dies (`persist_gpio_outputs`).
+///
+/// # Errors
+/// The first failure; the other lines have been released all the same.
+pub fn release_lines(wiring: &Wiring) -> Result<(), ChardevError> {
+    let chip = Chip::find(&wiring.chip)?;
+    wiring.resolve(&chip)?.release_each(|line| {
+        v2::get_line(&chip.file, release_request(line, &wiring.consumer))
+            .map(drop)
+            .map_err(|error| chip.refusal("GET_LINE", &line.title, &[line.offset], as_io(error)))
+    })
 }
 
 impl V2 {
@@ -138,8 +155,10 @@ impl Held for V2 {
         }
         let event = LineEdgeEvent::from_slice(&words).map_err(of_sense("read"))?;
         let LineEdgeEvent { timestamp_ns, seqno, line_seqno, .. } = *event;
-        let node = self.lines.node_at(event.offset);
-        Ok(node.map(|node| Edge { node, at: Nanos(timestamp_ns as i64), seqno, line_seqno }))
+        let mut senses = Node::BOTH.into_iter().zip(&self.lines.sense);
+        let at = Nanos(timestamp_ns as i64);
+        let sense = senses.find(|(_, line)| line.offset == event.offset);
+        Ok(sense.map(|(node, _)| Edge { node, at, seqno, line_seqno }))
     }
 
     fn levels(&self) -> Result<[bool; 2], Failed> {

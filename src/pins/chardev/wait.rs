@@ -40,14 +40,9 @@ pub(super) fn readable(watched: &mut [PollFd], until: Nanos) -> Result<bool, Err
 /// A wake-up that comes later than the margin raises it by half, one in time lowers it by 1/256. In balance
 /// p ln 1.5 = (1 - p)/256: the margin settles where one wake-up in a hundred is later than it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) struct SpinMargin(Nanos);
+pub(super) struct SpinMargin(pub Nanos);
 
 impl SpinMargin {
-    /// The margin now.
-    pub fn get(self) -> Nanos {
-        self.0
-    }
-
     /// Learns from one wake-up.
     pub fn learn(&mut self, lateness: Nanos) {
         let margin = self.0.0;
@@ -105,7 +100,7 @@ mod tests {
         let (mut margin, mut late) = (SpinMargin::default(), 0);
         let mut draw = |margin: &mut SpinMargin| {
             let drawn = Nanos(lateness.sample(&mut random) as i64);
-            let missed = drawn > margin.get();
+            let missed = drawn > margin.0;
             margin.learn(drawn);
             missed
         };
@@ -125,11 +120,11 @@ mod tests {
         for _ in 0..10 {
             margin.learn(Nanos(50_000_000));
         }
-        assert_eq!(margin.get(), MOST_SPIN_MARGIN);
+        assert_eq!(margin.0, MOST_SPIN_MARGIN);
         for _ in 0..10_000 {
             margin.learn(Nanos(1));
         }
-        assert_eq!(margin.get(), LEAST_SPIN_MARGIN);
+        assert_eq!(margin.0, LEAST_SPIN_MARGIN);
     }
 
     #[test]
@@ -157,7 +152,7 @@ mod tests {
             margin.sleep_until(at);
             assert!(monotonic() >= at);
         }
-        assert!(margin.get() >= LEAST_SPIN_MARGIN);
+        assert!(margin.0 >= LEAST_SPIN_MARGIN);
     }
 
     #[test]

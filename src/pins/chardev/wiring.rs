@@ -1,10 +1,10 @@
 //! Which line of which chip plays which part, and in which order lines switch.
 
-use super::chips::Chip;
+use super::chips::{Chip, LineListing};
 use super::error::ChardevError;
-use super::names::line_offset;
-use crate::circuit::Node;
+use crate::pins::limits::{RELEASE_ATTEMPTS, RELEASE_PAUSE, SUGGESTIONS};
 use crate::pins::{Drives, MAX_CHANNELS};
+use std::thread;
 
 /// How a circuit is wired to the lines of one chip. A line is given by name ("GPIO17") or by offset ("17").
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -74,10 +74,24 @@ impl Lines {
         }
     }
 
-    /// The node that a sense line with this offset is at.
-    pub fn node_at(&self, offset: u32) -> Option<Node> {
-        let position = self.sense.iter().position(|line| line.offset == offset)?;
-        Node::BOTH.get(position).copied()
+    /// Tries `release` on every line, again and again on those that are busy: the kernel closes the files of a killed
+    /// process with a delay. Keeps the first failure.
+    pub fn release_each(
+        &self,
+        mut release: impl FnMut(&WiredLine) -> Result<(), ChardevError>,
+    ) -> Result<(), ChardevError> {
+        let mut attempts_left = RELEASE_ATTEMPTS;
+        let mut first_failure = Ok(());
+        for line in self.drives.iter().chain(&self.sense) {
+            let mut outcome = release(line);
+            while attempts_left > 0 && outcome.as_ref().is_err_and(ChardevError::is_busy) {
+                attempts_left -= 1;
+                thread::sleep(RELEASE_PAUSE);
+                outcome = release(line);
+            }
+            first_failure = first_failure.and(outcome);
+        }
+        first_failure
     }
 }
 
@@ -105,27 +119,24 @@ impl Wiring {
 
     /// The lines by their keys in a configuration, their offsets as `find` tells by names or offsets.
     fn lines<E>(&self, find: impl Fn(&str) -> Result<u32, E>) -> Result<Lines, E> {
-        let line = |part, key: &str, wanted: &String| {
-            Ok(WiredLine { part, offset: find(wanted)?, title: format!("{key} ({wanted})") })
-        };
-        let lines = |parts: &[(Drives, &str, Option<&String>)]| {
-            let wired = parts.iter().filter_map(|(part, key, name)| Some(line(*part, key, (*name)?)));
-            wired.collect::<Result<Vec<_>, _>>()
-        };
-        let sense = [
-            (Drives::NONE, "sense-a", Some(&self.sense_a)),
-            (Drives::NONE, "sense-b", self.sense_b.as_ref()),
-        ];
         let sensors = self.sinks_x.iter().enumerate();
-        let sensors = sensors.map(|(i, name)| line(Drives::x(i), &format!("sink-x{i}"), name));
-        let mut drives = sensors.collect::<Result<Vec<_>, _>>()?;
-        drives.extend(lines(&[
+        let sensors = sensors.map(|(i, name)| (Drives::x(i), format!("sink-x{i}"), Some(name)));
+        let others = [
             (Drives::C1, "sink-c1", Some(&self.sink_c1)),
             (Drives::C2, "sink-c2", Some(&self.sink_c2)),
             (Drives::CHARGE_A, "charge-a", self.charge_a.as_ref()),
             (Drives::CHARGE_B, "charge-b", self.charge_b.as_ref()),
-        ])?);
-        Ok(Lines { sense: lines(&sense)?, drives, sense_charges: self.sense_charges() })
+            (Drives::NONE, "sense-a", Some(&self.sense_a)),
+            (Drives::NONE, "sense-b", self.sense_b.as_ref()),
+        ];
+        let others = others.map(|(part, key, name)| (part, key.to_owned(), name));
+        let wired = sensors.chain(others).filter_map(|(part, key, wanted)| {
+            let title = format!("{key} ({})", wanted?);
+            Some(find(wanted?).map(|offset| WiredLine { part, offset, title }))
+        });
+        let wired = wired.collect::<Result<Vec<_>, _>>()?;
+        let (sense, drives) = wired.into_iter().partition(|line| line.part.is_none());
+        Ok(Lines { sense, drives, sense_charges: self.sense_charges() })
     }
 }
 
@@ -141,6 +152,36 @@ fn distinct(lines: &Lines) -> Result<(), ChardevError> {
         seen.push(line);
     }
     Ok(())
+}
+
+/// The offset of a line given by name or number on the chip called `chip`.
+///
+/// # Errors
+/// [`ChardevError::Wiring`] with what could be asked for instead.
+fn line_offset(lines: &[LineListing], wanted: &str, chip: &str) -> Result<u32, ChardevError> {
+    let named: Vec<u32> =
+        lines.iter().filter(|line| line.name.as_deref() == Some(wanted)).map(|line| line.offset).collect();
+    let instead = match (named.as_slice(), wanted.parse::<u32>()) {
+        ([offset], _) => return Ok(*offset),
+        ([], Ok(offset)) if (offset as usize) < lines.len() => return Ok(offset),
+        ([], Ok(_)) => format!("its offsets go from 0 to {}", lines.len().saturating_sub(1)),
+        ([], Err(_)) => similar_names(lines, wanted),
+        (_, _) => format!("several lines have this name: give the offset, one of {named:?}"),
+    };
+    Err(ChardevError::Wiring(format!("chip {chip} has no line \"{wanted}\"; {instead}")))
+}
+
+/// The nearest by edit distance, letters of either case alike.
+fn similar_names(lines: &[LineListing], wanted: &str) -> String {
+    let mut names: Vec<String> = lines.iter().filter_map(|line| line.name.clone()).collect();
+    if names.is_empty() {
+        let last = lines.len().saturating_sub(1);
+        return format!("its lines have no names: give an offset from 0 to {last}");
+    }
+    let wanted = wanted.to_lowercase();
+    names.sort_by_key(|name| strsim::levenshtein(&name.to_lowercase(), &wanted));
+    names.truncate(SUGGESTIONS);
+    format!("did you mean {}?", names.join(", "))
 }
 
 #[cfg(test)]

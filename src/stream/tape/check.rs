@@ -2,7 +2,7 @@
 
 use super::{Header, PROTO_MAJOR, TapeCircuit};
 use crate::record::{LONGEST_LATENCY, MAX_CHANNELS, Record};
-use crate::sensor::{Channel, Force};
+use crate::sensor::{Channel, Force, SCALES};
 use crate::stream::limits::{LARGEST, LONGEST_NS};
 
 impl Header {
@@ -45,8 +45,11 @@ impl Header {
 }
 
 fn check_channel(channel: &Channel) -> Result<(), String> {
-    if channel.zero_ohm.abs() > LARGEST {
-        return Err(format!("zero_ohm = {:e} is no resistance of wires and pins", channel.zero_ohm));
+    if let Some(zero_ohm) = channel.zero_ohm.filter(|zero_ohm| zero_ohm.abs() > LARGEST) {
+        return Err(format!("zero_ohm = {zero_ohm:e} is no resistance of wires and pins"));
+    }
+    if let Some(scale) = channel.scale.filter(|scale| !SCALES.contains(scale)) {
+        return Err(format!("scale = {scale:e} is no part of a resistance that is near 1"));
     }
     let defect = channel.force.as_ref().and_then(Force::defect);
     defect.map_or(Ok(()), |(defect, _)| Err(defect))

@@ -36,6 +36,7 @@ fn a_bad_header_is_refused_with_its_reason() {
         ("\"fc1_n\":5.75,\"fc2_n\":1.05", "\"alpha_n_ohm\":1e308", "1e308 N ohm is beyond any sensor"),
         ("\"fc1_n\":5.75", "\"f1_n\":5.75", "force is one of {\"fc1_n\", \"fc2_n\"}"),
         ("\"id\":\"thumb\"", "\"id\":\"thumb\",\"zero_ohm\":-1e308", "zero_ohm = -1e308 is no resistance"),
+        ("\"id\":\"thumb\"", "\"id\":\"thumb\",\"scale\":0", "scale = 0e0 is no part of a resistance"),
         ("[{", "[{\"id\":\"thumb\"},{", "two channels have the id \"thumb\""),
     ] {
         let message = message(from, to);

@@ -13,6 +13,7 @@ const ROW: Row = Row {
     circuit: "",
     measure: "",
     kind: None,
+    channel: "zero-ohm = 0\nscale = 1",
     beside_a_hand: false,
     seconds: [2.0, f64::INFINITY],
     readings: 20,
@@ -200,20 +201,7 @@ pub static LEAKS: [Row; 12] = [
     Row { name: "3 Mohm at B, later", scene: B_3_MOHM, cases: AT_B, ..LATER },
 ];
 
-/// Every method takes Ro for that of all pins.
-const ALIKE_ONLY: &[(Method, f64)] = &[
-    (Tracked, 100.0),
-    (Tracked, 1000.0),
-    (Tracked, 5000.0),
-    (Cerm, 100.0),
-    (Cerm, 1000.0),
-    (Cerm, 5000.0),
-    (Tcdic, 100.0),
-    (Tcdic, 1000.0),
-    (Tcdic, 5000.0),
-];
-
-pub static PINS: [Row; 4] = [
+pub static PINS: [Row; 6] = [
     Row {
         name: "Ro walks by 1 ohm in a second",
         scene: "[walk]\nr-o = '1 ohm'",
@@ -225,15 +213,29 @@ pub static PINS: [Row; 4] = [
     Row {
         name: "Ro is 47 ohm at Rc1, 38 at Rc2, 41 at x",
         scene: "[circuit.r-o-of]\nc1 = '47 ohm'\nc2 = '38 ohm'\nx0 = '41 ohm'",
+        channel: "",
         cases: ALL,
-        fails: ALIKE_ONLY,
+        ..ROW
+    },
+    Row {
+        name: "Ro is 47 ohm at Rc1, 38 at Rc2, 41 at x, zeroed",
+        scene: "[circuit.r-o-of]\nc1 = '47 ohm'\nc2 = '38 ohm'\nx0 = '41 ohm'",
+        channel: "zero-ohm = -7.98",
+        cases: ALL,
         ..ROW
     },
     Row {
         name: "Ro is 55 ohm at Rc1 and 33 at Rc2",
         scene: "[circuit.r-o-of]\nc1 = '55 ohm'\nc2 = '33 ohm'",
+        channel: "",
         cases: ALL,
-        fails: ALIKE_ONLY,
+        ..ROW
+    },
+    Row {
+        name: "Ro is 55 ohm at Rc1 and 33 at Rc2, zero and reference",
+        scene: "[circuit.r-o-of]\nc1 = '55 ohm'\nc2 = '33 ohm'",
+        channel: "zero-ohm = -19.96\nscale = 1.002124",
+        cases: ALL,
         ..ROW
     },
 ];

@@ -190,8 +190,7 @@ impl Board {
 
     fn tape(&mut self, variant: &Variant, method: Method, r_x: f64) -> String {
         let circuit = json!({ "kind": "two-capacitor", "r_c1_ohm": R_C[0], "r_c2_ohm": R_C[1] });
-        let header =
-            json!({ "class": "TAPE", "proto_major": 1, "circuit": circuit, "channels": [{ "id": "x" }] });
+        let header = json!({ "class": "TAPE", "proto_major": 1, "circuit": circuit, "channels": [{ "id": "x", "zero_ohm": 0, "scale": 1 }] });
         // As a program plans it that has seen some discharges.
         let theta_a = self.c_t() * (V_DD / self.v_th).ln();
         let t_a = |r: f64| 0.9 * theta_a * (r + 40.0);

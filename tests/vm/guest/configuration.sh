@@ -27,7 +27,7 @@ write_configuration() (
         [ -z "$calibration" ] || echo "calibration = \"$calibration\""
         [ -z "$t_l" ] || echo "t-l = \"$t_l\""
         [ -z "$rate" ] || echo "rate-hz = $rate"
-        printf '\n[[channel]]\nid = "x"\nsink = "GPIO16"\n'
+        printf '\n[[channel]]\nid = "x"\nsink = "GPIO16"\nzero-ohm = 0.0\nscale = 1.0\n'
         printf '\n[server]\nsocket = "%s"\n' "$socket"
         printf '\n[realtime]\npriority = 40\nlock-memory = true\ncpu = 0\ndma-latency = true\n'
     } >"$file"

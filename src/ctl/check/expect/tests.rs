@@ -65,7 +65,9 @@ fn errors_and_rates_are_as_expected() {
             // Far above R_2 u is mostly what leaks may do that do not show, and these boards have none.
             let least = if r_ohm > 2.0 * settings.r_ohm()[1] { 0.0 } else { 0.85 };
             if !error.is_in(least..=1.15) || !rate.is_in(0.85..=1.15) {
-                wrong.push(format!("{kind}, {measure}, {r_ohm}: error {error}, rate {rate} of what is expected"));
+                wrong.push(format!(
+                    "{kind}, {measure}, {r_ohm}: error {error}, rate {rate} of what is expected"
+                ));
             }
         }
     }
