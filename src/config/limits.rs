@@ -20,7 +20,7 @@
 //! | `SHORT_CHARGE` | 0.9 | automatic charge | a shorter one changes a reading by more than planned | charge.rs |
 //! | `SHORTEST_PART` | 50 | us | a part of a split discharge has to be long against the system calls between them | judgement |
 //! | `DEADLINE` | 5 | discharges of R_2 | the derived deadline: sensors up to about five times R_2 | judgement |
-//! | `TOGETHER` | 0.5 | time constants of B | how long B has its charger in each charge: 40 % of what has leaked away since the last one comes back | tests/accuracy/charging.rs |
+//! | `TOGETHER` | 0.5 | time constants of B | how long B has its charger in each charge: 29 % of what has leaked away since the last one comes back | tests/accuracy/charging.rs |
 //! | `DRAIN` | 1.2 | discharges of R_1 | the tolerance of the capacitors | judgement |
 //! | `SWITCH_FRACTION` | 0.9 | T_xA | where the switch comes unless it is given | judgement |
 //! | `CHARGE_SHARE` | 0.1 | sigma | error of an incomplete charge: a hundred readings have to be averaged to see it | tests/accuracy/charging.rs |

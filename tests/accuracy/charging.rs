@@ -55,7 +55,7 @@ fn the_page_is_up_to_date_and_the_error_is_as_predicted() {
         page,
         "\n## Error against time\n\nMean error over u of a sensor that is read after a short circuit ({NEIGHBOUR_OHM} ohm) on another channel, less that with \
          {LONG_TAUS} time constants (whatever else is wrong with a reading is no matter here), and the share of readings within 2u, where the time through A \
-         alone is a part of the automatic one; {} instruments, 40 readings of each; the standard error of the error is 0.02, for `tracked` 0.03 to 0.07.\n\n\
+         alone is a part of the automatic one; {} instruments, 40 readings of each; the standard error of the error is 0.02, for `tracked` 0.03 to 0.06, and 0.2 at half of the time.\n\n\
          | method | R_x / ohm | 0.5 of the automatic time | 0.6 | 0.75 | automatic |\n|---|--:|--:|--:|--:|--:|\n",
         bench::INSTRUMENTS
     )

@@ -2,7 +2,8 @@
 //!
 //! Writes `docs/methods.md` with `UPDATE_DOCS=1 cargo test --test accuracy methods`, and fails when it is out of date.
 
-use crate::common::{Bench, Errors, check_page, read, rms, settle};
+use crate::common::{Bench, Errors, check_page, kind_of, read, rms, settle};
+use cermd::pins::sim::Kind;
 use cermd::reading::Method;
 use plotters::prelude::*;
 use std::fmt::Write;
@@ -13,7 +14,7 @@ const READINGS: usize = 100;
 
 const HEAD: &str = "# Methods, speed against accuracy
 
-Every figure on this page is **simulated**: scene `pi4` (2.2 uF / 680 nF, or 470 nF for the circuit with series calibration;
+Every figure on this page is **simulated**: scene `pi4` (2.2 uF / 680 nF, or one capacitor of 470 nF;
 Rc 470 / 12700 ohm; latencies, noise and thresholds as `hw/scenes/pi4.toml` says, some of them assumed), no sensor but a
 constant resistor, 40 instruments with 100 readings each. The page is written by
 `UPDATE_DOCS=1 cargo test --test accuracy methods`, and the same test fails when it is out of date.
@@ -26,8 +27,8 @@ state, so that a mean over a second is up to three times worse than this says.
 
 ![Error of a reading times the root of its time against resistance, by method](methods.svg)
 
-| method | R_x / ohm | error / ohm | u / ohm | within 2u | time / ms | error x sqrt(time) / ohm sqrt(s) |
-|---|--:|--:|--:|--:|--:|--:|
+| method | R_x / ohm | error / ohm | u / ohm | within 2u | time / ms | readings/s | error x sqrt(time) / ohm sqrt(s) |
+|---|--:|--:|--:|--:|--:|--:|--:|
 ";
 
 struct Row {
@@ -35,11 +36,24 @@ struct Row {
     seconds: f64,
 }
 
-fn measure(method: Method, r_ohm: f64) -> Row {
+/// A method on its usual circuit, or on another one.
+type Way = (&'static str, Method, Option<Kind>);
+
+const WAYS: [Way; 6] = [
+    ("tpcm", Method::Tpcm, None),
+    ("qerm", Method::Qerm, None),
+    ("tcdic", Method::Tcdic, None),
+    ("cerm", Method::Cerm, None),
+    ("tracked", Method::Tracked, None),
+    ("tracked, one capacitor", Method::Tracked, Some(Kind::OneCapacitor)),
+];
+
+fn measure((_, method, kind): Way, r_ohm: f64) -> Row {
+    let kind = kind.unwrap_or(kind_of(method));
     let (mut errors, mut seconds) = (Errors::default(), 0.0);
     for seed in 0..INSTRUMENTS {
         errors.next_board();
-        let mut instrument = Bench::new("pi4", method, r_ohm, seed, "").instrument();
+        let mut instrument = Bench::with_kind("pi4", kind, method, r_ohm, seed, "").instrument();
         settle(&mut instrument);
         read(&mut instrument, 40, |_| {});
         read(&mut instrument, READINGS, |reading| {
@@ -52,7 +66,7 @@ fn measure(method: Method, r_ohm: f64) -> Row {
 }
 
 /// On a background of its own, so that it is legible on a dark page, too.
-fn chart(rows: &[(Method, f64, f64)]) -> String {
+fn chart(rows: &[(&str, f64, f64)]) -> String {
     let mut svg = String::new();
     let area = SVGBackend::with_string(&mut svg, (760, 420)).into_drawing_area();
     area.fill(&WHITE).unwrap();
@@ -61,7 +75,7 @@ fn chart(rows: &[(Method, f64, f64)]) -> String {
         .x_label_area_size(44)
         .y_label_area_size(64)
         .caption("Error of a reading x sqrt(time) (1 sigma, simulated, board pi4)", ("sans-serif", 17))
-        .build_cartesian_2d((80.0..20_000.0).log_scale(), (0.05..6.0).log_scale())
+        .build_cartesian_2d((80.0..20_000.0).log_scale(), (0.01..6.0).log_scale())
         .unwrap();
     let (x_label, y_label) = (|x: &f64| format!("{x}"), |y: &f64| format!("{y}"));
     let mut mesh = chart.configure_mesh();
@@ -70,14 +84,19 @@ fn chart(rows: &[(Method, f64, f64)]) -> String {
         .x_label_formatter(&x_label)
         .y_label_formatter(&y_label);
     mesh.axis_desc_style(("sans-serif", 15)).label_style(("sans-serif", 13)).draw().unwrap();
-    let colours =
-        [RGBColor(120, 120, 120), RGBColor(214, 126, 0), RGBColor(0, 114, 178), RGBColor(0, 140, 90), RED];
-    let methods = [Method::Tpcm, Method::Qerm, Method::Tcdic, Method::Cerm, Method::Tracked];
-    for (method, colour) in methods.into_iter().zip(colours) {
+    let colours = [
+        RGBColor(120, 120, 120),
+        RGBColor(214, 126, 0),
+        RGBColor(0, 114, 178),
+        RGBColor(0, 140, 90),
+        RED,
+        RGBColor(150, 70, 160),
+    ];
+    for ((method, ..), colour) in WAYS.into_iter().zip(colours) {
         let points: Vec<(f64, f64)> =
             rows.iter().filter(|row| row.0 == method).map(|row| (row.1, row.2)).collect();
         let line = LineSeries::new(points.clone(), colour.stroke_width(2)).point_size(3);
-        let name = chart.draw_series(line).unwrap().label(method.as_str());
+        let name = chart.draw_series(line).unwrap().label(method);
         name.legend(move |(x, y)| PathElement::new([(x, y), (x + 22, y)], colour.stroke_width(3)));
     }
     let mut legend = chart.configure_series_labels();
@@ -92,29 +111,30 @@ fn chart(rows: &[(Method, f64, f64)]) -> String {
 fn the_page_is_up_to_date_and_tracking_pays() {
     let mut page = HEAD.to_owned();
     let (mut at_equal_time, mut figures) = (Vec::new(), Vec::new());
-    for method in [Method::Tpcm, Method::Qerm, Method::Tcdic, Method::Cerm, Method::Tracked] {
+    for way in WAYS {
         for r_ohm in [100.0, 1000.0, 5000.0, 16_200.0] {
-            let Row { errors, seconds } = measure(method, r_ohm);
+            let method = way.0;
+            let Row { errors, seconds } = measure(way, r_ohm);
             let error = rms(&errors.errors);
             at_equal_time.push((method, r_ohm, error * seconds.sqrt()));
             figures.push((method, r_ohm, errors.rms_ratio(1.0).times(seconds.sqrt())));
             writeln!(
                 page,
-                "| {} | {r_ohm} | {error:.2} | {:.2} | {:.1} % | {:.1} | {:.3} |",
-                method.as_str(),
+                "| {method} | {r_ohm} | {error:.2} | {:.2} | {:.1} % | {:.1} | {:.0} | {:.3} |",
                 rms(&errors.us),
                 100.0 * errors.coverage(),
                 1e3 * seconds,
+                1.0 / seconds,
                 error * seconds.sqrt()
             )
             .unwrap();
         }
     }
-    let of = |method: Method, r_ohm: f64| {
+    let of = |method: &str, r_ohm: f64| {
         figures.iter().find(|row| row.0 == method && row.1 == r_ohm).map(|row| row.2).unwrap()
     };
     for (r_ohm, factor) in [(100.0, 3.0), (1000.0, 2.5), (16_200.0, 2.0)] {
-        let gain = of(Method::Cerm, r_ohm).over(of(Method::Tracked, r_ohm));
+        let gain = of("cerm", r_ohm).over(of("tracked", r_ohm));
         assert!(
             gain.is_in(factor..=5.0 * factor),
             "{r_ohm} ohm: tracked is {gain:.2} times better, seeds 0..{INSTRUMENTS}"

@@ -202,8 +202,28 @@ pub fn fast_drift() -> Scenario {
     it
 }
 
-/// What B keeps, in one charge, of what it is beside the supply: half a time constant of its charger.
-const B_KEEPS: f64 = 0.606_531;
+/// Charges in which a change of the supply is remembered.
+const REMEMBERED: usize = 15;
+
+/// By how much A and B are off at the start of discharges, when the supply was 1 V off in one charge: in this and in later ones.
+/// A is charged alone, which leaves B its charge; then both are, for half a time constant of B.
+fn remembered(parts: &Parts) -> [[f64; 2]; REMEMBERED] {
+    const STEPS: u32 = 2000;
+    let (Parts { c_a, c_b, .. }, mut charge_of_b) = (*parts, 0.0);
+    std::array::from_fn(|ago| {
+        let supply = f64::from(u8::from(ago == 0));
+        let (mut a, mut b) = (supply, (charge_of_b + c_a * supply) / (c_a + c_b));
+        // In units of Rp + Ro, which all of it has in common.
+        let dt = 0.5 * (c_a + c_b) / f64::from(STEPS);
+        for _ in 0..STEPS {
+            let [i_a, i_b] = [supply - a, supply - b];
+            (a, b) = (a + dt * (i_a / c_a + (i_a + i_b) / c_b), b + dt * (i_a + i_b) / c_b);
+        }
+        charge_of_b = c_b * b + c_a * (b - a);
+        [a, b]
+    })
+}
+
 /// The supply changes from charge to charge, V rms.
 const SUPPLY: f64 = 5e-3;
 
@@ -260,14 +280,13 @@ pub fn restless_supply() -> Scenario {
         "the numbers are true, and the error is below 0.15 %",
         "0..20",
     );
-    // Of a discharge through R, when the supply was another so many charges ago. A follows the supply of its own charge; B is moved
-    // with A through C_A, and with half a time constant of its own charger comes only a part of the way that is left.
-    let by_volt = |r: f64, ago: i32| {
+    // Of a discharge through R, when the supply was another so many charges ago.
+    let remembered = remembered(&parts);
+    let by_supply = |r: f64, ago: i32| {
         let c_t = parts.c_a * parts.c_b / (parts.c_a + parts.c_b);
         let (k, left) = (parts.c_a / (parts.c_a + parts.c_b), (-parts.g()[1] / c_t).exp());
-        let own = f64::from(u8::from(ago == 0));
-        let v_b = if ago < 0 { 0.0 } else { k * own + (1.0 - k) * (1.0 - B_KEEPS) * B_KEEPS.powi(ago) };
-        [own, (v_b - k * own * (1.0 - left)) / (k * left)].map(|by| SUPPLY / V_DD * c_t * by * (r + R_O))
+        let [a, b] = usize::try_from(ago).map_or([0.0; 2], |ago| remembered[ago]);
+        [a, (b - k * a * (1.0 - left)) / (k * left)].map(|by| SUPPLY / V_DD * c_t * by * (r + R_O))
     };
     let exact = Times::of(&parts, r_ohm, 0.0);
     for (method, equation) in [(Method::Tpcm, paper::tpcm as paper::Equation), (Method::Tcdic, paper::tcdic)]
@@ -275,7 +294,7 @@ pub fn restless_supply() -> Scenario {
         // The discharges of a cycle and those before it.
         let of_supply: f64 = (-12..3)
             .map(|charge| {
-                let late = |r, place| by_volt(r, place - charge);
+                let late = |r, place| by_supply(r, place - charge);
                 let late = Times {
                     c1: late(parts.r_c1, 0),
                     c2: late(parts.r_c2, 1),
