@@ -111,7 +111,7 @@ fn a_reference_of_kilohms_takes_out_what_a_zero_leaves() {
             .unwrap();
     assert!(error.contains("first `cermctl calibrate zero`"), "{error}");
     let mut file = ConfigFile::of(&config_of(&daemon));
-    fs::write(daemon.path("cermd.toml"), file.set("channel.index.zero-ohm", -15.874).to_string()).unwrap();
+    fs::write(daemon.path("cermd.toml"), file.set("channel.index.zero-ohm", -15.87).to_string()).unwrap();
     let line: Value = serde_json::from_str(&stdout(&mut calibrate(&daemon, &reference))).unwrap();
     let (scale, u) = (line["scale"].as_f64().unwrap(), line["scale_u"].as_f64().unwrap());
     assert!(u < 2e-4 && (scale - 12_230.0 / 12_208.0).abs() < 4.0 * u, "{line}");

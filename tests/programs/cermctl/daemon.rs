@@ -17,7 +17,9 @@ use tempfile::TempDir;
 pub fn config() -> ConfigFile {
     config::config(|c| {
         c.set("circuit.c-a", "330 nF").set("circuit.c-b", "22 nF").set("circuit.r-charge", "40 ohm");
-        c.set("measure.method", "cerm").set("measure.rate-hz", 100).set("measure.idle", true);
+        c.set("measure.method", "cerm").set("measure.rate-hz", 100);
+        // A reading is that of one discharge, as a tape has it.
+        c.set("measure.idle", true);
         c.set("measure.charge-time", "500 us").set("measure.t-l", "10 us");
         c.channel("thumb").lines("channel.thumb", "force = { alpha = \"13346 N ohm\" }").channel("index");
         // Both in the directory that it runs in.
