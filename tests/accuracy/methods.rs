@@ -22,8 +22,8 @@ constant resistor, 40 instruments with 100 readings each. The page is written by
 `error` is the root mean square of all errors, `u` that of the stated uncertainties (both 1 sigma), `within 2u` the share
 of readings that are off by less than two of their own sigma (95 % is honest). `time` is a whole cycle: charges,
 calibration discharges, the reading; the look for a leak, one discharge in 5 s, is not in it. `error x sqrt(time)`
-compares methods at equal time. It is the error of a mean only as far as readings have nothing in common: those of `tracked` share a
-state, so that a mean over a second is up to three times worse than this says.
+compares methods at equal time. It is the error of a mean only as far as readings have nothing in common; those of `tracked` share a
+state. What means over a time are worth is measured: [averages.md](averages.md).
 
 ![Error of a reading times the root of its time against resistance, by method](methods.svg)
 
