@@ -7,10 +7,10 @@
 //! nothing to do with each other, those of a slower one go on in one direction.
 
 use crate::circuit::Node;
-use crate::estimate::law::{Crossing, D, D_B, R_O, RATE, Route, State, UNKNOWNS};
+use crate::estimate::law::{Crossing, D, D_B, R_O, Route, State, UNKNOWNS};
 use crate::estimate::limits::{
-    BEGINNINGS, FIRST_ROUNDS, INNOVATION_GATE, LONGEST_AHEAD_S, MOST_REJECTED, RATE_AT_FIRST, RATE_WALK,
-    REJECTED_OF_A_STEP, SLOWEST_WALK, SPLIT_FRACTION,
+    BEGINNINGS, FIRST_ROUNDS, INNOVATION_GATE, MOST_REJECTED, RATE_AT_FIRST, REJECTED_OF_A_STEP,
+    SLOWEST_WALK, SPLIT_FRACTION,
 };
 use crate::estimate::noise::{Covariance, Noise};
 use crate::estimate::offset::{Offset, SplitCalibration};
@@ -22,6 +22,7 @@ use gain::Gain;
 
 mod evidence;
 mod gain;
+mod walk;
 
 /// A symmetric covariance of the state.
 pub type Matrix = [State; UNKNOWNS];
@@ -284,57 +285,6 @@ impl Tracker {
         rounds.clear();
         *self =
             Tracker { counts, ..Tracker::empty(self.r_ohm, self.nodes, self.resolution_ns, split, rounds) };
-    }
-
-    /// By how much the variance of v times the state grows in a second.
-    pub fn growth(&self, v: &State) -> f64 {
-        let walks: f64 = self.walks().iter().zip(v).map(|(walk, v)| (walk * v).powi(2)).sum();
-        let with_state = self.with_state(v);
-        walks + (0..2).map(|node| 2.0 * v[node] * self.state[node] * with_state[RATE + node]).sum::<f64>()
-    }
-
-    /// Lets the state go on as it has gone, and walk.
-    pub fn advance(&mut self, now: Nanos) {
-        let seconds = (now - self.at).as_seconds().clamp(0.0, LONGEST_AHEAD_S);
-        self.at = now;
-        for node in 0..self.nodes {
-            let by_rate = self.state[node] * seconds;
-            self.state[node] += by_rate * self.state[RATE + node];
-            for j in 0..UNKNOWNS {
-                self.covariance[node][j] += by_rate * self.covariance[RATE + node][j];
-            }
-            for j in 0..UNKNOWNS {
-                self.covariance[j][node] += by_rate * self.covariance[j][RATE + node];
-            }
-        }
-        for (index, walk) in self.walks().into_iter().enumerate() {
-            self.covariance[index][index] += walk * walk * seconds;
-        }
-    }
-
-    /// What a covariance with the state at an instant has become since.
-    pub fn carried(&self, mut c: State, since: Nanos) -> State {
-        let seconds = (self.at - since).as_seconds();
-        for node in 0..self.nodes {
-            c[node] += self.state[node] * seconds * c[RATE + node];
-        }
-        c
-    }
-
-    /// Since when the state is as it is.
-    pub fn at(&self) -> Nanos {
-        self.at
-    }
-
-    /// How fast each part of the state walks, per root second.
-    fn walks(&self) -> State {
-        // A crossing without delay has no other noise than latency.
-        let jitter_ns = self.noise.covariance([0.0; 2]).map_or(0.0, |noise| noise.aa.sqrt());
-        let [walk_d, walk_g, walk_r_o] = self.walk;
-        let walk_d = walk_d * jitter_ns;
-        let walk_d_b = if self.nodes == 2 { walk_d } else { 0.0 };
-        let [rate, rate_b] = [RATE_WALK, if self.nodes == 2 { RATE_WALK } else { 0.0 }];
-        [walk_g * self.state[0], walk_g * self.state[1], walk_r_o, walk_d, walk_d_b, rate, rate_b]
     }
 
     /// The resistors of a calibration discharge.

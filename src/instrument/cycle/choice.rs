@@ -127,3 +127,84 @@ fn price(found: &Solution, takes_ns: f64, mean_ns: f64) -> f64 {
     let common = (found.variance - found.bound).max(0.0);
     found.bound * takes_ns + common * takes_ns.max(mean_ns)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::config_file::config;
+    use crate::instrument::Instrument;
+    use crate::pins::Pins;
+    use crate::pins::sim::{Scene, SimPins};
+
+    /// An instrument that has found its state, on another board each.
+    fn settled(seed: u64) -> Instrument<SimPins> {
+        let config = config(|c| c.set("circuit.v-th", "1.1 V").channel("x").set("mock.scene", "pi4")).parse();
+        let pins = SimPins::new(&Scene::builtin("pi4").unwrap(), Some(crate::seed::seed(seed)));
+        let mut instrument = Instrument::new(pins, config.settings().unwrap());
+        while instrument.pins().now() < Nanos(3_000_000_000) {
+            instrument.step(&mut |_| {}).unwrap();
+        }
+        instrument
+    }
+
+    #[test]
+    fn what_is_chosen_is_hardly_worse_than_the_best_of_all() {
+        for seed in 0..4 {
+            let instrument = settled(seed);
+            let estimator = instrument.cycle().estimator();
+            for r_ohm in [30.0, 100.0, 300.0, 1000.0, 3000.0, 5000.0, 10_000.0, 16_200.0, 30_000.0, 100_000.0]
+            {
+                for mean_ns in [0.0, 1e8, 1e9] {
+                    let terms = Terms {
+                        r_ohm,
+                        restless: 1e-3,
+                        u_switch_ns: 300.0,
+                        before_ns: [1.2e6, 1.5e6],
+                        deadline_ns: 60e6,
+                        mean_ns,
+                        second: Through::C2,
+                        nodes: 2,
+                    };
+                    let chosen = best(estimator, &terms, None).unwrap();
+                    let each = Node::BOTH.into_iter().flat_map(|last| {
+                        [Through::C1, Through::C2].into_iter().flat_map(move |to| {
+                            (1..995).map(move |part| (0, last, Some((f64::from(part) / 1000.0, to))))
+                        })
+                    });
+                    let all = each.chain(Node::BOTH.map(|last| (0, last, None)));
+                    let prices = all.filter_map(|one| priced(estimator, &terms, one)).map(|one| one.price);
+                    let least = prices.fold(f64::INFINITY, f64::min);
+                    assert!(
+                        chosen.price <= 1.15 * least,
+                        "{r_ohm} ohm, mean over {mean_ns} ns: {chosen:?} against {least:e}, seed {seed}"
+                    );
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn what_is_in_use_stays_while_another_is_hardly_better() {
+        let instrument = settled(9);
+        let mut used = None;
+        let mut changes = 0;
+        for step in 0..200 {
+            // To and fro about where another plan becomes the better one.
+            let r_ohm = 1000.0 * (1.0 + 0.02 * f64::from(step % 2));
+            let terms = Terms {
+                r_ohm,
+                restless: 1e-3,
+                u_switch_ns: 300.0,
+                before_ns: [1.2e6, 1.5e6],
+                deadline_ns: 60e6,
+                mean_ns: 0.0,
+                second: Through::C2,
+                nodes: 2,
+            };
+            let choice = best(instrument.cycle().estimator(), &terms, used).unwrap();
+            changes += u32::from(used.is_some_and(|used: Choice| used.index != choice.index));
+            used = Some(choice);
+        }
+        assert!(changes <= 1, "{changes} changes");
+    }
+}
