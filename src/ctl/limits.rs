@@ -18,7 +18,7 @@
 //! | `WAKE_UPS`, `SLEEP` | 300, 1 | , ms | sleeps that are timed by `check` |
 //! | `DISCHARGES` | 50 | | discharges that are timed by `check` |
 //! | `SHARES_OF_R_2` | 0.01 to 4 | R_2 | resistances of which `check` says what to expect: what Rc2 is chosen for |
-//! | `WARM`, `COLD` | 1.5, 30 | s | a rehearsal counts from the first on, where the state is there and leaks have been looked for; without either by the second there is nothing to expect |
+//! | `WARM`, `COLD` | 4, 30 | s | a rehearsal counts from the first on, where state, noise and leaks are known; without either by the second there is nothing to expect |
 //! | `REHEARSED`, `REHEARSED_READINGS` | 2, 300 | s, | how long it counts at the most: the root mean square of so many u is known to 2 % |
 
 use crate::units::Nanos;
@@ -43,7 +43,7 @@ pub const WAKE_UPS: usize = 300;
 pub const SLEEP: Duration = Duration::from_millis(1);
 pub const DISCHARGES: usize = 50;
 pub const SHARES_OF_R_2: [f64; 4] = [0.01, 0.1, 1.0, 4.0];
-pub const WARM: Nanos = Nanos(1_500_000_000);
+pub const WARM: Nanos = Nanos(4_000_000_000);
 pub const COLD: Nanos = Nanos(30_000_000_000);
 pub const REHEARSED: Nanos = Nanos(2_000_000_000);
 pub const REHEARSED_READINGS: usize = 300;

@@ -391,7 +391,8 @@ impl Tracker {
         let seen = [true, last == Node::B];
         let gain = Gain::new(&self.covariance, &rows, &self.observation(&route, 0.0)?, seen)?;
         let lowered = quadratic(&self.covariance, v) - quadratic(&gain.posterior(&self.covariance), v);
-        Some(self.misfit() * lowered)
+        // What discharges of different kinds contradict each other by, more of them do not take away.
+        Some(lowered)
     }
 
     /// What a calibration discharge of this kind runs through.

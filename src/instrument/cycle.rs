@@ -362,6 +362,7 @@ impl Cycle {
             self.calibrations += 1;
             self.calibrated_at = Some(self.asked);
             self.since_calibration = 0;
+            self.memory.iter_mut().for_each(|memory| memory.is_startled = false);
             self.young = if tracks { (self.young + 1).min(YOUNG) } else { 0 };
             self.step = self.next_calibration(Some(kind));
             return;

@@ -5,7 +5,7 @@ use cermd::pins::sim::Sensor;
 use cermd::reading::Method;
 use cermd::units::{Ohm, Seconds};
 
-const INSTRUMENTS: u64 = 30;
+const INSTRUMENTS: u64 = 60;
 
 /// A sensor that changes by 1000 ohm in a second: half a millisecond in the time of a reading is half an ohm.
 #[test]

@@ -38,6 +38,9 @@ pub struct Memory {
     choice: Option<Choice>,
     /// How far it has gone from reading to reading lately, relative.
     restless: f64,
+    /// Whether it moves, and has only just begun to: the sensor, or else the calibration.
+    is_moving: bool,
+    pub(super) is_startled: bool,
     /// What has come since it was last published.
     pub(super) window: Window,
 }
@@ -54,6 +57,10 @@ impl Memory {
         if let Some(record) = record {
             self.u_switch_ns = expected_ns(&record);
         }
+        let is_moving =
+            matches!(status, Status::Ok { is_moving: true, .. } | Status::Fault(Fault::Unsettled));
+        self.is_startled |= is_moving && !self.is_moving;
+        self.is_moving = is_moving;
         if !matches!(status, Status::Ok { .. }) {
             self.switched_ohm = [None; 2];
         }
@@ -176,7 +183,8 @@ impl Cycle {
     /// B is put back as long as somebody waits for it: at once after another discharge that did so, else from anywhere.
     fn charge(&self, last: Node) -> Charge {
         let Charges { to_a, to_b, anew } = self.settings.charge;
-        let is_wanted = last == Node::B || self.waits_for_b();
+        // What leaks beside B pulls A along as far as B has sagged.
+        let is_wanted = last == Node::B || self.waits_for_b() || self.leak.siemens().is_some();
         let is_within = |time: Nanos| self.b_charged.is_some_and(|at| self.asked - at < time);
         match is_wanted {
             _ if self.settings.kind.last() == Node::A => to_a,
@@ -289,8 +297,8 @@ impl Cycle {
         };
         let (best, pays) =
             all.map(|discharge| (discharge, value(discharge))).max_by(|a, b| a.1.total_cmp(&b.1))?;
-        let is_doubted =
-            tracker.is_doubted() || self.memory.iter().any(|memory| memory.outliers >= OUTLIERS_OF_DOUBT);
+        let is_doubted = tracker.is_doubted()
+            || self.memory.iter().any(|memory| memory.is_startled || memory.outliers >= OUTLIERS_OF_DOUBT);
         // How noisy all is has to be known, too, before a plan can trust it: each kind of discharge in turn.
         if self.young < YOUNG && self.since_calibration >= YOUNG_EVERY {
             let kind = CalibrationKind::ALL[self.young as usize % 3];

@@ -234,7 +234,7 @@ pub static PINS: [Row; 6] = [
     Row {
         name: "Ro is 55 ohm at Rc1 and 33 at Rc2, zero and reference",
         scene: "[circuit.r-o-of]\nc1 = '55 ohm'\nc2 = '33 ohm'",
-        channel: "zero-ohm = -15.87\nscale = 1.001802",
+        channel: "zero-ohm = -15.874\nscale = 1.001802",
         cases: ALL,
         ..ROW
     },
