@@ -11,6 +11,7 @@ use crate::pins::realtime::{self, Right};
 use crate::reading::{Fault, Reading, Status, Suspect};
 use crate::sensor::Channel;
 use crate::stream::server::Server;
+use crate::stream::tape::DischargeLine;
 use crate::stream::wire::{ChannelInfo, InstrumentStats, Unit};
 use crate::units::{Nanos, Ohm};
 use jiff::Timestamp;
@@ -79,9 +80,10 @@ pub fn publish(server: &mut Server, known: &mut Known, loaded: &Loaded, update: 
             let time = Timestamp::from_nanosecond((reading.at + to_wall).0.into()).unwrap_or_default();
             server.publish_reading(&reading, time);
         }
-        Update::Message(Message::Discharge { seq, record, is_held }) => {
+        Update::Message(Message::Discharge { seq, record, is_held, as_read_ohm }) => {
             if server.wants_raw() {
-                server.publish_discharge(loaded.tape_header.discharge(seq, &record, is_held));
+                let line = loaded.tape_header.discharge(seq, &record, is_held);
+                server.publish_discharge(DischargeLine { as_read_ohm, ..line });
             }
         }
         Update::Stats(stats) => {

@@ -84,6 +84,8 @@ pub struct Cycle {
     /// Cycles since, and calibration discharges that the tracked state has had, as long as they are few.
     since_calibration: u32,
     young: u32,
+    /// What the last discharge has told of a sensor.
+    as_read_ohm: Option<f64>,
     /// When the last discharge was asked for, and what discharges take beside what is planned of them, ns.
     asked: Nanos,
     overhead_ns: f64,
@@ -132,6 +134,7 @@ impl Cycle {
             calibrated_at: None,
             since_calibration: 0,
             young: 0,
+            as_read_ohm: None,
             asked: Nanos::ZERO,
             overhead_ns: 0.0,
             planned: Nanos::ZERO,
@@ -156,6 +159,11 @@ impl Cycle {
         stats.leak_siemens = self.leak.siemens();
         stats.tracking = self.estimator.tracker().map(|tracker| tracker.counts());
         stats
+    }
+
+    /// What the last discharge has told of a sensor, with its sign, before zero and scale, ohm.
+    pub fn as_read_ohm(&self) -> Option<f64> {
+        self.as_read_ohm
     }
 
     /// The estimator, with the calibration in force.
@@ -297,6 +305,7 @@ impl Cycle {
     /// it was a sensor's.
     pub fn done(&mut self, outcome: &Outcome, now: Nanos) -> Option<Reading> {
         self.learn_overhead(outcome, now);
+        self.as_read_ohm = None;
         self.ended_early = outcome.result.map_or(true, |record| record.waited_ns.is_some());
         let is_plain =
             matches!(self.step, Step::Calibrate(CalibrationKind::First | CalibrationKind::Second, _));

@@ -62,6 +62,8 @@ pub enum Message {
         record: Record,
         /// It was held back, to look for a leak.
         is_held: bool,
+        /// What was read by it, with its sign, before the zero and the scale of the channel, ohm.
+        as_read_ohm: Option<f64>,
     },
 }
 
@@ -141,7 +143,8 @@ impl<P: Pins> Instrument<P> {
                 let reading = self.cycle.done(&outcome, self.pins.now());
                 if let Ok(record) = outcome.result {
                     self.discharges += 1;
-                    out(Message::Discharge { seq: self.discharges, record, is_held });
+                    let (seq, as_read_ohm) = (self.discharges, self.cycle.as_read_ohm());
+                    out(Message::Discharge { seq, record, is_held, as_read_ohm });
                 }
                 if let Some(reading) = reading {
                     out(Message::Reading(reading));

@@ -93,12 +93,6 @@ fn scale(target: &Target, mean: Measured, reference_ohm: f64, discharges: usize)
 fn take(target: &Target, arguments: &Zero, part: &str) -> Result<Vec<f64>, CtlError> {
     let mut stream = Stream::connect(&arguments.connection.socket, std::slice::from_ref(&target.id))?;
     let method = method(&mut stream)?;
-    if method.is_tracked() || target.config.is_tracked() {
-        return Err(CtlError::said(
-            "a tracked calibration takes too few discharges of Rc1 and Rc2 to tell a zero from; for the zero, set method = \
-             \"cerm\" and calibration = \"each-reading\" in [measure] and reload cermd; it holds for every method",
-        ));
-    }
     stream.watch(None, true)?;
     let (mut replay, mut estimates) = (None, Vec::new());
     while (estimates.len() as u64) < arguments.count {
@@ -107,11 +101,17 @@ fn take(target: &Target, arguments: &Zero, part: &str) -> Result<Vec<f64>, CtlEr
         match wait_for(&mut stream, "discharge", |message| is_of_tape(&message).then_some(message))? {
             // A later one tells an offset that was found meanwhile: what is before it does not count.
             ServerMessage::Tape(header) => {
-                replay = Some(Replay::new(&header, method, None).map_err(CtlError::said)?);
+                // A tracked calibration has too few discharges to be found again from here: what the daemon read counts.
+                let is_followed = method.is_tracked() || header.tracked;
+                let again = || Replay::new(&header, method, None).map_err(CtlError::said);
+                replay = if is_followed { None } else { Some(again()?) };
                 estimates.clear();
             }
             ServerMessage::Discharge(line) => {
-                let Some(replay) = &mut replay else { continue };
+                let Some(replay) = &mut replay else {
+                    estimates.extend(line.as_read_ohm.map(Ok));
+                    continue;
+                };
                 let entry = replay.header().entry(&line).map_err(CtlError::said)?;
                 estimates.extend(replay.signed_ohm(&entry));
             }

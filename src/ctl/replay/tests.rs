@@ -37,7 +37,7 @@ fn measured(kind: &str, method: &str, cycles: u64) -> (Vec<(i64, StateLine)>, St
         let mut has_record = false;
         instrument
             .step(&mut |message| match message {
-                Message::Discharge { seq, record, is_held } => {
+                Message::Discharge { seq, record, is_held, .. } => {
                     has_record = record.through.channel().is_some();
                     tape.push(serde_json::to_string(&header.discharge(seq, &record, is_held)).unwrap());
                 }

@@ -19,6 +19,15 @@ pub struct Judged {
     pub at_ns: f64,
     /// What the variance of the number is made of, before motion and leaks.
     pub basis: Basis,
+    /// With its sign, before the zero and the scale of the sensor, ohm.
+    pub as_read_ohm: Option<f64>,
+}
+
+impl Judged {
+    /// Nothing but a fault.
+    pub fn fault(fault: Fault) -> Judged {
+        Judged { status: Status::Fault(fault), at_ns: 0.0, basis: Basis::default(), as_read_ohm: None }
+    }
 }
 
 impl Estimator {
@@ -55,7 +64,7 @@ impl Estimator {
     /// What is known about the sensor after an x discharge.
     pub fn judge(&self, record: &Record, sensor: &Channel, motion: &mut Motion) -> Judged {
         let at_ns = middle_ns(record);
-        let mut judged = Judged { status: Status::Fault(Fault::Implausible), at_ns, basis: Basis::default() };
+        let mut judged = Judged { at_ns, ..Judged::fault(Fault::Implausible) };
         judged.status = self.status_of(record, sensor, motion, &mut judged);
         match judged.status {
             Status::Open { r_min_ohm, .. } => {
@@ -112,6 +121,7 @@ impl Estimator {
             let Measured { value, u } = measured;
             return open(value / (1.0 + COVERAGE * u.unwrap_or(0.0) / value));
         };
+        judged.as_read_ohm = Some(r_ohm.value);
         let (value, readout_u) = (sensor.corrected(r_ohm.value), r_ohm.u);
         let pins_u_ohm = sensor.pins_u_ohm(value, known);
         let r_ohm = Measured { value, u: readout_u.map(|u| u.hypot(pins_u_ohm)) };

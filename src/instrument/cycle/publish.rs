@@ -2,7 +2,6 @@
 
 use super::{Cycle, Step};
 use crate::estimate::estimator::Judged;
-use crate::estimate::mean::Basis;
 use crate::instrument::discharge::Outcome;
 use crate::instrument::limits::OVERHEAD_STEP;
 use crate::reading::{Fault, Reading, Status};
@@ -14,10 +13,9 @@ impl Cycle {
         let (sensor, memory) = (&self.settings.channels[channel], &mut self.memory[channel]);
         let (judged, began) = match &outcome.result {
             Ok(record) => (self.estimator.judge(record, sensor, &mut memory.motion), record.start),
-            Err(fault) => {
-                (Judged { status: Status::Fault(*fault), at_ns: 0.0, basis: Basis::default() }, now)
-            }
+            Err(fault) => (Judged::fault(*fault), now),
         };
+        self.as_read_ohm = judged.as_read_ohm;
         memory.take(&judged, outcome.result.ok(), sensor, &mut self.estimator);
         self.publish(channel, &judged, began, now)
     }
@@ -28,7 +26,7 @@ impl Cycle {
         if fault == Fault::Pins {
             return Some(self.report(channel, status, now, now));
         }
-        self.publish(channel, &Judged { status, at_ns: 0.0, basis: Basis::default() }, now, now)
+        self.publish(channel, &Judged::fault(fault), now, now)
     }
 
     /// A reading, or what it adds to a mean that is published when its time is over.

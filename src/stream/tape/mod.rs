@@ -115,6 +115,10 @@ pub struct DischargeLine {
     /// When a wait for a crossing ended in vain, the node being above its threshold still.
     #[serde(default, serialize_with = "ns", skip_serializing_if = "is_unknown")]
     pub waited_ns: Option<f64>,
+    /// What its recorder read by it, with its sign, before the zero and the scale of the channel, ohm; absent: nothing, or a
+    /// calibration.
+    #[serde(default, serialize_with = "value", skip_serializing_if = "is_unknown")]
+    pub as_read_ohm: Option<f64>,
 }
 
 /// From one resistor to the next, ns since the start.
@@ -213,6 +217,7 @@ impl Header {
             a_ns: record.a_ns,
             b_ns: record.b_ns,
             waited_ns: record.waited_ns,
+            as_read_ohm: None,
         }
     }
 
