@@ -56,9 +56,9 @@ fn a_report_of_warnings() {
     info: measure.charge-time: 300 us, as given, is 1.8 time constants: the discharge before changes a reading by up to 228.96 of its u (at 62 kohm)
     info: measure.deadline: 50 ms, enough for a sensor of 62.5 kohm
     info: measure.rate-hz: a cycle takes 35.7 ms (28.0 Hz) with the sensor at Rc2, 115 ms at most
-    info: measure.method: cerm simulated, by calls and noise of the scene pi5: 100 +- 10 ohm at 19.6 Hz (128 discharges a second), 1000.0 +- 9.8 ohm at 20.0 Hz (126 discharges a second), 10000 +- 11 ohm at 19.7 Hz (113 discharges a second), 50000 +- 80 ohm at 8.9 Hz (38 discharges a second)
-    info: channel.thumb.force: at these resistances: 135 +- 17 N (readout 13.8 N), 13.3 +- 1.1 N (readout 0.131 N), 1.33 +- 0.10 N (readout 0.00145 N), 0.267 +- 0.021 N (readout 0.000425 N)
-    info: channel.index.force: at these resistances: 1.33 +- 0.10 N (readout 0.000511 N)
+    info: measure.method: cerm simulated, by calls and noise of the scene pi5: 100.0 +- 9.8 ohm at 19.5 Hz (126 discharges a second), 1000 +- 9 ohm at 19.2 Hz (124 discharges a second), 10000 +- 11 ohm at 19.0 Hz (109 discharges a second), 50000 +- 80 ohm at 8.9 Hz (38 discharges a second)
+    info: channel.thumb.force: at these resistances: 135 +- 17 N (readout 13.4 N), 13.3 +- 1.0 N (readout 0.127 N), 1.33 +- 0.10 N (readout 0.00147 N), 0.267 +- 0.021 N (readout 0.000425 N)
+    info: channel.index.force: at these resistances: 1.33 +- 0.10 N (readout 0.000561 N)
     cermd.toml: usable: 0 error(s), 1 warning(s)
     "#);
 }
