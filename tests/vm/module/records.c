@@ -7,7 +7,7 @@
 #include "fixed.h"
 #include "records.h"
 
-#define RECORDS	8192
+#define RECORDS	65536
 
 static struct record records[RECORDS];
 static u64 count;

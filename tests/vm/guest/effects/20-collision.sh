@@ -6,7 +6,7 @@
 bad=
 for method in cerm tracked; do
     rmmod gpio-cermd
-    insmod /test/gpio-cermd.ko late_ns=6000 jitter_ns=1500 g_pf=231140,406970 charge_tau_ns=479270 memory_pf=-11828,144750 total_pf=248120
+    insmod /test/gpio-cermd.ko late_ns=6000 jitter_ns=1500 g_pf=231140,406970 c_pf=1000000,330000
     begin method=$method "c_a=1 uF" "c_b=330 nF"
     column $method 60 "50 70 100 1000"
     finish
