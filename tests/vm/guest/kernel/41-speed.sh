@@ -17,8 +17,8 @@ told() {
     cost "$seconds" >spent
     mawk -v before="$before" '$1 > before { n++; lost += !$10; late += $10 && $10 - $8 > 15500 }
         END { print n, late + 0, lost + 0 }' $discharges >edges
-    rm -f row.readings
-    readings "$count" "$ohm" row >error
+    rows=$((${rows-0} + 1))
+    readings "$count" "$ohm" row$rows >error
     cermctl stats --json
     stop_cermd
     cat spent edges error | tr '\n' ' ' | mawk -v name="$name" -v s="$seconds" '{
