@@ -15,8 +15,9 @@ told() {
     until_true 200 steady || fail "it stays unsettled: $(cermctl stats --json)"
     before=$(mawk 'END { print $1 + 0 }' $discharges)
     cost "$seconds" >spent
-    mawk -v before="$before" '$1 > before { n++; lost += !$10; late += $10 && $10 - $8 > 15500 }
-        END { print n, late + 0, lost + 0 }' $discharges >edges
+    # The last one is still under way.
+    mawk -v before="$before" '$1 > before { n++; lost += is_lost; is_lost = !$10; late += $10 && $10 - $8 > 15500 }
+        END { print n - 1, late + 0, lost + 0 }' $discharges >edges
     rows=$((${rows-0} + 1))
     readings "$count" "$ohm" row$rows >error
     cermctl stats --json
