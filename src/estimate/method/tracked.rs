@@ -69,7 +69,7 @@ pub struct Solution {
 /// [`Fault::Implausible`] if no resistance fits.
 pub fn solve(tracker: &Tracker, observed: &Observed) -> Result<Solution, Fault> {
     let solve = || {
-        let fit = Fit::new(tracker, observed)?;
+        let fit = Fit::new(tracker, observed, None)?;
         Some(Solution { variance: fit.variance()?, ..fit.solution(tracker.state()[R_O])? })
     };
     solve().ok_or(Fault::Implausible)
@@ -87,12 +87,14 @@ pub fn predict(
     let route = Route { first_ohm: r_ohm, switch };
     let crossings =
         [0, 1].map(|node| (node <= last.index()).then(|| route.crossing(tracker.state(), node).ns));
-    Fit::new(tracker, &Observed { crossings, switch, u_switch_ns })?.solution(tracker.state()[R_O])
+    let observed = Observed { crossings, switch, u_switch_ns };
+    let siemens = 1.0 / (r_ohm + tracker.state()[R_O]);
+    Fit::new(tracker, &observed, Some(siemens))?.solution(tracker.state()[R_O])
 }
 
 /// The lower bound of a resistance that cannot be told from an open circuit, ohm; `None` where it can.
 pub fn beyond(tracker: &Tracker, observed: &Observed) -> Option<f64> {
-    let fit = Fit::new(tracker, observed)?;
+    let fit = Fit::new(tracker, observed, None)?;
     let highest = fit.siemens.max(0.0) + COVERAGE * fit.u_siemens;
     let r_min_ohm = 1.0 / highest - tracker.state()[R_O];
     let is_open = fit.siemens <= RESOLVED * fit.u_siemens && !fit.evidence.contradicts;
@@ -175,7 +177,8 @@ struct Fit {
 }
 
 impl Fit {
-    fn new(tracker: &Tracker, observed: &Observed) -> Option<Fit> {
+    /// `siemens`: where that is known before.
+    fn new(tracker: &Tracker, observed: &Observed, siemens: Option<f64>) -> Option<Fit> {
         let (state, branch) = (tracker.state(), observed.branch(tracker.state()));
         // A switch after the last crossing has changed nothing.
         let switch = observed.switch.filter(|_| branch == Branch::Inferred);
@@ -191,7 +194,8 @@ impl Fit {
         let near = |y: f64| Fit::near(y.max(0.0), tracker, &noise, u_switch_ns, &nodes, branch);
         // The weights depend on y, but hardly: the last node's own value does for a start.
         let last = b.or(a)?;
-        near(near(last.missing / last.through_ns)?.siemens)
+        let first = || Some(near(last.missing / last.through_ns)?.siemens);
+        near(siemens.or_else(first)?)
     }
 
     /// The least squares with the weights that the residuals have near a conductance.

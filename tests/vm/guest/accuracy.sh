@@ -2,6 +2,8 @@
 
 # Readings left out after the resistor was changed: under way, or planned from the last one.
 SETTLING=3
+# Rc1 and Rc2 as they are in the circuit, milliohm.
+KNOWN=2320000,12700000
 # Progress at which both nodes cross, g_A + g_B of the circuit, F.
 G_SUM=1.303013e-6
 
@@ -9,7 +11,7 @@ G_SUM=1.303013e-6
 # and in one line:
 # ohm bias_ohm sd_ohm u_ohm ms_per_reading readings inferred faults within_2u
 readings() {
-    circuit r_mohm "2320000,12700000,${2}000,0"
+    circuit r_mohm "$KNOWN,${2}000,0"
     cermctl record --format csv --count $(($1 + SETTLING)) |
         mawk -F, -v r="$2" -v skip=$((1 + SETTLING)) 'NR > skip {
             print r, $5, $6 == "" ? "-" : $6, $7 == "" ? "-" : $7, $19 / 1000, $18 == "" ? "-" : $18

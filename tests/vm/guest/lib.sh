@@ -72,3 +72,22 @@ until_true() {
 stat() { cermctl stats --json | sed -n "s/.*\"$1\":\"*\([^,\"}]*\).*/\1/p"; }
 
 offset_known() { [ "$(stat offset_known)" = true ]; }
+
+# cpu: ns that all threads of the daemon, and its measuring thread, have run.
+cpu() {
+    all=0
+    for task in /proc/"$cermd"/task/*; do
+        read -r ns _ <"$task/schedstat"
+        all=$((all + ns))
+        [ "$(cat "$task/comm")" != cermd-measure ] || measuring=$ns
+    done
+    echo $all $measuring
+}
+
+# cost SECONDS: readings that are numbers (a fault may be cheap), ns of all threads, ns of the measuring thread.
+cost() {
+    from="$(stat ok) $(cpu)"
+    sleep "$1"
+    to="$(stat ok) $(cpu)"
+    echo "$from $to" | mawk '{ print $4 - $1, $5 - $2, $6 - $3 }'
+}

@@ -19,17 +19,14 @@
  * exponentially towards 0; otherwise it stays. Crossings are hrtimers that raise the interrupts of the sense lines,
  * planned anew whenever a line changes.
  *
- * What a charge of the time t leaves of the discharge before it is off that trajectory, with the slower mode of the
- * network under charge: both nodes cross at another progress, to first order
- *
- *	g_n + memory_n (1 - exp(-theta / C_T)) exp(-t / tau),	C_T = C_A C_B / (C_A + C_B)
- *
- * with the theta at which that discharge ended. tau and memory_n are from a numerical integration of the network.
+ * What a charge leaves of the discharge before it, through A alone (which charges B, too, through C_A) or through all
+ * chargers, changes the progress at which the nodes cross: charge.c.
  *
  * What else the law does not know, each to first order and none by default. Leakage to ground goes on without a sink and
  * adds to the speed of each node: at A as any resistor there; at B, beside the trajectory, by leak_b_permille of what the same
- * resistor would do at A (integrated over the discharge; it is the same for any resistor that sinks). Dielectric absorption
- * is one branch: a share of the charge follows theta with a time constant of its own, and has to be drawn, too.
+ * resistor would do at A (integrated over the discharge; it is the same for any resistor that sinks); and it takes from B what
+ * no charge through A brings back. Dielectric absorption is one branch: a share of the charge follows theta with a time
+ * constant of its own, and has to be drawn, too.
  *
  * /sys/kernel/debug/gpio-cermd/discharges holds the true instants of the last discharges (CLOCK_MONOTONIC, ns):
  * the difference between a crossing there and the stamp that user space got is the true latency.
@@ -42,6 +39,7 @@
 #include <linux/spinlock.h>
 #include <linux/version.h>
 
+#include "charge.h"
 #include "circuit.h"
 #include "fixed.h"
 #include "records.h"
@@ -52,13 +50,9 @@
 #define SINK_MASK	(BIT(20) | BIT(21) | BIT(16) | BIT(26))
 #define CHARGE_MASK	(BIT(CHARGE_A) | BIT(CHARGE_B) | SENSE_MASK)
 
-/* Progress is in units of 2^-46 nF: 1 ns at 10 Mohm is still 7 million of them. */
-#define NF_SHIFT	46
-#define THETA_MAX	(1ULL << 62)
-
 static const unsigned int sink_line[SINKS] = { 20, 21, 16, 26 };
 
-/* Defaults: 2.2 uF and 680 nF, V_DD 3.3 V, V_Th 1.3 V; 220 ohm from each charger to its node. */
+/* Defaults: 2.2 uF and 680 nF, V_DD 3.3 V, V_Th 1.3 V. */
 static unsigned long r_mohm[SINKS] = { 2320000, 12700000, 1000000, 0 };
 module_param_array(r_mohm, ulong, NULL, 0644);
 MODULE_PARM_DESC(r_mohm, "Rc1, Rc2, Rx0, Rx1 in milliohm; 0: nothing there");
@@ -68,15 +62,6 @@ MODULE_PARM_DESC(ro_mohm, "output resistance of the pins that sink Rc1, Rc2, Rx0
 static unsigned int g_pf[2] = { 483893, 819120 };
 module_param_array(g_pf, uint, NULL, 0644);
 MODULE_PARM_DESC(g_pf, "progress at which nodes A and B cross, in pF; g_B = 0: there is no node B");
-static unsigned int charge_tau_ns = 1048546;
-module_param(charge_tau_ns, uint, 0644);
-MODULE_PARM_DESC(charge_tau_ns, "time constant of charging");
-static int memory_pf[2] = { -23984, 269400 };
-module_param_array(memory_pf, int, NULL, 0644);
-MODULE_PARM_DESC(memory_pf, "what a charge of no time would add to g_A and g_B after a discharge to 0 V, in pF");
-static unsigned int total_pf = 519444;
-module_param(total_pf, uint, 0644);
-MODULE_PARM_DESC(total_pf, "C_T: C_A and C_B in series, in pF");
 static unsigned int trigger_pf;
 module_param(trigger_pf, uint, 0644);
 MODULE_PARM_DESC(trigger_pf, "1 sigma of g_A and g_B from discharge to discharge: moves the true crossing");
@@ -137,20 +122,17 @@ static struct circuit {
 	void (*fall)(unsigned int line);
 	struct rnd_state rnd;
 	unsigned long output, high, sinking;	/* masks of lines */
-	bool charging, conflict;
+	bool conflict;
+	enum chargers chargers;			/* that charge now */
+	struct charge charge;
+	s64 missing[2];				/* what it has left incomplete: by how much less progress nodes cross */
 	s64 absorbed;				/* how far the branch of absorption has followed theta */
 	u64 touched;				/* when the chip was */
-	u64 depth;				/* below V_DD, left of the last discharge: 2^-32 */
 	u64 at;					/* theta was computed for this instant */
 	struct node node[2];
 	struct record *record;			/* of the discharge under way */
 	struct dentry *debugfs;
 } circuit;
-
-static u64 units_from_pf(u64 pf)
-{
-	return min(mul_u64_u64_div_u64(pf, 1ULL << NF_SHIFT, 1000), THETA_MAX / 2);
-}
 
 /* The progress of a node after @dt. No further than with empty capacitors, far below the thresholds. */
 static u64 theta_after(struct circuit *c, struct node *node, u64 dt)
@@ -167,7 +149,7 @@ static s64 absorbed_after(struct circuit *c, u64 dt)
 {
 	u64 tau = max(absorbed_tau_us, 1U) * 1000ULL, from = c->node[0].theta, way;
 
-	if (c->charging)
+	if (c->chargers)
 		return scaled(c->absorbed, decay(dt, tau));
 	way = theta_after(c, &c->node[0], dt) - from;
 	return from + way - scaled(way, mean_decay(dt, tau)) + scaled(c->absorbed - (s64)from, decay(dt, tau));
@@ -182,19 +164,20 @@ static s64 needed(struct node *node, s64 absorbed)
 /* Brings the state to @now; notes crossings on the way. */
 static void advance(struct circuit *c, u64 now)
 {
-	u64 dt = now - c->at, left = c->charging ? decay(dt, max(charge_tau_ns, 1U)) : ONE;
+	u64 dt = now - c->at, left = c->chargers ? decay(dt, charge_tau(&c->charge, c->chargers)) : ONE;
+	u64 theta = c->node[0].theta;
 	int n;
 
 	c->at = now;
 	if (absorbed_ppm)
 		c->absorbed = absorbed_after(c, dt);
-	if (c->charging)
-		c->depth = mul_u64_u64_shr(c->depth, left, 32);
+	if (c->chargers)
+		charge_bring(&c->charge, c->chargers, dt);
 	for (n = 0; n < 2; n++) {
 		struct node *node = &c->node[n];
 		s64 missing;
 
-		if (c->charging) {
+		if (c->chargers) {
 			node->theta = mul_u64_u64_shr(node->theta, left, 32);
 		} else {
 			node->theta = theta_after(c, node, dt);
@@ -207,6 +190,8 @@ static void advance(struct circuit *c, u64 now)
 		missing = needed(node, c->absorbed) - node->theta;
 		node->low = missing <= 0 || (node->low && missing <= units_from_pf(hysteresis_pf[n]));
 	}
+	if (leak_kohm[1] && c->charge.two && c->chargers != ALL_CHARGERS)
+		charge_leak(&c->charge, leak_kohm[1], dt, c->chargers ? 0 : theta, c->chargers ? 0 : c->node[0].theta - theta);
 }
 
 /* Plans the crossings that are still to come. */
@@ -222,7 +207,7 @@ static void plan(struct circuit *c, u64 now)
 			continue;
 		hrtimer_try_to_cancel(&node->timer);
 		node->due = KTIME_MAX;
-		if (c->charging || !node->speed)
+		if (c->chargers || !node->speed)
 			continue;
 		/* What is absorbed until then is known when the instant is: found by turns, which close in by absorbed_ppm. */
 		for (i = 0; i < (absorbed_ppm ? 4 : 1); i++) {
@@ -240,17 +225,28 @@ static void begin_discharge(struct circuit *c, u64 now)
 	int n;
 
 	c->record = records_new();
-	*c->record = (struct record){ .first = c->sinking, .depth = c->depth, .start = now };
+	*c->record = (struct record){ .first = c->sinking, .along = c->charge.along, .start = now };
 	for (n = 0; n < 2; n++) {
 		struct node *node = &c->node[n];
 		s64 pf = max(g_pf[n] + noise(&c->rnd, trigger_pf), 1LL);
-		s64 memory = div_s64((s64)memory_pf[n] * (s64)c->depth, 1000) << (NF_SHIFT - 32);
 
-		node->g = g_pf[n] ? max_t(s64, units_from_pf(pf) + memory, 1) : THETA_MAX;
+		node->g = g_pf[n] ? max_t(s64, units_from_pf(pf) - c->missing[n], 1) : THETA_MAX;
 		node->late = max(late_ns + noise(&c->rnd, jitter_ns), 0LL) + tail(&c->rnd, tail_ppm, tail_ns);
 		node->crossed = !g_pf[n] || node->low || node->theta >= node->g;
 		node->raised = node->crossed;
 	}
+}
+
+/* What it has left is in `missing` from now on. */
+static void end_charge(struct circuit *c)
+{
+	u64 g[2] = { units_from_pf(g_pf[0]), units_from_pf(g_pf[1]) };
+	int n;
+
+	for (n = 0; n < 2; n++)
+		if (!c->node[n].low)
+			c->node[n].theta = 0;
+	charge_missing(&c->charge, g, c->missing);
 }
 
 static void note_switch(struct circuit *c, u64 now)
@@ -281,7 +277,8 @@ static void rewire(struct circuit *c)
 {
 	unsigned long up = driving(c, true), down = driving(c, false), sinking = 0;
 	bool charge_a = up & (BIT(CHARGE_A) | BIT(SENSE_A)), charge_b = up & (BIT(CHARGE_B) | BIT(SENSE_B));
-	bool charging = charge_a && (charge_b || !g_pf[1]), conflict;
+	enum chargers chargers = !charge_a ? NO_CHARGER : charge_b || !g_pf[1] ? ALL_CHARGERS : CHARGER_A;
+	bool conflict;
 	u64 now = ktime_get_ns(), speed = 0;
 	int i, n;
 
@@ -300,14 +297,13 @@ static void rewire(struct circuit *c)
 	for (n = 0; n < 2; n++)
 		c->node[n].speed = speed + speed_through(leak_kohm[0] * 1000000ULL) +
 				   speed_through(leak_kohm[1] * 1000000ULL) * leak_b_permille[n] / 1000;
-	if (charging && c->record)
-		c->depth = ONE - decay(c->node[0].theta, units_from_pf(max(total_pf, 1)));
-	/* What the charge has left is in g, see begin_discharge. */
-	for (n = 0; c->charging && !charging && n < 2; n++)
-		if (!c->node[n].low)
-			c->node[n].theta = 0;
-	c->charging = charging;
-	if (charging)
+	c->charge.two = g_pf[1];
+	if (chargers && !c->chargers)
+		charge_take(&c->charge, c->node[0].theta);
+	if (!chargers && c->chargers)
+		end_charge(c);
+	c->chargers = chargers;
+	if (chargers)
 		c->record = NULL;
 	else if (c->record)
 		note_switch(c, now);
@@ -361,7 +357,7 @@ void circuit_start(void (*fall)(unsigned int line))
 	c->fall = fall;
 	prandom_seed_state(&c->rnd, seed);
 	c->at = ktime_get_ns();
-	c->depth = ONE;
+	c->charge = charge_none(g_pf[1]);
 	for (n = 0; n < 2; n++) {
 		c->node[n] = (struct node){ .line = n ? SENSE_B : SENSE_A, .g = units_from_pf(g_pf[n]),
 					    .due = KTIME_MAX, .crossed = true, .raised = true,

@@ -9,6 +9,15 @@
 
 #define ONE	(1ULL << 32)	/* a factor of 1 */
 
+/* Progress is in units of 2^-46 nF: 1 ns at 10 Mohm is still 7 million of them. */
+#define NF_SHIFT	46
+#define THETA_MAX	(1ULL << 62)
+
+static inline u64 units_from_pf(u64 pf)
+{
+	return min(mul_u64_u64_div_u64(pf, 1ULL << NF_SHIFT, 1000), THETA_MAX / 2);
+}
+
 /* exp(-dt / tau), as 2^-whole x the series of exp(-part) */
 static inline u64 decay(u64 dt, u64 tau)
 {
@@ -38,6 +47,19 @@ static inline u64 mean_decay(u64 dt, u64 tau)
 static inline s64 scaled(s64 value, u64 factor)
 {
 	return value < 0 ? -(s64)mul_u64_u64_shr(-value, factor, 32) : (s64)mul_u64_u64_shr(value, factor, 32);
+}
+
+/* -ln(1 - x), for x from -1 to a half: within 3 % at these ends, else exact */
+static inline s64 minus_log(s64 x)
+{
+	s64 power = x, sum = 0;
+	int i;
+
+	for (i = 1; i <= 32 && power; i++) {
+		sum += div_s64(power, i);
+		power = x < 0 ? -scaled(power, -x) : scaled(power, x);
+	}
+	return sum;
 }
 
 /* The sum of 12 uniform numbers: nearly Gaussian. */

@@ -4,9 +4,10 @@
 #include <linux/minmax.h>
 #include <linux/seq_file.h>
 
+#include "fixed.h"
 #include "records.h"
 
-#define RECORDS	8192
+#define RECORDS	65536
 
 static struct record records[RECORDS];
 static u64 count;
@@ -42,9 +43,9 @@ static int seq_show(struct seq_file *s, void *v)
 	scoped_guard(raw_spinlock_irqsave, lock)
 		r = records[i % RECORDS];
 	if (!i)
-		seq_puts(s, "# seq first next depth_ppb start release sink a b a_irq b_irq\n");
-	seq_printf(s, "%lld %#lx %#lx %llu %llu %llu %llu %llu %llu %llu %llu\n", i + 1, r.first, r.next,
-		   mul_u64_u64_shr(r.depth, 1000000000, 32), r.start, r.release, r.sink,
+		seq_puts(s, "# seq first next along_ppb start release sink a b a_irq b_irq\n");
+	seq_printf(s, "%lld %#lx %#lx %lld %llu %llu %llu %llu %llu %llu %llu\n", i + 1, r.first, r.next,
+		   scaled(r.along, 1000000000), r.start, r.release, r.sink,
 		   r.cross[0], r.cross[1], r.irq[0], r.irq[1]);
 	return 0;
 }

@@ -10,7 +10,7 @@
 /* One discharge; instants in ns, 0: has not happened. */
 struct record {
 	unsigned long first, next;	/* lines that sank at the start; that were added later */
-	u64 depth;			/* left by the charge before it */
+	s64 along;			/* left by the charge before it, see charge.h */
 	u64 start, release, sink;	/* a first line sank; was released; a next one sank */
 	u64 cross[2], irq[2];		/* nodes A and B: the law's crossing; the interrupt was raised */
 };

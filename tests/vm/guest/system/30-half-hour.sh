@@ -5,7 +5,7 @@ export CERMD_SOCKET=/run/cermd/cermd.sock
 circuit late_ns 6000
 circuit jitter_ns 1500
 mkdir -p /etc/cermd
-write_configuration /etc/cermd/cermd.toml rate=2
+write_configuration /etc/cermd/cermd.toml rate=2 idle=true
 systemd-sysusers
 udevadm control --reload
 udevadm trigger --action=add
