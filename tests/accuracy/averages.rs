@@ -5,9 +5,9 @@
 use crate::common::{Bench, Errors, check_page, rms};
 use cermd::instrument::Message;
 use cermd::pins::Pins;
-use cermd::pins::sim::Kind;
+use cermd::pins::sim::{Kind, Sensor};
 use cermd::reading::Method;
-use cermd::units::Nanos;
+use cermd::units::{Nanos, Ohm};
 use std::fmt::Write;
 
 const INSTRUMENTS: u64 = 200;
@@ -95,6 +95,47 @@ fn cells(kind: Kind) -> Vec<(f64, &'static str, Cell)> {
     all
 }
 
+const MANY: &str = "
+## Many sensors
+
+All channels share the calibration. Readings of 1 kohm on each, one capacitor, 20 instruments from 4 s after the start on:
+
+| sensors | readings/s of each | of all | calibration discharges for each reading | within 2u |
+|--:|--:|--:|--:|--:|
+";
+
+/// Rate of each channel, calibration discharges for each reading, and errors, with so many sensors of 1 kohm.
+fn many(channels: usize) -> (f64, f64, Errors) {
+    let (mut errors, mut readings, mut discharges, mut seconds) = (Errors::default(), 0usize, 0usize, 0.0);
+    for seed in 0..20 {
+        errors.next_board();
+        let mut bench = Bench::with_kind("pi4", Kind::OneCapacitor, Method::Tracked, 1000.0, seed, "");
+        (1..channels).for_each(|index| {
+            let id = format!("y{index}");
+            bench.config.channel(&id).lines(&format!("channel.{id}"), "zero-ohm = 0\nscale = 1");
+        });
+        bench.scene = bench.scene.with_sensors(vec![Sensor::Constant(Ohm(1000.0)); channels]).unwrap();
+        let mut instrument = bench.instrument();
+        let end = BEFORE + Nanos(1_000_000_000);
+        while instrument.pins().now() < end {
+            let counts = instrument.pins().now() > BEFORE;
+            instrument
+                .step(&mut |message| match message {
+                    Message::Reading(reading) if counts => {
+                        readings += 1;
+                        errors.add(&reading, 1000.0);
+                    }
+                    Message::Discharge { .. } if counts => discharges += 1,
+                    _ => {}
+                })
+                .unwrap();
+        }
+        seconds += 1.0;
+    }
+    let each_hz = readings as f64 / channels as f64 / seconds;
+    (each_hz, (discharges - readings) as f64 / readings as f64, errors)
+}
+
 #[test]
 fn the_page_is_up_to_date_and_keeps_what_is_promised() {
     let (two, one) = std::thread::scope(|scope| {
@@ -124,6 +165,21 @@ fn the_page_is_up_to_date_and_keeps_what_is_promised() {
             if !honest || !kept {
                 writeln!(wrong, "{row} honest: {honest}, as promised: {kept}").unwrap();
             }
+        }
+    }
+    page += MANY;
+    let mut alone_hz = None;
+    for channels in [1, 4, 16] {
+        let (each_hz, calibrations, errors) = many(channels);
+        let (all_hz, within) = (each_hz * channels as f64, errors.at_rest().within_2u());
+        let row = format!(
+            "| {channels} | {each_hz:.0} | {all_hz:.0} | {calibrations:.3} | {:.1} % |",
+            100.0 * within.value
+        );
+        writeln!(page, "{row}").unwrap();
+        // More sensors take less than so many times what one takes.
+        if all_hz < 0.97 * *alone_hz.get_or_insert(all_hz) || !within.is_in(0.93..=0.985) {
+            writeln!(wrong, "{row}").unwrap();
         }
     }
     println!("{page}");
