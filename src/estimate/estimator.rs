@@ -206,7 +206,10 @@ impl Estimator {
     fn solve(&self, record: &Record) -> Result<(Estimate, Evidence), Fault> {
         if let Some(tracker) = self.state() {
             let solution = tracked::solve(tracker, &self.observed(record)?)?;
-            let r_ohm = Measured { value: solution.r_ohm, u: Some(solution.variance.sqrt()) };
+            let observed_u_ns = self.u_switch_ns(record, solution.branch);
+            let unlike_ohm = tracker.unlike_calls_ohm(&solution.by_state, solution.by_switch, observed_u_ns);
+            let u_ohm = solution.variance.sqrt().hypot(unlike_ohm);
+            let r_ohm = Measured { value: solution.r_ohm, u: Some(u_ohm) };
             let own = (solution.variance - tracker.variance(&solution.by_state)).max(0.0);
             let by_switch = (solution.branch == Branch::Inferred).then_some(solution.by_switch);
             let basis = Basis { own, by_state: Some(solution.by_state), by_switch };

@@ -16,7 +16,7 @@ use crate::estimate::noise::{Covariance, Noise};
 use crate::estimate::offset::{Offset, SplitCalibration};
 use crate::estimate::scatter::{SwitchScatter, expected_ns};
 use crate::reading::Fault;
-use crate::record::{CalibrationKind, Record, Switch, Through};
+use crate::record::{CalibrationKind, Record, Switch, Through, UNLIKE_CALLS};
 use crate::units::Nanos;
 use gain::Gain;
 
@@ -332,6 +332,14 @@ impl Tracker {
         self.covariance = gain.posterior(&self.covariance);
         self.last = (gain.of, states);
         true
+    }
+
+    /// What an error that all switches have in common does to an estimate that depends on the state and on its own switch as given,
+    /// 1 sigma, ohm: it is in Ro and d by the split discharges, which run through R_1 by so much longer than is known, and in
+    /// the estimate once more. `u_switch_ns`: of a switch by the length of calls, 0 without one.
+    pub fn unlike_calls_ohm(&self, by_state: &State, by_switch: f64, u_switch_ns: f64) -> f64 {
+        let by_split = by_state[D] - by_state[R_O] / self.state[0];
+        UNLIKE_CALLS * u_switch_ns * (by_split / SPLIT_FRACTION - by_switch).abs()
     }
 
     /// By how much a calibration discharge of this kind would lower v^T P v, if it ends at this node.

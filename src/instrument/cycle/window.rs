@@ -10,9 +10,10 @@ use crate::units::Nanos;
 pub struct Window {
     began: Option<Nanos>,
     mean: Mean,
-    /// The last number, and whether the sensor moved in any, or its u was a prior.
+    /// Of those that do not say that the sensor moves.
+    rest: Mean,
+    /// The last number, and whether the u of any was a prior.
     number: Option<Status>,
-    is_moving: bool,
     is_settling: bool,
     /// The sum of when they were, since it began, ns.
     at_ns: f64,
@@ -28,8 +29,10 @@ impl Window {
         match status {
             Status::Ok { r_ohm, is_moving, is_settling, .. } => {
                 self.mean.add(r_ohm, basis, tracker);
+                if !is_moving {
+                    self.rest.add(r_ohm, basis, tracker);
+                }
                 self.at_ns += (at - first).as_ns();
-                self.is_moving |= is_moving;
                 self.is_settling |= is_settling;
                 self.number = Some(status);
             }
@@ -46,6 +49,7 @@ impl Window {
     /// After a calibration discharge.
     pub fn calibrated(&mut self, tracker: &Tracker) {
         self.mean.calibrated(tracker);
+        self.rest.calibrated(tracker);
     }
 
     /// Whether it has lasted for so long; the next one begins where this one was to end, if that is not long ago.
@@ -53,8 +57,8 @@ impl Window {
         self.began.is_some_and(|began| now - began >= length)
     }
 
-    /// What is to be published, and since when and of when it is: the mean of the numbers, or the last state where there are more bounds than numbers
-    /// or no numbers at all. Begins anew.
+    /// What is to be published, and since when and of when it is: the mean of the numbers, or the last state where there are more
+    /// bounds than numbers or no numbers at all. Begins anew.
     pub fn take(
         &mut self,
         length: Nanos,
@@ -66,21 +70,16 @@ impl Window {
         let done = *self;
         let due = began + length;
         *self = Window { began: Some(if now - due < length { due } else { now }), ..Window::default() };
-        let mean = done.mean.result(tracker).filter(|_| done.mean.count() >= done.bounds);
+        // A change that came all at once in few of them, and went, has been late stamps.
+        let is_moving = 2 * done.rest.count() < done.mean.count();
+        let mean = if is_moving { &done.mean } else { &done.rest };
+        let mean = mean.result(tracker).filter(|_| done.mean.count() >= done.bounds);
         match (mean, done.number) {
             (Some(r_ohm), Some(Status::Ok { branch, .. })) => {
                 let at = began + Nanos((done.at_ns / done.mean.count() as f64) as i64);
                 let f_n = force_at(r_ohm);
-                Some((
-                    Status::Ok {
-                        branch,
-                        r_ohm,
-                        f_n,
-                        is_moving: done.is_moving,
-                        is_settling: done.is_settling,
-                    },
-                    [began, at],
-                ))
+                let is_settling = done.is_settling;
+                Some((Status::Ok { branch, r_ohm, f_n, is_moving, is_settling }, [began, at]))
             }
             _ => done.state.map(|(status, at)| (status, [began, at])),
         }
