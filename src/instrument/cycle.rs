@@ -11,7 +11,7 @@
 //! switched ones begin when the offset is known. Split discharges go on in each cycle until what is not known of the
 //! offset is a small part of a reading's variance; then one now and then keeps following it. With a tracked calibration,
 //! cycles begin like that, too; once the state is known, a cycle has only those calibration discharges that pay, and each
-//! x discharge is the one that lowers the variance of what is published most for its time ([`choice`]).
+//! x discharge is the one that lowers the variance of what is published most for its time (`choice`).
 
 mod calls;
 mod choice;
@@ -81,7 +81,7 @@ pub struct Cycle {
     /// Calibration discharges of this cycle, and when the last one was.
     calibrations: u32,
     calibrated_at: Option<Nanos>,
-    /// Cycles since, and calibration discharges that the tracked state has had, as long as they are few.
+    /// Readings since, and calibration discharges that the tracked state has had, as long as they are few.
     since_calibration: u32,
     young: u32,
     /// What the last discharge has told of a sensor.

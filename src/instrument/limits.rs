@@ -50,7 +50,7 @@ pub const CALIBRATION_PAYS: f64 = 2.0;
 /// A split discharge pays in each cycle while the offset makes more than this share of a switched reading's variance. Its
 /// error is the same in all readings: it is a tenth of the noise of one, and as much as the noise of a mean of a hundred.
 pub const OFFSET_SHARE: f64 = 0.01;
-/// So many calibration discharges of a tracked state, one in so many cycles at the least, until noise is known: to 7 % then.
+/// So many calibration discharges of a tracked state, one in so many readings at the least, until noise is known: to 7 % then.
 pub const YOUNG: u32 = 240;
 /// See there.
 pub const YOUNG_EVERY: u32 = 2;

@@ -74,6 +74,7 @@ impl Cycle {
     /// To the next channel that this cycle reads, or to what follows the last one.
     fn go_on(&mut self, channel: usize, now: Nanos) {
         self.retries = 0;
+        self.since_calibration = self.since_calibration.saturating_add(1);
         self.began = now;
         self.step = match self.next_sensor(channel + 1) {
             Some(next) => Step::Sensor(next),
@@ -83,7 +84,6 @@ impl Cycle {
                 self.failed = None;
                 self.stats.cycles += 1;
                 self.turn += 1;
-                self.since_calibration = self.since_calibration.saturating_add(1);
                 self.after_sensors(now)
             }
         };
