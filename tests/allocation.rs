@@ -86,7 +86,7 @@ fn a_step_allocates_nothing() {
 /// Two readings a second on a Pi 4, in virtual time. An instrument that allocates nothing cannot grow.
 #[test]
 fn eight_hours_take_no_memory_and_the_offset_stays() {
-    let mut instrument = Bench::new("pi4", Method::Cerm, 1000.0, 1, "rate-hz = 2").instrument();
+    let mut instrument = Bench::new("pi4", Method::Cerm, 1000.0, 1, "rate-hz = 2\nidle = true").instrument();
     let begin = instrument.pins().now();
     let (mut lateness, mut offsets) = (Vec::with_capacity(1 << 19), Vec::with_capacity(1 << 13));
     let before = ALLOCATIONS.get();
