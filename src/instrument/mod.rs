@@ -11,7 +11,7 @@
 //! use cermd::reading::Status;
 //!
 //! let config = r#"
-//!     circuit = { kind = "two-capacitor", c-a = "2.2 uF", c-b = "680 nF", r-c1 = "2.32 kohm", r-c2 = "12.7 kohm" }
+//!     circuit = { kind = "two-capacitor", c-a = "2.2 uF", c-b = "680 nF", r-c1 = "470 ohm", r-c2 = "12.7 kohm" }
 //!     measure = { method = "tcdic" }
 //!     channel = [{ id = "thumb" }]
 //! "#;

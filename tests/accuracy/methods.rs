@@ -139,7 +139,7 @@ fn the_page_is_up_to_date_and_tracking_pays() {
     let of = |method: &str, r_ohm: f64| {
         figures.iter().find(|row| row.0 == method && row.1 == r_ohm).map(|row| row.2).unwrap()
     };
-    for (r_ohm, factor) in [(100.0, 3.0), (1000.0, 2.5), (16_200.0, 2.0)] {
+    for (r_ohm, factor) in [(100.0, 8.0), (1000.0, 4.0), (16_200.0, 2.0)] {
         let gain = of("cerm", r_ohm).over(of("tracked", r_ohm));
         assert!(
             gain.is_in(factor..=5.0 * factor),
