@@ -5,7 +5,7 @@
 
 use crate::circuit::Node;
 use crate::units::{Nanos, named};
-use serde::Deserialize;
+use serde::{Deserialize, Serialize};
 use std::fmt;
 
 /// A value with its 1-sigma standard uncertainty (GUM).
@@ -40,7 +40,7 @@ impl From<Measured> for MeasuredForce {
 
 named! {
     /// How the estimate was made; [`Method::rules`] has what each method decides.
-    #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Deserialize)]
+    #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
     #[serde(rename_all = "kebab-case")]
     Method {
         /// Two-point calibration, one node: eq. (3).

@@ -78,7 +78,13 @@ pub struct Force {
     /// The least and the greatest force that it was found with, newton; absent: as [`UNCALIBRATED_N`] says.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub range_n: Option<[f64; 2]>,
+    /// What lies on the sensor and does not count, newton: it is taken off every force.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub tare_n: Option<f64>,
 }
+
+/// Alpha of F = alpha / R for the FSR 402 of the paper (section V).
+pub const FSR_402: NewtonOhm = NewtonOhm(13_346.46);
 
 /// What a characteristic that nobody has measured is good for, relative, 1 sigma: two FSR 402 differ by 6 %, and one of them by
 /// 5 % to either side with whether the force rises or falls (hysteresis of 10 %; Interlink, FSR 400 series data sheet).
@@ -94,7 +100,7 @@ const EXPONENTS: RangeInclusive<f64> = 0.01..=100.0;
 #[cfg(test)]
 impl From<Law> for Force {
     fn from(law: Law) -> Force {
-        Force { law, u: None, range_n: None }
+        Force { law, u: None, range_n: None, tare_n: None }
     }
 }
 
@@ -106,16 +112,19 @@ fn absurd(value: impl Display) -> Defect {
 }
 
 /// The same of how well one is known.
-pub fn defect_of_bounds(u: Option<f64>, range_n: Option<[f64; 2]>) -> Option<Defect> {
+pub fn defect_of_bounds(u: Option<f64>, range_n: Option<[f64; 2]>, tare_n: Option<f64>) -> Option<Defect> {
     let is_range = |[least, greatest]: [f64; 2]| {
         least < greatest && FORCES_N.contains(&least) && FORCES_N.contains(&greatest)
     };
-    match (u, range_n) {
-        (Some(u), _) if !(u > 0.0 && u <= 1.0) => Some((
+    match (u, range_n, tare_n) {
+        (Some(u), ..) if !(u > 0.0 && u <= 1.0) => Some((
             format!("u = {} % is not above 0 % and up to 100 %", rounded(100.0 * u, 7)),
             "u = \"8.7 %\", the residual that `cermctl calibrate force` shows",
         )),
-        (_, Some(range)) if !is_range(range) => Some((
+        (.., Some(tare_n)) if !FORCES_N.contains(&tare_n) => {
+            Some((format!("tare = {} is no load", Newton(tare_n)), "what `cermctl zero` finds"))
+        }
+        (_, Some(range), _) if !is_range(range) => Some((
             format!(
                 "range = {:?} is not from a lesser to a greater force",
                 range.map(|f_n| Newton(f_n).to_string())
@@ -129,7 +138,7 @@ pub fn defect_of_bounds(u: Option<f64>, range_n: Option<[f64; 2]>) -> Option<Def
 impl Force {
     /// What is wrong with it.
     pub fn defect(&self) -> Option<Defect> {
-        self.law.defect().or(defect_of_bounds(self.u, self.range_n))
+        self.law.defect().or(defect_of_bounds(self.u, self.range_n, self.tare_n))
     }
 
     /// The force at a resistance with the uncertainty of its readout; `None` where the characteristic gives no positive, finite
@@ -141,8 +150,9 @@ impl Force {
         let [least, greatest] = self.range_n.unwrap_or(UNCALIBRATED_N);
         // Outside of its pairs a table gives no force at all.
         let is_table = matches!(self.law, Law::Table { .. });
+        // What the sensor is off its law by at the tare is mostly in both, and u is that of the greater one alone.
         Some(MeasuredForce {
-            value,
+            value: self.net(value),
             u: repeat_u.map(|u| u.hypot(own_u)),
             repeat_u,
             is_extrapolated: !is_table && !(least..=greatest).contains(&value),
@@ -151,7 +161,12 @@ impl Force {
 
     /// The force at an exactly known resistance, such as a bound.
     pub fn at_bound(&self, r_ohm: f64, known: [f64; 2]) -> Option<f64> {
-        self.law.at(r_ohm, known).map(|(f_n, _)| f_n)
+        self.law.at(r_ohm, known).map(|(f_n, _)| self.net(f_n))
+    }
+
+    /// Of what lies on the sensor, what counts, newton.
+    fn net(&self, f_n: f64) -> f64 {
+        f_n - self.tare_n.unwrap_or(0.0)
     }
 }
 
@@ -354,7 +369,7 @@ mod tests {
 
     #[test]
     fn a_force_is_as_uncertain_as_the_sensor_and_says_where_it_is_extrapolated() {
-        let of = |law: Law, u, range_n| Force { law, u, range_n };
+        let of = |law: Law, u, range_n| Force { law, u, range_n, tare_n: None };
         let r_ohm = Measured { value: 2266.0, u: Some(2.6) };
         let force = |force: Force| force.at(r_ohm, 0.0, KNOWN).unwrap();
         let alpha = || Law::Alpha { alpha_n_ohm: ALPHA };

@@ -1,15 +1,10 @@
 //! The daemon: parse, run, exit status.
 
-use cermd::config::Config;
-use cermd::config::backend;
-use cermd::ctl::check;
-use cermd::ctl::cli::{Cermd, NO_HARDWARE};
+use cermd::ctl::cli::{self, Cermd, NO_HARDWARE};
+use cermd::ctl::{self, check};
 use cermd::daemon::{self, DaemonError};
-use clap::Parser;
-use nix::sys::stat::fstat;
 use std::error::Error;
 use std::io::{self, Write};
-use std::os::fd::{AsFd, BorrowedFd};
 use std::path::Path;
 use std::process::ExitCode;
 
@@ -17,16 +12,22 @@ use std::process::ExitCode;
 const NO_USE_TO_RESTART: u8 = 78;
 
 fn main() -> ExitCode {
-    let arguments = Cermd::parse();
-    start_log();
-    let Some(path) = arguments.config else {
+    let arguments: Cermd = match cli::arguments() {
+        Ok(arguments) => arguments,
+        Err(status) => return status,
+    };
+    ctl::log::start();
+    let path = arguments.file.path;
+    let is_to_measure = !arguments.check && !arguments.release_lines;
+    if is_to_measure && matches!(path.try_exists(), Ok(false)) {
         // If nobody can be told, the status says it.
         let _ = writeln!(
             io::stderr(),
-            "cermd: no configuration file: name one with --config FILE. No hardware was touched.\n{NO_HARDWARE}"
+            "cermd: there is no configuration file {}: name another with --config FILE. No hardware was touched.\n{NO_HARDWARE}",
+            path.display()
         );
         return ExitCode::from(2);
-    };
+    }
     let outcome = if arguments.check {
         check(&path)
     } else if arguments.release_lines {
@@ -59,37 +60,11 @@ fn check(path: &Path) -> Result<bool, Box<dyn Error>> {
 }
 
 fn release_lines(path: &Path) -> Result<bool, Box<dyn Error>> {
-    let config = Config::load(path)?;
-    if backend::release_lines(&config)? {
-        log::info!("every line of {} is an input", path.display());
+    let said = if daemon::release_lines(path)? {
+        "every line is an input"
     } else {
-        log::info!("{} is about a simulated circuit: no line to release", path.display());
-    }
+        "a simulated circuit: no line to release"
+    };
+    log::info!("{said}");
     Ok(true)
-}
-
-/// To standard error; into the journal, each line begins with its syslog priority (sd-daemon(3)) and has no time, which
-/// the journal adds. RUST_LOG chooses what is said.
-fn start_log() {
-    let mut logger = env_logger::Builder::from_env(env_logger::Env::default().default_filter_or("info"));
-    if is_journal(std::io::stderr().as_fd()) {
-        logger.format(|out, record| {
-            let priority = match record.level() {
-                log::Level::Error => 3,
-                log::Level::Warn => 4,
-                log::Level::Info => 6,
-                log::Level::Debug | log::Level::Trace => 7,
-            };
-            // Every line of its own, or the journal takes the rest for another priority.
-            record.args().to_string().lines().try_for_each(|line| writeln!(out, "<{priority}>{line}"))
-        });
-    }
-    logger.init();
-}
-
-/// Whether a descriptor is the stream to the journal: the variable is inherited by programs whose output was
-/// redirected, so it names the stream by device and inode (systemd.exec(5), JOURNAL_STREAM).
-fn is_journal(output: BorrowedFd<'_>) -> bool {
-    let Ok(stream) = std::env::var("JOURNAL_STREAM") else { return false };
-    fstat(output).is_ok_and(|found| stream == format!("{}:{}", found.st_dev, found.st_ino))
 }

@@ -115,6 +115,17 @@ impl Circuit {
         self.g(node).map(|g| Ohm(time.0 / g.0 - self.r_o.0))
     }
 
+    /// Voltage noise over the slope of a node at its crossing, in seconds per ohm that the discharge runs through (eq. (7)). `None`
+    /// for a node that never crosses.
+    pub fn trigger(&self, node: Node, noise: Volt) -> Option<f64> {
+        let share = match (node, self.network) {
+            (Node::B, Network::TwoCapacitor { c_a, c_b }) => c_a.0 / (c_a.0 + c_b.0),
+            _ => 1.0,
+        };
+        let volt = self.v_dd.0 * self.left_at_crossing(node)? * share;
+        Some(noise.0 * self.c_total().0 / volt)
+    }
+
     /// How it is wired.
     pub fn kind(&self) -> Kind {
         self.network.kind()

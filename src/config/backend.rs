@@ -1,12 +1,12 @@
 //! From `[gpio]` and `[mock]` to pins: the one place that knows which backends there are.
 
-use crate::circuit::Kind;
+use crate::circuit::{Circuit, Kind, NOMINAL_R_CHARGE};
 use crate::config::{Backend, Config, LineName};
 use crate::pins::Pins;
 use crate::pins::chardev::{self, Chardev, Wiring};
 use crate::pins::chardev_v1;
 use crate::pins::sim::{Scene, SceneError, SimPins};
-use crate::units::Nanos;
+use crate::units::{Nanos, Ohm};
 
 /// What other programs see as the holder of the lines (gpioinfo).
 pub const CONSUMER: &str = "cermd";
@@ -46,18 +46,17 @@ pub fn open(config: &Config, now: Nanos) -> Result<AnyPins, OpenError> {
     }
 }
 
-/// Makes every line that the configuration names an input: for after a kill. `false`: the circuit is simulated, there
-/// is nothing to do.
+/// Makes every line of a wiring an input: for after a kill. A simulated circuit has none.
 ///
 /// # Errors
 /// The first line that could not be had; the others are inputs all the same.
-pub fn release_lines(config: &Config) -> Result<bool, OpenError> {
-    match config.gpio.backend {
-        Backend::Mock => return Ok(false),
-        Backend::Chardev => chardev::release_lines(&wiring(config)?)?,
-        Backend::ChardevV1 => chardev_v1::release_lines(&wiring(config)?)?,
+pub fn release_lines(backend: Backend, wiring: &Wiring) -> Result<(), OpenError> {
+    match backend {
+        Backend::Mock => {}
+        Backend::Chardev => chardev::release_lines(wiring)?,
+        Backend::ChardevV1 => chardev_v1::release_lines(wiring)?,
     }
-    Ok(true)
+    Ok(())
 }
 
 /// The lines of the configured circuit.
@@ -93,6 +92,21 @@ pub fn wiring(config: &Config) -> Result<Wiring, OpenError> {
 pub fn scene(config: &Config) -> Result<Scene, OpenError> {
     let mock = config.mock.as_ref().ok_or(OpenError::NoScene)?;
     Ok(Scene::named(&mock.scene, &config.base)?.with_kind(config.circuit.kind())?)
+}
+
+/// The nominal values that somebody with this board would write into the configuration.
+pub fn circuit_of(scene: &Scene) -> Circuit {
+    let circuit = &scene.circuit;
+    let r_charge = circuit.r_p.map_or(0.0, |r_p| r_p.0) + circuit.r_o.0;
+    Circuit {
+        network: scene.network().network,
+        r_c1: circuit.r_c1,
+        r_c2: circuit.r_c2,
+        v_dd: circuit.v_dd,
+        v_th: circuit.threshold.falling,
+        r_charge: if r_charge > 0.0 { Ohm(r_charge) } else { NOMINAL_R_CHARGE },
+        r_o: circuit.r_o,
+    }
 }
 
 #[cfg(test)]
@@ -132,15 +146,5 @@ mod tests {
         config = shipped();
         config.channels[0].sink = None;
         assert!(wiring(&config).unwrap_err().to_string().starts_with("channel.thumb.sink is missing"));
-    }
-
-    #[test]
-    fn a_simulated_circuit_has_no_lines_to_release() {
-        let mut config = shipped();
-        config.gpio.backend = Backend::Mock;
-        assert!(!release_lines(&config).unwrap());
-        config.gpio.backend = Backend::Chardev;
-        config.gpio.chip = Some("no-such-chip".to_owned());
-        assert!(release_lines(&config).unwrap_err().to_string().contains("no-such-chip"));
     }
 }

@@ -2,7 +2,7 @@
 //!
 //! Everything here is predicted from nominal values.
 //!
-//! The error of a reading is linear in the depths D_j from which the charges of its discharges began ([`Circuit::charge_memory`]
+//! The error of a reading is linear in the depths D_j from which the charges of its discharges began ([`charge_memory`](crate::circuit::Circuit::charge_memory)
 //! has the derivation), and its coefficients c_j add up to nothing, since what is common to all of them cancels. So depths
 //! within a span S make an error of S/2 times the sum of |c_j| at the most. The coefficients, with R' = R + Ro, m the memory
 //! of the node and rho = (R_x - R_1)/(R_2 - R_1):
@@ -20,10 +20,10 @@ use super::Config;
 use super::limits::{
     CHARGE_SHARE, JITTER_S, LATENESS_S, LEAST_TAUS, NOISE_V, PER_DECADE, RESISTANCES, SWITCH_S,
 };
-use crate::circuit::{Chargers, Circuit, Network, Node};
+use crate::circuit::{Chargers, Node};
 use crate::estimate::method::Switching;
 use crate::reading::Method;
-use crate::units::{Nanos, Ohm, Seconds};
+use crate::units::{Nanos, Ohm, Seconds, Volt};
 
 /// A resistance, and by how many of its own sigma an incomplete charge may change a reading of it.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -101,7 +101,7 @@ impl Budget {
             g: both(&|node| circuit.g(node).map(|g| g.0))?,
             memory: both(&|node| circuit.charge_memory(node, chargers))?,
             jitter: coarser.map_or(JITTER_S, |clock| clock.as_seconds() / 12f64.sqrt()),
-            trigger: both(&|node| trigger(circuit, node, NOISE_V))?,
+            trigger: both(&|node| circuit.trigger(node, Volt(NOISE_V)))?,
             switch: SWITCH_S,
             span: 1.0 - (1.0 - circuit.left_at_crossing(last)?) * forgets,
             fraction: config.switch_fraction(),
@@ -203,14 +203,4 @@ impl Equation {
     fn or(self, other: Equation) -> Equation {
         if other.variance < self.variance { other } else { self }
     }
-}
-
-/// Voltage noise over the slope of a node at its crossing, s per ohm.
-fn trigger(circuit: &Circuit, node: Node, noise_v: f64) -> Option<f64> {
-    let share = match (node, circuit.network) {
-        (Node::B, Network::TwoCapacitor { c_a, c_b }) => c_a.0 / (c_a.0 + c_b.0),
-        _ => 1.0,
-    };
-    let volt = circuit.v_dd.0 * circuit.left_at_crossing(node)? * share;
-    Some(noise_v * circuit.c_total().0 / volt)
 }

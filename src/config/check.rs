@@ -53,8 +53,12 @@ fn server(server: &Server, findings: &mut Findings) {
 /// Numbers that no kernel knows.
 fn realtime(wishes: &Wishes, findings: &mut Findings) {
     if let Some(priority) = wishes.fifo_priority.filter(|priority| !limits::PRIORITIES.contains(priority)) {
-        let remedy = "50, or without it: the usual scheduling";
+        let remedy = "40, or without it: the usual scheduling";
         findings.error("realtime.priority", format!("{priority} is not between 1 and 99"), remedy);
+    } else if let Some(priority) = wishes.fifo_priority.filter(|priority| *priority >= limits::INTERRUPTS) {
+        let reason =
+            format!("{priority} is not below {}, that of the threads that bring edges", limits::INTERRUPTS);
+        findings.warning("realtime.priority", format!("{reason}: waiting for one keeps it away"), "40");
     }
     if let Some(cpu) = wishes.cpu.filter(|cpu| *cpu >= limits::PROCESSORS) {
         let remedy = "3, the last of four, or without it: any processor";

@@ -2,7 +2,8 @@
 //!
 //! `{ fc1 = "5.75 N", fc2 = "1.05 N" }`, `{ alpha = "13346 N ohm" }`, `{ at-1-kohm = "13.3 N", exponent = 1.05 }` or
 //! `{ table = "FILE.csv" }`, a file relative to that of the configuration; each with `u = "8.7 %"`, how far the sensor is off
-//! that (relative deviation of its resistance, 1 sigma), and `range = ["0.5 N", "20 N"]`, the forces that this was found with.
+//! that (relative deviation of its resistance, 1 sigma), and `range = ["0.5 N", "20 N"]`, the forces that this was found with, and
+//! `tare = "0.5 N"`, what is taken off every force.
 
 use crate::sensor::Law;
 use crate::units::{Newton, NewtonOhm, Percent};
@@ -19,6 +20,8 @@ pub struct Characteristic {
     pub u: Option<f64>,
     /// The forces that it was found with, newton.
     pub range_n: Option<[f64; 2]>,
+    /// What is taken off every force, newton.
+    pub tare_n: Option<f64>,
 }
 
 /// Where a characteristic is.
@@ -45,13 +48,14 @@ struct Written {
     table: Option<PathBuf>,
     u: Option<Percent>,
     range: Option<[Newton; 2]>,
+    tare: Option<Newton>,
 }
 
 impl TryFrom<Written> for Characteristic {
     type Error = &'static str;
 
     fn try_from(written: Written) -> Result<Characteristic, &'static str> {
-        let Written { fc1, fc2, alpha, at_1_kohm, exponent, table, u, range } = written;
+        let Written { fc1, fc2, alpha, at_1_kohm, exponent, table, u, range, tare } = written;
         let law = match (fc1, fc2, alpha, at_1_kohm, exponent, table) {
             (Some(fc1), Some(fc2), None, None, None, None) => {
                 Source::Given(Law::Calibrated { fc1_n: fc1.0, fc2_n: fc2.0 })
@@ -66,13 +70,13 @@ impl TryFrom<Written> for Characteristic {
             }
         };
         let range_n = range.map(|range| range.map(|force| force.0));
-        Ok(Characteristic { law, u: u.map(|u| u.0 / 100.0), range_n })
+        Ok(Characteristic { law, u: u.map(|u| u.0 / 100.0), range_n, tare_n: tare.map(|tare| tare.0) })
     }
 }
 
 #[cfg(test)]
 impl From<Law> for Characteristic {
     fn from(law: Law) -> Characteristic {
-        Characteristic { law: Source::Given(law), u: None, range_n: None }
+        Characteristic { law: Source::Given(law), u: None, range_n: None, tare_n: None }
     }
 }

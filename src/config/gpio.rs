@@ -1,11 +1,11 @@
 //! `[gpio]`: which lines the circuit is wired to.
 
 use crate::units::named;
-use serde::Deserialize;
+use serde::{Deserialize, Serialize};
 
 named! {
     /// What switches and senses the lines.
-    #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize)]
+    #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
     #[serde(rename_all = "kebab-case")]
     Backend {
         /// The character device, uAPI v2: Linux 5.10 and later.

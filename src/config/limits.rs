@@ -15,9 +15,11 @@
 //! | `ABSURD_ZERO_OHM` | 1e6 | ohm | a slip | judgement |
 //! | `LONGEST_SOCKET` | 107 | bytes | `sun_path` has 108 with its final zero | include/uapi/linux/un.h |
 //! | `PRIORITIES` | 1 to 99 | | SCHED_FIFO | sched(7) |
+//! | `INTERRUPTS` | 50 | | the priority of threads of interrupts | kernel/irq/manage.c, sched_set_fifo |
 //! | `PROCESSORS` | 1024 | | what the kernel's set of processors holds here | CPU_SET(3) |
 //! | `WEIGHTS_N`, `UNDER_WEIGHTS_OHM` | | N, ohm | outside is a slip; squares and reciprocals inside are finite | judgement |
 //! | `SHORT_CHARGE` | 0.9 | automatic charge | a shorter one changes a reading by more than planned | charge.rs |
+//! | `SHORTEST_DISCHARGE` | 1 | us | a system call takes as long on the fastest of boards | docs/latency.md |
 //! | `SHORTEST_PART` | 50 | us | a part of a split discharge has to be long against the system calls between them | judgement |
 //! | `DEADLINE` | 5 | discharges of R_2 | the derived deadline: sensors up to about five times R_2 | judgement |
 //! | `TOGETHER` | 0.5 | time constants of B | how long B has its charger in each charge: 29 % of what has leaked away since the last one comes back | tests/accuracy/charging.rs |
@@ -40,6 +42,7 @@ pub const SUPPLIES: RangeInclusive<Volt> = Volt(0.5)..=Volt(30.0);
 pub const PIN_LIMIT_A: f64 = 0.016;
 pub const B_MARGIN: f64 = 0.05;
 pub const CALIBRATION_RATIO: f64 = 1.5;
+/// Of what is waited for or averaged over.
 pub const LONGEST_WAIT: Nanos = Nanos(60_000_000_000);
 pub const RESOLUTIONS: RangeInclusive<Nanos> = Nanos(1)..=Nanos(1_000_000);
 pub const LARGEST_SWITCH_FRACTION: f64 = 1.3;
@@ -50,8 +53,10 @@ pub const LARGEST_ZERO_OHM: f64 = 500.0;
 pub const ABSURD_ZERO_OHM: f64 = 1e6;
 pub const LONGEST_SOCKET: usize = 107;
 pub const PRIORITIES: RangeInclusive<u8> = 1..=99;
+pub const INTERRUPTS: u8 = 50;
 pub const PROCESSORS: usize = nix::sched::CpuSet::count();
 pub const SHORT_CHARGE: f64 = 0.9;
+pub const SHORTEST_DISCHARGE: Seconds = Seconds(1e-6);
 pub const SHORTEST_PART: Seconds = Seconds(50e-6);
 pub const DEADLINE: f64 = 5.0;
 pub const TOGETHER: f64 = 0.5;

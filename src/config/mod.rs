@@ -16,16 +16,18 @@ mod force;
 mod gpio;
 mod limits;
 mod number;
-pub(crate) mod pairs;
+#[doc(hidden)]
+pub mod pairs;
 mod settings;
 
 pub use finding::{Finding, Findings, Severity};
 pub use force::{Characteristic, Source};
 pub use gpio::{Backend, Gpio, LineName};
-pub use limits::LARGEST_ZERO_OHM;
+pub use limits::{LARGEST_ZERO_OHM, LONGEST_WAIT};
 pub use settings::{SettingsError, tape_header};
 
 use crate::circuit::Circuit;
+use crate::files;
 use crate::instrument::settings::OffsetSource;
 use crate::pins::realtime::Wishes;
 use crate::reading::Method;
@@ -192,16 +194,22 @@ impl Config {
     /// # Errors
     /// When it cannot be read or parsed.
     pub fn load(path: &Path) -> Result<Config, ConfigError> {
-        let text = std::fs::read_to_string(path).map_err(|error| {
+        let text = files::read_text(path, files::SETTINGS_BYTES).map_err(|error| {
             let hint = match error.kind() {
                 std::io::ErrorKind::NotFound => "name a file with --config, or try `cermctl demo`",
-                std::io::ErrorKind::PermissionDenied => "run as the daemon's user, or make the file readable",
-                std::io::ErrorKind::InvalidData => "the file must be UTF-8 text",
-                _ => "is it a regular file?",
+                _ => files::hint(&error),
             };
             ConfigError(format!("{}: {error}; {hint}", path.display()))
         })?;
-        let mut config = Config::parse(&text, &path.display().to_string())?;
+        Config::of_file(&text, path)
+    }
+
+    /// Reads the text of a file, beside which the files are that it names.
+    ///
+    /// # Errors
+    /// When it cannot be parsed.
+    pub fn of_file(text: &str, path: &Path) -> Result<Config, ConfigError> {
+        let mut config = Config::parse(text, &path.display().to_string())?;
         config.base = path.parent().map(Path::to_owned).unwrap_or_default();
         Ok(config)
     }

@@ -2,13 +2,12 @@
 
 use super::limits::{UNDER_WEIGHTS_OHM, WEIGHTS_N};
 use crate::estimate::fit::Pair;
+use crate::files;
 use crate::sensor::Table;
 use crate::units::{Newton, Ohm};
 use csv::{ReaderBuilder, StringRecord, Trim};
 use std::path::Path;
 
-/// Standard gravity, m/s^2: what a mass weighs (CGPM 1901).
-const GRAVITY: f64 = 9.80665;
 const EXAMPLE: &str = "write \"force_n,r_ohm\", such as \"1.20,11122\"";
 
 /// The table that the pairs of a file make: see [`of_csv`].
@@ -17,8 +16,8 @@ const EXAMPLE: &str = "write \"force_n,r_ohm\", such as \"1.20,11122\"";
 /// What is wrong with the file, with the line and the remedy.
 pub fn load_table(path: &Path) -> Result<Table, String> {
     let origin = path.display().to_string();
-    let unread = |error| format!("cannot read the force table {origin}: {error}");
-    let pairs = of_csv(&std::fs::read_to_string(path).map_err(unread)?, &origin)?;
+    let unread = |error| format!("cannot read the force table {origin}: {error}; {}", files::hint(&error));
+    let pairs = of_csv(&files::read_text(path, files::TABLE_BYTES).map_err(unread)?, &origin)?;
     let pairs: Vec<_> = pairs.iter().map(|pair| (pair.r_ohm, pair.f_n)).collect();
     Table::try_from(pairs).map_err(|error| error.to_string())
 }
@@ -69,12 +68,7 @@ pub fn parse(line: &str) -> Result<(f64, Option<f64>), String> {
 
 /// Newton; a number alone is in newton.
 fn force(text: &str) -> Option<f64> {
-    let weight = |unit, kilograms| {
-        let mass = text.strip_suffix(unit)?.trim().parse::<f64>().ok()?;
-        Some(mass * kilograms * GRAVITY)
-    };
-    let newton = || text.parse().ok().or_else(|| text.parse::<Newton>().ok().map(|newton| newton.0));
-    let f_n = weight("kg", 1.0).or_else(|| weight("g", 1e-3)).or_else(newton);
+    let f_n = text.parse().ok().or_else(|| text.parse::<Newton>().ok().map(|newton| newton.0));
     f_n.filter(|f_n| WEIGHTS_N.contains(f_n))
 }
 

@@ -27,12 +27,12 @@ impl Config {
     pub fn settings(&self) -> Result<Settings, SettingsError> {
         let circuit = &self.circuit;
         let channels = self.channels.iter().map(|channel| {
-            let read = |Characteristic { law, u, range_n }: &Characteristic| {
+            let read = |Characteristic { law, u, range_n, tare_n }: &Characteristic| {
                 let law = match law {
                     Source::Given(law) => law.clone(),
                     Source::File(file) => Law::Table { table: pairs::load_table(&self.base.join(file))? },
                 };
-                Ok(Force { law, u: *u, range_n: *range_n })
+                Ok(Force { law, u: *u, range_n: *range_n, tare_n: *tare_n })
             };
             let failed = |reason| SettingsError { id: channel.id.clone(), reason };
             let force = channel.force.as_ref().map(read).transpose().map_err(failed)?;

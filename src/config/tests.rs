@@ -50,7 +50,12 @@ fn everything_can_be_said() {
     assert_eq!(config.channels[0].force, Some(Law::Calibrated { fc1_n: 5.75, fc2_n: 1.05 }.into()));
     assert_eq!(
         config.channels[1].force,
-        Some(Characteristic { law: Source::File(PathBuf::from("index.csv")), u: None, range_n: None })
+        Some(Characteristic {
+            law: Source::File(PathBuf::from("index.csv")),
+            u: None,
+            range_n: None,
+            tare_n: None
+        })
     );
     assert_eq!(config.server, Server { socket: PathBuf::from("/tmp/s"), mode: 0o600 });
     assert_eq!(config.mock, Some(Mock { scene: "pi4".to_owned(), seed: Some(7) }));
@@ -168,7 +173,7 @@ fn refusals_name_the_line_and_the_choice() {
         (text("[[channel]]\nid = \"a\"\nzero-ohm = \"220 ohm\""), 10, "expected a number, without a unit"),
         (text("[[channel]]\nid = \"a\"\nforce = 5"), 10, "integer `5`, expected one of { fc1, fc2 }"),
         (
-            text("[[channel]]\nid = \"a\"\nforce = { fc1 = \"1 N\", fc2 = \"1 g\" }"),
+            text("[[channel]]\nid = \"a\"\nforce = { fc1 = \"1 N\", fc2 = \"1 V\" }"),
             10,
             "expected a force such as",
         ),

@@ -5,13 +5,14 @@
 mod edit;
 mod force;
 mod plot;
+mod tare;
 mod zero;
 
 use super::limits::NEXT_READING;
 use super::stream::Stream;
 use super::{CtlError, line, print};
 use crate::config::Config;
-use crate::ctl::cli::{CalibrateBy, Update};
+use crate::ctl::cli::{CalibrateBy, Tare, Update};
 use crate::stream::client::ClientError;
 use crate::stream::wire::ServerMessage;
 use edit::Value;
@@ -33,6 +34,11 @@ pub fn run(by: &CalibrateBy) -> Result<(), CtlError> {
     }
 }
 
+/// `cermctl zero`.
+pub fn tare(arguments: &Tare) -> Result<(), CtlError> {
+    tare::run(arguments)
+}
+
 /// What is calibrated: a channel of a configuration that is usable as it is.
 struct Target<'a> {
     update: &'a Update,
@@ -42,7 +48,7 @@ struct Target<'a> {
 
 impl<'a> Target<'a> {
     fn new(update: &'a Update) -> Result<Target<'a>, CtlError> {
-        let config = Config::load(&update.config)?;
+        let config = Config::load(&update.file.path)?;
         let known: Vec<String> = config.channels.iter().map(|channel| channel.id.clone()).collect();
         let id = match (&update.channel, known.as_slice()) {
             (Some(id), known) if known.contains(id) => id.clone(),
@@ -65,9 +71,9 @@ impl<'a> Target<'a> {
 
     /// Asks, and puts a value into the configuration after a yes. Prints `result` with what was done for a machine.
     fn offer(&self, value: &Value, result: impl Serialize) -> Result<(), CtlError> {
-        let path = self.update.config.display();
+        let path = self.update.file.path.display();
         let is_wanted = self.update.yes || ask(&format!("write to {path}? [y/N] "))?;
-        let kept = is_wanted.then(|| edit::update(&self.update.config, &self.id, value)).transpose()?;
+        let kept = is_wanted.then(|| edit::update(&self.update.file.path, &self.id, value)).transpose()?;
         match &kept {
             Some(kept) => {
                 self.say(&format!("{path} is updated; as it was, it is {}", kept.display()))?;
@@ -107,7 +113,7 @@ fn wait_for<T>(
 
 /// The next line of standard input; `None` where its end came first: without its newline it was cut off. The question goes to
 /// standard error, because standard output may be for a machine.
-fn typed_line(question: &str) -> Result<Option<String>, CtlError> {
+pub(super) fn typed_line(question: &str) -> Result<Option<String>, CtlError> {
     eprint!("{question}");
     let mut text = String::new();
     io::stdin().lock().read_line(&mut text).map_err(CtlError::system("standard input"))?;

@@ -1,35 +1,55 @@
 //! Everything that can be said before a start: `cermd --check` and `cermctl check` say the same of the configuration, of
 //! the files that it names, and of what stands behind its backend; `cermctl check` tests the hardware, too.
 
-use super::{CtlError, cli, print};
+use super::terminal::Terminal;
+use super::{CtlError, cli};
 use crate::config::backend::{self, OpenError};
 use crate::config::{Backend, Config, ConfigError, Findings, SettingsError, Severity};
 use crate::instrument::discharge::Plan;
 use crate::record::Through;
 use crate::units::Nanos;
+use hardware::Tried;
 use std::fmt;
 use std::path::Path;
 
 pub mod expect;
 mod hardware;
 pub mod latency;
+mod metered;
+mod processor;
 pub mod wiring;
 
 /// `cermctl check`.
 pub(super) fn run(arguments: &cli::Check) -> Result<(), CtlError> {
-    let mut report = check(&arguments.config);
-    let mut latencies = String::new();
+    let mut report = check(&arguments.file.path);
+    let mut extra = String::new();
     if let (true, Ok(config)) = (report.is_usable(), &report.config) {
-        latencies = hardware::check(config, &mut report.findings);
+        let Tried { latencies, busy } = hardware::check(config, &mut report.findings);
+        extra = latencies;
+        if let (false, Ok(settings)) = (report.findings.has_errors(), config.settings()) {
+            extra += &processor::text(config, &settings, busy);
+        }
     }
-    print(&(report.to_string() + &latencies))?;
+    let text = report.to_string() + &extra;
+    let mut terminal = Terminal::new();
+    text.lines().try_for_each(|line| terminal.say(line))?;
     let refusal = || CtlError::said("not usable as it is: see the findings above");
     report.is_usable().then_some(()).ok_or_else(refusal)
 }
 
-/// Checks a configuration file and, if it can be used, what it names.
+/// Checks a configuration file and, if it can be used, what it names; says what readings are to be expected.
 pub fn check(path: &Path) -> CheckReport {
-    let config = Config::load(path);
+    let mut report = usable(path, Config::load(path));
+    if let (true, Ok(config)) = (report.is_usable(), &report.config) {
+        if let Ok(settings) = config.settings() {
+            expect::readings(config, &settings, None, &mut report.findings);
+        }
+    }
+    report
+}
+
+/// The same, without a rehearsal, of a configuration that was read, or was not, from that file.
+pub(super) fn usable(path: &Path, config: Result<Config, ConfigError>) -> CheckReport {
     let findings = config.as_ref().map(Config::check).unwrap_or_default();
     let mut report = CheckReport { origin: path.display().to_string(), config, findings };
     if let (true, Ok(config)) = (report.is_usable(), &report.config) {
@@ -47,18 +67,14 @@ fn full_plan(config: &Config, through: Through, timeout: Nanos) -> Plan {
 /// Lines are tested where they may be touched.
 fn named_files(config: &Config, findings: &mut Findings) {
     let mut error = |key: &str, reason: &dyn fmt::Display| findings.add(Severity::Error, key, reason, None);
-    let settings = config.settings();
-    if let Err(SettingsError { id, reason }) = &settings {
-        error(&format!("channel.{id}.force"), reason);
+    if let Err(SettingsError { id, reason }) = config.settings() {
+        error(&format!("channel.{id}.force"), &reason);
     }
     let scene = (config.gpio.backend == Backend::Mock).then(|| backend::scene(config));
     match scene {
         Some(Err(OpenError::Scene(scene))) => error("mock.scene", &scene),
         Some(Err(other)) => error("mock", &other),
         Some(Ok(_)) | None => {}
-    }
-    if let (Ok(settings), false) = (&settings, findings.has_errors()) {
-        expect::readings(config, settings, None, findings);
     }
 }
 

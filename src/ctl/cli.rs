@@ -1,30 +1,60 @@
 //! The command lines of both programs: arguments and their help texts, from which the manual pages are made, too.
 #![expect(missing_docs, reason = "a text at a flattened group would replace that of its verb")]
 
+mod bridge;
+mod calibrate;
+mod characterize;
+mod setup;
+mod size;
+
+pub use bridge::{Bridge, BridgeTo, Feeding, Iio, Mqtt, Page, Prometheus, Web};
+pub use calibrate::{Calibrate, CalibrateBy, Force, Model, Reference, Tare, Update, Zero};
+pub use characterize::{Characterize, known_ohm};
+pub use setup::Setup;
+pub use size::{SensorName, Size};
+
 use crate::circuit::Kind;
 use crate::instrument::settings::OffsetSource;
 use crate::reading::Method;
 use crate::record::LONGEST_LATENCY;
-use crate::units::Ohm;
+use crate::units::ForceUnit;
 use clap::builder::PossibleValue;
 use clap::{Args, Parser, Subcommand, ValueEnum};
+use std::io::{self, Write};
 use std::path::PathBuf;
+use std::process::ExitCode;
 
 /// What to say to somebody without hardware.
 pub const NO_HARDWARE: &str = "Without hardware: `cermctl demo` shows live readings of a simulated circuit; a file with \
                                [gpio] backend = \"mock\" and [mock] scene = \"pi4\" makes this daemon serve one.";
 
+/// The arguments of this process; or the exit status, once the help, the version or the mistake is printed, or could not be.
+pub fn arguments<T: Parser>() -> Result<T, ExitCode> {
+    T::try_parse().map_err(|error| {
+        let printed = error.print().and_then(|()| io::stdout().flush());
+        match printed {
+            // Whoever reads our output has had enough.
+            Err(why) if why.kind() != io::ErrorKind::BrokenPipe => {
+                // If nobody can be told, the status says it.
+                let _ = writeln!(io::stderr(), "standard output: {why}");
+                ExitCode::FAILURE
+            }
+            _ => ExitCode::from(u8::try_from(error.exit_code()).unwrap_or(1)),
+        }
+    })
+}
+
 /// Measures resistances by timing RC discharges over GPIO lines, and streams them on a unix socket.
 #[derive(Debug, Parser)]
 #[command(name = "cermd", version, after_help = NO_HARDWARE)]
 pub struct Cermd {
-    /// The configuration file
-    #[arg(long, value_name = "FILE")]
-    pub config: Option<PathBuf>,
+    #[command(flatten)]
+    pub file: ConfigFile,
     /// Check the configuration, say what is found, and exit
     #[arg(long)]
     pub check: bool,
-    /// Make every line that the configuration names an input, and exit: for after a kill
+    /// Make every line an input that was asked for, and exit: for after a kill. Where $RUNTIME_DIRECTORY does not tell,
+    /// those that the configuration names
     #[arg(long, conflicts_with = "check")]
     pub release_lines: bool,
 }
@@ -51,6 +81,8 @@ pub enum Verb {
     Stats(Stats),
     /// Say what is wrong with a configuration and, unless cermd holds it, with the circuit: every line is tested
     Check(Check),
+    /// Find the circuit for a sensor: capacitors, resistors and settings for a wanted error or rate, with what to expect of it
+    Size(Size),
     /// List the GPIO chips and lines of this machine, and who holds which
     Lines(Lines),
     /// Write readings, or the timings of discharges, to a file
@@ -59,9 +91,27 @@ pub enum Verb {
     Estimate(Estimate),
     /// Measure the zero or the force characteristic of a sensor, and put it into the configuration
     Calibrate(Calibrate),
+    /// Measure error against time of every method, circuit and mean, and where they fail: simulated, live, or from a tape
+    Characterize(Characterize),
+    /// Tare: what lies on a sensor now counts as no force (the zero of its resistance is `calibrate zero`)
+    Zero(Tare),
+    /// Set the instrument up, from wires to the first reading: chip, configuration, test, service, zero; --undo takes it back
+    Setup(Setup),
+    /// Tell another system what cermd reads, until Ctrl-C; survives restarts of both
+    Bridge(Bridge),
+    /// Serve a page for browsers: every channel live, and the health of the instrument
+    Web(Web),
 }
 
 const SECONDS: &str = "seconds above 0, such as 2.5";
+
+/// Where the configuration is, for every program and verb.
+#[derive(Debug, Args)]
+pub struct ConfigFile {
+    /// The configuration file, see cermd.toml(5)
+    #[arg(long = "config", value_name = "FILE", default_value = "/etc/cermd/cermd.toml")]
+    pub path: PathBuf,
+}
 
 /// Where the daemon listens.
 #[derive(Debug, Args)]
@@ -72,7 +122,7 @@ pub struct Connection {
 }
 
 /// `cermctl demo`.
-#[derive(Debug, Args)]
+#[derive(Debug, Clone, Args)]
 pub struct Demo {
     /// The simulated board: ideal, fpga-paper, pi-zero, pi4 or pi5, with a hand pressing an FSR 402; or a scene file
     /// (*.toml) with its own sensors
@@ -90,6 +140,12 @@ pub struct Demo {
     /// How it is wired [default: as the scene, or as the method needs it]
     #[arg(long)]
     pub wiring: Option<Wiring>,
+    /// All methods side by side on the same sensor: what each reads, how far off it is, how fast; then error against time.
+    /// On anything but a terminal as fast as it can be computed
+    #[arg(long, conflicts_with = "method")]
+    pub compare: bool,
+    #[command(flatten)]
+    pub shown: Shown,
 }
 
 /// The wirings of the drawings.
@@ -101,6 +157,24 @@ pub enum Wiring {
     Two,
     /// One capacitor, Rc2 in series with Rc1: for qerm
     Series,
+}
+
+/// What forces are shown in; lines for machines are always in newton.
+#[derive(Debug, Clone, Args)]
+pub struct Shown {
+    /// What forces are shown in; a mass stands for its weight
+    #[arg(long, value_enum, default_value = "N", ignore_case = true)]
+    pub unit: ForceUnit,
+}
+
+impl ValueEnum for ForceUnit {
+    fn value_variants<'a>() -> &'a [ForceUnit] {
+        &ForceUnit::ALL
+    }
+
+    fn to_possible_value(&self) -> Option<PossibleValue> {
+        Some(PossibleValue::new(self.as_str()))
+    }
 }
 
 impl From<Wiring> for Kind {
@@ -122,6 +196,8 @@ pub struct Watch {
     /// At most so many readings of each channel per second
     #[arg(long, value_name = "HERTZ", value_parser = number_of("hertz above 0, such as 10"))]
     pub max_hz: Option<f64>,
+    #[command(flatten)]
+    pub shown: Shown,
     /// The lines of the stream as they come
     #[arg(long)]
     pub json: bool,
@@ -135,6 +211,8 @@ pub struct Get {
     /// Only these channels [default: all]
     #[arg(value_name = "CHANNEL")]
     pub channels: Vec<String>,
+    #[command(flatten)]
+    pub shown: Shown,
     /// The lines of the stream as they come
     #[arg(long)]
     pub json: bool,
@@ -155,9 +233,8 @@ pub struct Stats {
 /// `cermctl check`.
 #[derive(Debug, Args)]
 pub struct Check {
-    /// The configuration file
-    #[arg(long, value_name = "FILE")]
-    pub config: PathBuf,
+    #[command(flatten)]
+    pub file: ConfigFile,
 }
 
 /// `cermctl lines`.
@@ -224,96 +301,6 @@ pub struct Estimate {
     pub json: bool,
 }
 
-/// `cermctl calibrate`.
-#[derive(Debug, Args)]
-pub struct Calibrate {
-    /// What to calibrate by.
-    #[command(subcommand)]
-    pub by: CalibrateBy,
-}
-
-/// What `cermctl calibrate` can calibrate by.
-#[derive(Debug, Subcommand)]
-pub enum CalibrateBy {
-    /// With a short circuit in the sensor's place: find the zero
-    Zero(Zero),
-    /// With a known resistor in the sensor's place: below r-c1 find the zero, from there on the scale
-    Reference(Reference),
-    /// With weights on the sensor: find how its resistance becomes force
-    Force(Force),
-}
-
-/// `cermctl calibrate zero`.
-#[derive(Debug, Args)]
-pub struct Zero {
-    /// How many discharges to take
-    #[arg(long, value_name = "NUMBER", default_value = "200", value_parser = clap::value_parser!(u64).range(2..=100_000))]
-    pub count: u64,
-    #[command(flatten)]
-    pub update: Update,
-    #[command(flatten)]
-    pub connection: Connection,
-}
-
-/// `cermctl calibrate reference`.
-#[derive(Debug, Args)]
-pub struct Reference {
-    /// The resistor as measured, such as 10.03 or "10.03 ohm"
-    #[arg(value_name = "OHM", value_parser = ohm)]
-    pub ohm: f64,
-    #[command(flatten)]
-    pub zero: Zero,
-}
-
-/// `cermctl calibrate force`.
-#[derive(Debug, Args)]
-pub struct Force {
-    /// Pairs from a file of `force_n,r_ohm` lines [default: typed; the resistance is measured]
-    #[arg(long, value_name = "FILE")]
-    pub csv: Option<PathBuf>,
-    /// What to fit
-    #[arg(long, value_enum, default_value = "alpha")]
-    pub model: Model,
-    /// Draw pairs, fit and residuals into this file, as SVG
-    #[arg(long, value_name = "FILE")]
-    pub plot: Option<PathBuf>,
-    /// How many readings to average for each weight
-    #[arg(long, value_name = "NUMBER", default_value = "20", value_parser = clap::value_parser!(u64).range(1..=100_000))]
-    pub count: u64,
-    #[command(flatten)]
-    pub update: Update,
-    #[command(flatten)]
-    pub connection: Connection,
-}
-
-/// The forms of a characteristic.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub enum Model {
-    /// R = alpha / F
-    Alpha,
-    /// F = F_1k (R / 1 kohm)^-exponent
-    Power,
-    /// The pairs themselves, and interpolation between them
-    Table,
-}
-
-/// What a calibration is written to.
-#[derive(Debug, Args)]
-pub struct Update {
-    /// Which channel [default: the only one]
-    #[arg(long, value_name = "ID")]
-    pub channel: Option<String>,
-    /// The configuration file of the daemon; a copy of it is kept when it is changed
-    #[arg(long, value_name = "FILE", default_value = "/etc/cermd/cermd.toml")]
-    pub config: PathBuf,
-    /// Change the configuration without asking
-    #[arg(long)]
-    pub yes: bool,
-    /// The result as a line of JSON
-    #[arg(long)]
-    pub json: bool,
-}
-
 impl ValueEnum for Method {
     fn value_variants<'a>() -> &'a [Method] {
         &Method::ALL
@@ -321,15 +308,6 @@ impl ValueEnum for Method {
 
     fn to_possible_value(&self) -> Option<PossibleValue> {
         Some(PossibleValue::new(self.as_str()))
-    }
-}
-
-fn ohm(text: &str) -> Result<f64, String> {
-    let value = text.parse().or_else(|_| text.parse::<Ohm>().map(|ohm| ohm.0)).unwrap_or(f64::NAN);
-    if (0.0..=1e6).contains(&value) {
-        Ok(value)
-    } else {
-        Err("a resistance in ohm, such as 10.03".to_owned())
     }
 }
 
@@ -359,6 +337,23 @@ mod tests {
     fn the_parsers_are_consistent() {
         Cermd::command().debug_assert();
         Cermctl::command().debug_assert();
+    }
+
+    /// Every default that a configuration file has, below a command.
+    fn default_files(command: &clap::Command) -> Vec<(String, String)> {
+        let own = command.get_arguments().filter(|argument| argument.get_long() == Some("config"));
+        let own = own.flat_map(clap::Arg::get_default_values).map(|file| file.to_string_lossy().into_owned());
+        let own = own.map(|file| (command.get_name().to_owned(), file));
+        own.chain(command.get_subcommands().flat_map(default_files)).collect()
+    }
+
+    #[test]
+    fn the_configuration_is_in_one_place() {
+        let files = [default_files(&Cermd::command()), default_files(&Cermctl::command())].concat();
+        for name in ["cermd", "check", "zero", "reference", "force"] {
+            assert!(files.iter().any(|(command, _)| command == name), "{name}: {files:?}");
+        }
+        assert!(files.iter().all(|(_, file)| file == "/etc/cermd/cermd.toml"), "{files:?}");
     }
 
     #[test]

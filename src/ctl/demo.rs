@@ -2,8 +2,9 @@
 //!
 //! What runs is the real daemon on a thread, with the real socket in a private directory that is gone afterwards.
 
-mod board;
-mod summary;
+pub(super) mod board;
+mod compare;
+pub(super) mod summary;
 
 use super::CtlError;
 use super::interrupt::Interrupt;
@@ -25,6 +26,9 @@ use summary::Tally;
 
 /// Shows the demo.
 pub fn run(arguments: &cli::Demo) -> Result<(), CtlError> {
+    if arguments.compare {
+        return compare::run(arguments);
+    }
     let interrupt = Interrupt::new()?;
     let folder = tempfile::Builder::new().prefix("cermctl-demo-").tempdir();
     let folder = folder.map_err(CtlError::system("a temporary directory for the socket"))?;
@@ -35,7 +39,7 @@ pub fn run(arguments: &cli::Demo) -> Result<(), CtlError> {
     let [measured, truth] = [(); 2].map(|()| board.simulation().paced(epoch));
     let daemon = Running::start(&board, measured)?;
     let mut stream = Stream::connect(&socket, &[])?;
-    let screen = Screen::new(stream.channels());
+    let screen = Screen::new(stream.channels(), arguments.shown.unit);
     let mut screen = screen.with_history(arguments.seconds.min(HISTORY_S), SAY_AFTER, "simulated  ");
     for line in introduction(&board, arguments) {
         screen.terminal.say(&line)?;
@@ -94,7 +98,7 @@ impl Running {
     }
 }
 
-fn introduction(board: &Board, arguments: &cli::Demo) -> [String; 3] {
+pub(super) fn introduction(board: &Board, arguments: &cli::Demo) -> [String; 3] {
     let cli::Demo { scene, seconds, .. } = arguments;
     let first = format!(
         " {}  {}  board {scene}, method {}, {seconds} s, Ctrl-C ends it",

@@ -1,8 +1,13 @@
 //! What went wrong, as a sentence with a hint: the last line that a person sees of a verb that failed.
 
+use crate::bridge::BridgeError;
+use crate::characterize::cell::CellError;
+use crate::characterize::folder::FolderError;
 use crate::config::ConfigError;
 use crate::daemon::DaemonError;
+use crate::files;
 use crate::pins::sim::SceneError;
+use crate::report::ReportError;
 use crate::stream::client::ClientError;
 use std::io;
 use std::path::Path;
@@ -22,9 +27,21 @@ pub enum CtlError {
     /// The scene of the demo.
     #[error("--scene: {0}")]
     Scene(#[from] SceneError),
+    /// The folder of a sweep.
+    #[error(transparent)]
+    Folder(#[from] FolderError),
+    /// The report of a sweep.
+    #[error(transparent)]
+    Report(#[from] ReportError),
+    /// A cell of a sweep.
+    #[error(transparent)]
+    Cell(#[from] CellError),
     /// The daemon inside the demo.
     #[error("the simulated instrument: {0}")]
     Daemon(#[from] DaemonError),
+    /// A bridge cannot start.
+    #[error(transparent)]
+    Bridge(#[from] BridgeError),
     /// Standard output is gone.
     #[error("standard output: {0}")]
     Output(io::Error),
@@ -42,8 +59,10 @@ fn look_where(error: &io::Error) -> &'static str {
     match error.kind() {
         io::ErrorKind::NotFound => "is the path right, and is its directory there?",
         io::ErrorKind::PermissionDenied => "this user may not; choose another place, or try sudo",
-        io::ErrorKind::InvalidData => "it must be text in UTF-8",
-        io::ErrorKind::AlreadyExists => "nothing was changed; try again, the name is that of the second",
+        io::ErrorKind::InvalidData | io::ErrorKind::InvalidInput | io::ErrorKind::FileTooLarge => {
+            files::hint(error)
+        }
+        io::ErrorKind::AlreadyExists => "another program has just made it; nothing was changed, try again",
         _ => "is it a file, and is there room?",
     }
 }
@@ -72,17 +91,5 @@ impl CtlError {
     /// Whether the reader of our standard output has gone away, which is his right.
     pub fn is_closed_pipe(&self) -> bool {
         matches!(self, CtlError::Output(error) if error.kind() == io::ErrorKind::BrokenPipe)
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn a_copy_of_the_same_second_is_no_full_disk() {
-        let source = io::Error::from(io::ErrorKind::AlreadyExists);
-        let said = CtlError::file(Path::new("cermd.toml.bak-1"))(source).to_string();
-        assert!(said.ends_with("nothing was changed; try again, the name is that of the second"), "{said}");
     }
 }

@@ -12,7 +12,8 @@ use crate::stream::wire::{ReadingLine, Request, ServerMessage};
 /// Prints, in the order of the configuration.
 pub fn run(arguments: &cli::Get) -> Result<(), CtlError> {
     let mut stream = Stream::connect(&arguments.connection.socket, &arguments.channels)?;
-    let mut panel = Panel::new(stream.channels(), Terminal::new().unicode);
+    let mut terminal = Terminal::new();
+    let mut panel = Panel::new(stream.channels(), arguments.shown.unit, terminal.unicode);
     let wanted: Vec<String> = stream.channels().map(|channel| channel.id.clone()).collect();
     stream.request(&Request::Poll)?;
     let mut last: Vec<Option<(String, ReadingLine)>> = vec![None; wanted.len()];
@@ -34,8 +35,10 @@ pub fn run(arguments: &cli::Get) -> Result<(), CtlError> {
     }
     for (line, reading) in last.into_iter().flatten() {
         panel.feed(&reading);
-        let plain = panel.plain(&reading.channel).unwrap_or_default();
-        print(&(if arguments.json { line } else { plain } + "\n"))?;
+        match panel.plain(&reading.channel) {
+            Some(plain) if !arguments.json => terminal.say(&plain)?,
+            _ => print(&(line + "\n"))?,
+        }
     }
     Ok(())
 }

@@ -3,7 +3,10 @@
 //! For: what a person sees: live lines, tables, files, errors as sentences. Must not know: how anything is measured; the
 //! [`demo`] alone starts an instrument, [`check`] alone tests one.
 
+mod achieved;
+mod bridge;
 mod calibrate;
+mod characterize;
 pub mod check;
 pub mod cli;
 pub mod demo;
@@ -13,10 +16,16 @@ mod get;
 mod interrupt;
 mod limits;
 mod lines;
+pub mod log;
 mod panel;
+mod progress;
 mod record;
 pub mod replay;
 mod screen;
+#[cfg(test)]
+mod screens;
+mod setup;
+mod size;
 mod stats;
 mod stream;
 mod terminal;
@@ -39,10 +48,16 @@ pub fn run(verb: Verb) -> Result<(), CtlError> {
         Verb::Get(arguments) => get::run(&arguments),
         Verb::Stats(arguments) => stats::run(&arguments),
         Verb::Check(arguments) => check::run(&arguments),
+        Verb::Size(arguments) => size::run(&arguments),
         Verb::Lines(arguments) => lines::run(&arguments),
         Verb::Record(arguments) => record::run(&arguments),
         Verb::Estimate(arguments) => estimate::run(&arguments),
         Verb::Calibrate(arguments) => calibrate::run(&arguments.by),
+        Verb::Characterize(arguments) => characterize::run(&arguments),
+        Verb::Zero(arguments) => calibrate::tare(&arguments),
+        Verb::Setup(arguments) => setup::run(&arguments),
+        Verb::Bridge(arguments) => bridge::run(arguments.to),
+        Verb::Web(arguments) => bridge::web(arguments),
     }
 }
 

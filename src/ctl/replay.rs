@@ -6,7 +6,7 @@ use crate::estimate::scatter::SwitchScatter;
 use crate::instrument::cycle::Cycle;
 use crate::instrument::discharge::Charge;
 use crate::instrument::settings::{Charges, OffsetSource, Settings};
-use crate::reading::{Fault, Method};
+use crate::reading::{Fault, Method, Reading};
 use crate::stream::tape::{Entry, Header, TapeOffset};
 use crate::stream::wire::StateLine;
 use crate::units::Nanos;
@@ -95,7 +95,20 @@ impl Replay {
     /// # Errors
     /// d is needed, and not known.
     pub fn take(&mut self, entry: &Entry) -> Result<Option<Estimate>, String> {
-        let Entry { seq, is_timed, is_held, record } = entry;
+        let Some(reading) = self.read(entry)? else { return Ok(None) };
+        let mut state = StateLine::new(&reading.status, self.method);
+        state.method = Some(self.method.to_string());
+        let channel = self.header.channels[reading.channel].id.clone();
+        let t_mono_ns = entry.is_timed.then_some(reading.at.0);
+        Ok(Some(Estimate { seq: entry.seq, channel, t_mono_ns, state }))
+    }
+
+    /// The same as the instrument has it.
+    ///
+    /// # Errors
+    /// As [`take`](Replay::take).
+    pub fn read(&mut self, entry: &Entry) -> Result<Option<Reading>, String> {
+        let Entry { is_timed, is_held, record, .. } = entry;
         let is_switched = record.through.channel().is_some() && record.switch.is_some();
         let is_wanting = self.method.needs_offset() && !self.cycle.offset_is_known();
         // Others are read as the daemon reads them before it has found the offset, unless the tape is to tell.
@@ -107,11 +120,7 @@ impl Replay {
                 self.method
             ));
         }
-        let Some(reading) = self.cycle.replay(record, *is_timed, *is_held) else { return Ok(None) };
-        let mut state = StateLine::new(&reading.status, self.method);
-        state.method = Some(self.method.to_string());
-        let channel = self.header.channels[reading.channel].id.clone();
-        Ok(Some(Estimate { seq: *seq, channel, t_mono_ns: is_timed.then_some(reading.at.0), state }))
+        Ok(self.cycle.replay(record, *is_timed, *is_held))
     }
 
     /// Takes the next discharge; the estimate as it is, ohm, if it was a sensor's and there is a calibration: no zero taken

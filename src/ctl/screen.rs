@@ -1,10 +1,11 @@
 //! Readings as they come: lines that are rewritten in place on a terminal, one line after the other anywhere else.
 
 use super::CtlError;
-use super::limits::REDRAW_AFTER;
+use super::limits::{HISTORY_S, REDRAW_AFTER};
 use super::panel::Panel;
 use super::terminal::Terminal;
 use crate::stream::wire::{ChannelInfo, ReadingLine};
+use crate::units::ForceUnit;
 use std::time::{Duration, Instant};
 
 /// What `watch` and `demo` show.
@@ -12,29 +13,30 @@ use std::time::{Duration, Instant};
 pub struct Screen {
     pub terminal: Terminal,
     panel: Panel,
-    /// How far back a sparkline under the live lines goes, seconds; `None`: there is none.
-    history_s: Option<f64>,
+    unit: ForceUnit,
+    /// How far back the sparklines under the live lines go, seconds.
+    history_s: f64,
     /// On anything but a terminal, one reading in this time is written, after this text.
     plain: (Duration, &'static str),
     shown: Option<Instant>,
 }
 
 impl Screen {
-    /// Of these channels; every reading, and no history.
-    pub fn new<'a>(channels: impl Iterator<Item = &'a ChannelInfo>) -> Screen {
+    /// Of these channels, with forces in this unit; every reading.
+    pub fn new<'a>(channels: impl Iterator<Item = &'a ChannelInfo>, unit: ForceUnit) -> Screen {
         let terminal = Terminal::new();
-        let panel = Panel::new(channels, terminal.unicode);
-        Screen { terminal, panel, history_s: None, plain: (Duration::ZERO, ""), shown: None }
+        let panel = Panel::new(channels, unit, terminal.unicode);
+        Screen { terminal, panel, unit, history_s: HISTORY_S, plain: (Duration::ZERO, ""), shown: None }
     }
 
-    /// With a history, and fewer lines where they stay.
+    /// With so much history, and fewer lines where they stay.
     pub fn with_history(self, seconds: f64, pause: Duration, prefix: &'static str) -> Screen {
-        Screen { history_s: Some(seconds), plain: (pause, prefix), ..self }
+        Screen { history_s: seconds, plain: (pause, prefix), ..self }
     }
 
     /// Begins anew with other channels.
     pub fn restart<'a>(&mut self, channels: impl Iterator<Item = &'a ChannelInfo>) {
-        self.panel = Panel::new(channels, self.terminal.unicode);
+        self.panel = Panel::new(channels, self.unit, self.terminal.unicode);
     }
 
     /// Takes a reading, and shows it when it is time.
@@ -59,9 +61,13 @@ impl Screen {
         if !self.terminal.is_live {
             return Ok(());
         }
-        let width = self.terminal.width();
+        let (width, height) = self.terminal.size();
         let mut lines = self.panel.lines(width);
-        lines.extend(self.history_s.into_iter().flat_map(|seconds| self.panel.history(seconds, width)));
+        let history = self.panel.history(self.history_s, width);
+        // What is now comes before what was.
+        if lines.len() + history.len() < height {
+            lines.extend(history);
+        }
         self.terminal.draw(&lines)
     }
 }

@@ -4,10 +4,14 @@
 
 use super::stream::Stream;
 use super::terminal::Terminal;
-use super::{CtlError, print};
+use super::{CtlError, achieved, print};
 use crate::ctl::cli;
-use crate::units::measured;
+use crate::stream::wire::ChannelStats;
+use crate::units::{ForceUnit, measured};
+use console::{Alignment, measure_text_width, pad_str};
+use serde::Deserialize;
 use serde_json::{Map, Value};
+use std::collections::BTreeMap;
 
 /// Prints.
 pub fn run(arguments: &cli::Stats) -> Result<(), CtlError> {
@@ -15,24 +19,37 @@ pub fn run(arguments: &cli::Stats) -> Result<(), CtlError> {
     if arguments.json {
         return print(&(line + "\n"));
     }
-    let mut stats: Map<String, Value> = serde_json::from_str(&line).unwrap_or_default();
-    stats.remove("class");
-    print(&table(&stats, Terminal::new().unicode))
+    let mut terminal = Terminal::new();
+    table(&line, terminal.unicode).lines().try_for_each(|line| terminal.say(line))
 }
 
 /// The fields that are known, in the order in which a person asks; later releases have more.
 const ORDER: &str = "backend method uptime_s clients published lost cycles readings ok moving open short faults retried \
                      offset_known offset_ns r_o_ohm";
 
-/// One line for each field that says something.
-fn table(stats: &Map<String, Value>, unicode: bool) -> String {
+/// One line for each field of STATS that says something.
+pub fn table(line: &str, unicode: bool) -> String {
+    let mut stats: Map<String, Value> = serde_json::from_str(line).unwrap_or_default();
+    stats.remove("class");
     let place = |key: &str| ORDER.split(' ').position(|known| known == key).unwrap_or(usize::MAX);
     let mut fields: Vec<_> = stats.iter().collect();
     fields.sort_by_key(|(key, _)| place(key));
-    let rows: Vec<_> =
-        fields.into_iter().filter_map(|(key, value)| row(stats, key, value, unicode)).collect();
-    let width = rows.iter().map(|(name, _)| name.len()).max().unwrap_or(0);
-    rows.iter().map(|(name, value)| format!("{name:width$}  {value}\n")).collect()
+    let (channels, fields): (Vec<_>, Vec<_>) = fields.into_iter().partition(|(key, _)| *key == "channels");
+    let rows = fields.into_iter().filter_map(|(key, value)| row(&stats, key, value, unicode));
+    let rows: Vec<_> = rows.chain(channels.into_iter().flat_map(|(_, value)| channel_rows(value))).collect();
+    let width = rows.iter().map(|(name, _)| measure_text_width(name)).max().unwrap_or(0);
+    let padded = |name: &str| pad_str(name, width, Alignment::Left, None).into_owned();
+    rows.iter().map(|(name, value)| format!("{}  {value}\n", padded(name))).collect()
+}
+
+/// What the last readings of each channel came to.
+fn channel_rows(channels: &Value) -> Vec<(String, String)> {
+    let channels = BTreeMap::<String, ChannelStats>::deserialize(channels).unwrap_or_default();
+    let row = |(id, stats): (String, ChannelStats)| {
+        let words = achieved::in_words(&stats, ForceUnit::Newton);
+        (format!("channel {id}"), format!("{words}; the last {:.1} s", stats.span_s))
+    };
+    channels.into_iter().filter(|(_, stats)| stats.readings > 0).map(row).collect()
 }
 
 fn row(stats: &Map<String, Value>, key: &str, value: &Value, unicode: bool) -> Option<(String, String)> {
@@ -97,9 +114,11 @@ mod tests {
     fn units_and_uncertainties_come_from_the_keys() {
         let stats = serde_json::json!({
             "backend": "mock", "uptime_s": 12.3456, "readings": 7, "faults": {"missed-edge": 0, "no-charge": 2},
+            "channels": {"thumb": {"span_s": 10.2, "readings": 11, "rate_hz": 0.98, "ok": 11, "moving": 0,
+                "settling": 0, "open": 0, "short": 0, "faults": 0}},
             "offset_known": true, "offset_ns": 8012.3, "offset_u_ns": 110, "r_o_ohm": 40.61, "new_field": [1],
         });
-        insta::assert_snapshot!(table(stats.as_object().unwrap(), false), @r"
+        insta::assert_snapshot!(table(&stats.to_string(), false), @r"
         backend               mock
         uptime                12.35 s
         readings              7
@@ -108,6 +127,7 @@ mod tests {
         latency offset        8.01 +- 0.11 us
         pin resistance        40.61 ohm
         new field             [1]
+        channel thumb         1.0/s, 100 % ok; the last 10.2 s
         ");
     }
 }

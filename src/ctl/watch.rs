@@ -6,30 +6,44 @@ use super::interrupt::Interrupt;
 use super::limits::RETRY_AFTER;
 use super::screen::Screen;
 use super::stream::{Next, Stream};
-use super::{CtlError, print};
+use super::{CtlError, achieved, print};
 use crate::ctl::cli;
 use crate::stream::client::ClientError;
-use crate::stream::wire::ServerMessage;
+use crate::stream::wire::{ReadingTally, ServerMessage};
+use crate::units::ForceUnit;
 use console::style;
+use std::collections::BTreeMap;
 
-/// Watches until Ctrl-C.
+/// What has come, by channel.
+type Tallies = BTreeMap<String, ReadingTally>;
+
+/// Watches until Ctrl-C, and says what it has seen.
 pub fn run(arguments: &cli::Watch) -> Result<(), CtlError> {
     let interrupt = Interrupt::new()?;
     let mut stream = connect(arguments)?;
-    let mut screen = Screen::new(stream.channels());
+    let mut screen = Screen::new(stream.channels(), arguments.shown.unit);
+    let mut tallies = Tallies::new();
     loop {
-        follow(arguments.json, &mut screen, &mut stream, &interrupt)?;
+        follow(arguments.json, &mut screen, &mut tallies, &mut stream, &interrupt)?;
         if interrupt.is_set() {
-            return Ok(());
+            break;
         }
         note(arguments, &mut screen, "cermd closed the connection; waiting for it to come back")?;
         match reconnect(arguments, &interrupt)? {
             Some(again) => stream = again,
-            None => return Ok(()),
+            None => break,
         }
         screen.restart(stream.channels());
         note(arguments, &mut screen, "connected again")?;
     }
+    if arguments.json { Ok(()) } else { conclude(arguments.shown.unit, &mut screen, &tallies) }
+}
+
+fn conclude(unit: ForceUnit, screen: &mut Screen, tallies: &Tallies) -> Result<(), CtlError> {
+    tallies.iter().map(|(id, tally)| (id, tally.stats())).try_for_each(|(id, stats)| {
+        let (readings, words) = (stats.readings, achieved::in_words(&stats, unit));
+        screen.terminal.say(&format!(" {id}: {readings} readings in {:.1} s: {words}", stats.span_s))
+    })
 }
 
 fn connect(arguments: &cli::Watch) -> Result<Stream, CtlError> {
@@ -60,6 +74,7 @@ fn is_passing(error: &ClientError) -> bool {
 fn follow(
     json: bool,
     screen: &mut Screen,
+    tallies: &mut Tallies,
     stream: &mut Stream,
     interrupt: &Interrupt,
 ) -> Result<(), CtlError> {
@@ -68,7 +83,10 @@ fn follow(
         let next = if json { stream.next_line() } else { stream.next() };
         match next? {
             Next::Line(line, _) if json => print(&(line + "\n"))?,
-            Next::Line(_, ServerMessage::Reading(reading)) => screen.feed(&reading)?,
+            Next::Line(_, ServerMessage::Reading(reading)) => {
+                tallies.entry(reading.channel.clone()).or_default().add_line(&reading);
+                screen.feed(&reading)?;
+            }
             // The channels have changed.
             Next::Line(_, ServerMessage::Version(_)) => screen.restart(stream.channels()),
             Next::Quiet if !json => screen.redraw()?,

@@ -16,6 +16,11 @@ pub const RING: usize = 4096;
 pub const STATS_EVERY: Nanos = Nanos(250_000_000);
 /// The longest wait of the measuring thread without a look at whether to stop.
 pub const NAP: Nanos = Nanos(100_000_000);
+/// How long the end of the measuring thread is waited for: some naps, and less than the service manager waits for ours
+/// (TimeoutStopSec= of systemd/cermd.service).
+pub const STOP_PATIENCE: Nanos = Nanos(5_000_000_000);
+/// How often it is looked for.
+pub const STOP_LOOK: Duration = Duration::from_millis(1);
 /// Naps before pins that failed are opened again: a second.
 pub const NAPS_TO_REOPEN: usize = 10;
 /// How long the kernel takes at most to take a chip apart.

@@ -5,14 +5,14 @@
 
 mod interruptible;
 
-use super::limits::{NAP, NAPS_TO_REOPEN, RING, STATS_EVERY, TAKEN_APART};
+use super::limits::{NAP, NAPS_TO_REOPEN, RING, STATS_EVERY, STOP_LOOK, STOP_PATIENCE, TAKEN_APART};
 use crate::config::Config;
 use crate::config::backend::{self, AnyPins, OpenError};
 use crate::instrument::settings::Settings;
 use crate::instrument::stats::Stats;
 use crate::instrument::{Instrument, Message};
 use crate::pins::realtime::{self, Realtime};
-use crate::pins::{Pins, PinsError};
+use crate::pins::{Pins, PinsError, monotonic};
 use crate::units::Nanos;
 use interruptible::Interruptible;
 use nix::sys::eventfd::{EfdFlags, EventFd};
@@ -59,6 +59,13 @@ impl Shared {
         self.stop.load(Ordering::Relaxed)
     }
 }
+
+/// The measuring thread does not end.
+#[derive(Debug, thiserror::Error)]
+#[error(
+    "the measuring thread hangs in a call of its pins: it is left behind, and its lines are released with this process"
+)]
+pub struct Stuck;
 
 /// A running measurement. Dropping it stops the thread; every line is released before the thread ends.
 #[derive(Debug)]
@@ -126,18 +133,33 @@ impl Measuring {
     }
 
     /// Stops the thread and waits for its end; every line is released then. What it has told can still be read.
-    pub fn stop(&mut self) {
+    ///
+    /// # Errors
+    /// It does not end: a call of it hangs in the kernel. Its lines are released when the process ends.
+    pub fn stop(&mut self) -> Result<(), Stuck> {
         self.shared.stop.store(true, Ordering::Relaxed);
+        let patience_ends = monotonic() + STOP_PATIENCE;
+        while self.thread.as_ref().is_some_and(|thread| !thread.is_finished()) {
+            if monotonic() >= patience_ends {
+                // Waiting once is enough.
+                self.thread = None;
+                return Err(Stuck);
+            }
+            thread::sleep(STOP_LOOK);
+        }
         if let Some(thread) = self.thread.take() {
             // A panic of the thread has been reported when it happened; its lines are released.
             let _ = thread.join();
         }
+        Ok(())
     }
 }
 
 impl Drop for Measuring {
     fn drop(&mut self) {
-        self.stop();
+        if let Err(error) = self.stop() {
+            log::error!("{error}");
+        }
     }
 }
 

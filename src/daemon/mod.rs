@@ -9,7 +9,8 @@
 mod heartbeat;
 mod limits;
 mod measuring;
-mod publish;
+pub(crate) mod publish;
+mod requested;
 mod signals;
 
 use crate::config::backend::{self, AnyPins, OpenError};
@@ -22,10 +23,11 @@ use crate::stream::tape::Header;
 use crate::units::Nanos;
 use heartbeat::Heartbeat;
 use limits::LOOK_AFTER;
-use measuring::Measuring;
+use measuring::{Measuring, Stuck};
 use nix::poll::{PollFd, PollFlags, PollTimeout, poll};
 use nix::time::ClockId;
 use publish::Known;
+use requested::Requested;
 use sd_notify::NotifyState;
 pub use signals::{Signals, StopHandle};
 use std::io;
@@ -54,6 +56,9 @@ pub enum DaemonError {
     /// The configuration cannot work, or the system refuses something basic.
     #[error("{0}")]
     Refused(String),
+    /// The measuring thread cannot be stopped.
+    #[error(transparent)]
+    Stuck(#[from] Stuck),
     /// The measuring thread has panicked, which is a mistake of the program.
     #[error("the measuring thread has died; every line is released. Please report this with the lines above")]
     Died,
@@ -153,8 +158,9 @@ impl Daemon {
                 (Listener::bind(path, config.server.mode)?, path.display().to_string())
             }
         };
-        let mut server = Server::new(listener, &publish::channels(&loaded.settings), Limits::default())
-            .map_err(system("epoll"))?;
+        let channels = publish::channels(&loaded.settings);
+        let mut server =
+            Server::new(listener, &channels, Limits::of_this_process()).map_err(system("epoll"))?;
         server.set_tape_header(&loaded.tape_header);
         let measuring = start_measuring(Some(open(&loaded)?), &loaded)?;
         log::info!("serving {} channel(s) on {place}", config.channels.len());
@@ -278,7 +284,7 @@ impl Daemon {
         }
         // The lines of the old configuration are released before those of the new one are asked for, and its last
         // readings are published under its own channels.
-        self.measuring.stop();
+        self.measuring.stop()?;
         self.publish();
         match open(&loaded) {
             Ok(pins) => {
@@ -316,8 +322,34 @@ impl Daemon {
     }
 }
 
+/// The cleaner finds what is asked for here, if the service manager has a place for it.
 fn open(loaded: &Loaded) -> Result<AnyPins, OpenError> {
+    if let Some(folder) = requested::runtime_directory() {
+        if let Err(error) = Requested::of(&loaded.config)?.keep(&folder) {
+            let until =
+                "after a kill those of the configuration file are released, whatever it names by then";
+            log::warn!("{}: the lines are not kept: {error}; {until}", folder.display());
+        }
+    }
     backend::open(&loaded.config, monotonic())
+}
+
+/// Makes lines inputs, for after a kill: those that were asked for, as the runtime directory says; where nobody has kept
+/// them, those of the configuration. `false`: the circuit is simulated, there is nothing to do.
+///
+/// # Errors
+/// The configuration cannot be read, or the first line that could not be had; the others are inputs all the same.
+pub fn release_lines(path: &Path) -> Result<bool, DaemonError> {
+    let kept = requested::runtime_directory().and_then(|folder| {
+        let complain =
+            |error: &io::Error| log::warn!("{}: the lines that were kept: {error}", folder.display());
+        Requested::last(&folder).inspect_err(complain).ok().flatten()
+    });
+    let requested = match kept {
+        Some(requested) => requested,
+        None => Requested::of(&Config::load(path)?)?,
+    };
+    Ok(requested.release()?)
 }
 
 /// `None`: the pins cannot be opened now, and the measuring thread tries again.

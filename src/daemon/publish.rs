@@ -38,6 +38,8 @@ pub struct Known {
     suspect: Option<(Suspect, Nanos)>,
     /// Whether the log has named a leak.
     leak: bool,
+    /// The same of what capacitors absorb.
+    absorbs: bool,
 }
 
 impl Known {
@@ -54,6 +56,17 @@ impl Known {
                 log::info!("nothing is wrong with the board any more");
             }
             _ => {}
+        }
+    }
+
+    fn log_absorption(&mut self, stats: &Stats) {
+        if let (Some(share), false) = (stats.absorbed, self.absorbs) {
+            self.absorbs = true;
+            log::warn!(
+                "the capacitors absorb charge: discharges are {:.2} % longer after a rest, and readings less certain by what \
+                 that does to them; take film capacitors (PP, PET) or C0G, or a longer charge-time",
+                100.0 * share
+            );
         }
     }
 
@@ -80,7 +93,7 @@ pub fn publish(server: &mut Server, known: &mut Known, loaded: &Loaded, update: 
             let time = Timestamp::from_nanosecond((reading.at + to_wall).0.into()).unwrap_or_default();
             server.publish_reading(&reading, time);
         }
-        Update::Message(Message::Discharge { seq, record, is_held, as_read_ohm }) => {
+        Update::Message(Message::Discharge { seq, record, is_held, as_read_ohm, .. }) => {
             if server.wants_raw() {
                 let line = loaded.tape_header.discharge(seq, &record, is_held);
                 server.publish_discharge(DischargeLine { as_read_ohm, ..line });
@@ -88,6 +101,7 @@ pub fn publish(server: &mut Server, known: &mut Known, loaded: &Loaded, update: 
         }
         Update::Stats(stats) => {
             known.log_leak(&stats);
+            known.log_absorption(&stats);
             known.stats = stats;
         }
         Update::Realtime(report) => {
@@ -130,6 +144,7 @@ pub fn stats(known: &Known, config: &Config, uptime: Nanos) -> InstrumentStats {
         faults: faults.into(),
         hint: stats.suspect.map(|suspect| suspect.to_string()),
         leak_ohm: stats.leak_siemens.filter(|siemens| *siemens > 0.0).map(|siemens| 1.0 / siemens),
+        absorbed_percent: stats.absorbed.map(|share| 100.0 * share),
         retried: stats.retried,
         offset_known: stats.offset_is_known,
         offset_ns: offset.map(|offset| offset.d_ns),

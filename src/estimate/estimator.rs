@@ -59,6 +59,8 @@ pub struct Estimator {
     leak_shows: bool,
     /// There has been no look for one yet.
     leak_is_prior: bool,
+    /// By which share of their time discharges are longer after a rest; 0 where that does not show.
+    absorbed: f64,
     /// With it, c1 and c2 are only used until it is ready.
     tracker: Option<Tracker>,
 }
@@ -80,6 +82,7 @@ impl Estimator {
             leak_siemens: 0.0,
             leak_shows: false,
             leak_is_prior: false,
+            absorbed: 0.0,
             tracker: None,
         }
     }

@@ -127,7 +127,12 @@ impl Fit {
         let freedom = pairs.len() as f64 - parameters;
         let is_table = matches!(law, Law::Table { .. });
         let u = self.relative_rms(pairs) * (pairs.len() as f64 / freedom).sqrt();
-        Force { law, u: (freedom > 0.0 && !is_table).then_some(u), range_n: (!is_table).then_some(range_n) }
+        Force {
+            law,
+            u: (freedom > 0.0 && !is_table).then_some(u),
+            range_n: (!is_table).then_some(range_n),
+            tare_n: None,
+        }
     }
 
     /// The root mean square of the [residuals](Fit::residual).

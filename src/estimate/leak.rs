@@ -11,26 +11,15 @@
 #[cfg(doc)]
 use crate::estimate::limits::LEAK_HELD_AT;
 use crate::estimate::limits::{
-    GROSS_LEAK_SIEMENS, LEAK_EVERY, LEAK_FIRST, LEAK_HOLD, LEAK_REMEMBERED, LEAK_SHOWS, LEAK_SURPRISE,
-    LIKELY_LEAK_SIEMENS,
+    GROSS_LEAK_SIEMENS, LEAK_EVERY, LEAK_FIRST, LEAK_HOLD, LEAK_REMEMBERED, LIKELY_LEAK_SIEMENS, LOOK_SHOWS,
 };
-use crate::estimate::scatter::median;
+use crate::estimate::look::Looks;
 use crate::units::Nanos;
 
-/// The held discharges so far.
+/// The held discharges so far, siemens.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct LeakTest {
-    siemens: [f64; LEAK_REMEMBERED],
-    taken: usize,
-    /// Those that came to nothing.
-    failed: usize,
-    /// Of those that are remembered.
-    median: f64,
-    /// Of the last one, siemens².
-    variance: f64,
-    /// The last one disagrees with those before it: a spike, or news.
-    is_surprised: bool,
-    last: Option<Nanos>,
+    looks: Looks<LEAK_REMEMBERED>,
     /// The leak when it last changed.
     before: f64,
 }
@@ -38,29 +27,17 @@ pub struct LeakTest {
 impl LeakTest {
     /// Whether a held discharge is due.
     pub fn is_due(&self, now: Nanos) -> bool {
-        let is_old = self.last.is_none_or(|last| now - last >= LEAK_EVERY);
-        let is_first = self.taken < LEAK_FIRST && self.failed < LEAK_FIRST;
         // Nothing is measured meanwhile, so it is seen at once when that is over.
-        let is_defect = self.is_known() && self.median.abs() > GROSS_LEAK_SIEMENS;
-        is_first || is_defect || self.is_surprised || is_old
+        let is_defect = self.is_known() && self.looks.median().abs() > GROSS_LEAK_SIEMENS;
+        is_defect || self.looks.is_due(now, LEAK_FIRST, LEAK_EVERY)
     }
 
     /// Takes one, whether it told something or not. `lost_ns`: by how much it was shorter, with its variance; `r_ohm`: R_2.
     pub fn add(&mut self, lost: Option<(f64, f64)>, r_ohm: f64, now: Nanos) {
-        self.last = Some(now);
-        self.is_surprised = false;
-        let Some((lost_ns, variance)) = lost.filter(|(lost_ns, _)| lost_ns.is_finite()) else {
-            self.failed += 1;
-            return;
+        let siemens = |(lost_ns, variance): (f64, f64)| {
+            [siemens_by(lost_ns, r_ohm), siemens_by(variance.sqrt(), r_ohm).powi(2)]
         };
-        self.siemens[self.taken % LEAK_REMEMBERED] = siemens_by(lost_ns, r_ohm);
-        self.variance = siemens_by(variance.sqrt(), r_ohm).powi(2);
-        self.taken += 1;
-        // A spike is no leak, so it is not the mean.
-        let mut remembered = self.siemens;
-        self.median = median(&mut remembered[..self.taken.min(LEAK_REMEMBERED)]);
-        let away = self.siemens[(self.taken - 1) % LEAK_REMEMBERED] - self.median;
-        self.is_surprised = away.abs() > LEAK_SURPRISE * self.variance.sqrt();
+        self.looks.add(lost.map(siemens), now);
     }
 
     /// The leak, siemens, if there is one that shows; negative for what feeds the node.
@@ -82,20 +59,18 @@ impl LeakTest {
     }
 
     fn gate(&self) -> f64 {
-        // The variance of a median is pi/2 times that of the mean.
-        LEAK_SHOWS
-            * (self.variance * std::f64::consts::FRAC_PI_2 / self.taken.min(LEAK_REMEMBERED) as f64).sqrt()
+        LOOK_SHOWS * self.looks.sigma()
     }
 
     /// Whether there has been a look.
     pub fn is_known(&self) -> bool {
-        self.taken >= LEAK_FIRST
+        self.looks.taken() >= LEAK_FIRST
     }
 
     /// The likely leak, siemens, whether it shows or not: nobody has seen that there is none. Before there has been a look, one
     /// that could be.
     pub fn likely_siemens(&self) -> f64 {
-        if self.is_known() { self.median } else { LIKELY_LEAK_SIEMENS }
+        if self.is_known() { self.looks.median() } else { LIKELY_LEAK_SIEMENS }
     }
 }
 

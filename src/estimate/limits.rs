@@ -40,13 +40,25 @@ pub const LEAK_EVERY: Nanos = Nanos(5_000_000_000);
 pub const LEAK_REMEMBERED: usize = 16;
 /// The first held discharges follow each other; fewer tell little.
 pub const LEAK_FIRST: usize = 8;
-/// A leak is one beyond so many sigma.
-pub const LEAK_SHOWS: f64 = 4.0;
-/// Beyond so many sigma from the others a single held discharge may be news: another look does no harm.
-pub const LEAK_SURPRISE: f64 = 2.5;
+/// What looks show is there beyond so many sigma.
+pub const LOOK_SHOWS: f64 = 4.0;
+/// Beyond so many sigma from the others a single one may be news: another look does no harm.
+pub const LOOK_SURPRISE: f64 = 2.5;
 /// A leak through less than this is a defect, not an imperfection: capacitors insulate more than 1 Gohm, pulls of
 /// processors are 30 to 100 kohm.
 pub const GROSS_LEAK_SIEMENS: f64 = 1.0 / 200e3;
+
+// Dielectric absorption, by discharges after a rest at V_DD; found with tests/stability, dielectrics.
+/// How long a rest is: what is filled more slowly than that does little to discharges that are shorter.
+pub const ABSORPTION_REST: Nanos = Nanos(20_000_000);
+/// From one such discharge to the next.
+pub const ABSORPTION_EVERY: Nanos = Nanos(5_000_000_000);
+/// How many of them are remembered: those of five minutes.
+pub const ABSORPTION_REMEMBERED: usize = 64;
+/// The first of them follow each other; fewer tell little.
+pub const ABSORPTION_FIRST: usize = 16;
+/// The share by which a reading is off, 1 sigma, for each that a discharge is longer after a rest.
+pub const BY_ABSORPTION: f64 = 2.5;
 
 // Noise of crossings.
 /// The largest share of a crossing's variance that both crossings have in common, whatever the resistor.
@@ -55,6 +67,20 @@ pub const SHARED_VARIANCE: f64 = 0.5;
 pub const PROPORTIONAL_SHOWS: f64 = 3.0;
 /// Discharges taken before anything is said about noise.
 pub const NOISE_WARM_UP: usize = 16;
+/// Discharges that the share of those far off is the mean of, about.
+pub const FAR_OF: f64 = 64.0;
+/// Of a usual board one discharge in fifty is far off; so many are not by chance, and those that are near may be late as well.
+pub const OFTEN_LATE: f64 = 0.2;
+/// What is less far is no late stamp, however small the noise, ns: on a board without any, all that is new is many sigma away.
+pub const LATE_NS: f64 = 20_000.0;
+/// So many outliers in a row are no late stamps, however frequent these are.
+pub const NEVER_SO_LATE: u32 = 12;
+/// Of the first stamps, so many that are so many sigma from the others are too many: steps tell nothing then. (Sigma by the
+/// shortest third of 16 normal values is too small by ten once in a thousand times, and 4 of them are beyond 2 sigma once in a
+/// hundred.)
+pub const TOO_MANY_LATE: (usize, f64) = (4, 20.0);
+/// How wide the shortest interval with 6 of 16 normal values is on average, in sigma.
+pub const SHORTEST_THIRD: f64 = 0.507;
 /// So many outliers in a row are a step: the mean starts anew.
 pub const OUTLIERS_OF_A_STEP: u32 = 3;
 /// Differences of successive discharges that are remembered, about.

@@ -3,11 +3,13 @@
 //! For: the law, the equations of the methods, noise, offset and the followed calibration, motion and leaks, fits; all of it
 //! pure. Must not know: pins, clocks, or in which order discharges are taken.
 
+pub mod absorption;
 pub mod estimator;
 pub mod fit;
 pub mod law;
 pub mod leak;
 pub mod limits;
+pub mod look;
 pub mod mean;
 pub mod method;
 pub mod motion;

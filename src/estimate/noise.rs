@@ -12,15 +12,13 @@
 //! Variances come from successive differences, so that drift is not taken for noise.
 
 mod gate;
+mod spread;
 
-use crate::estimate::limits::{
-    BEYOND_NOISE, NOISE_MEMORY, NOISE_WARM_UP, OUTLIERS_OF_A_STEP, PROPORTIONAL_SHOWS, SHARED_VARIANCE,
-    UNKNOWN_JITTER_NS, UNKNOWN_NOISE,
-};
-use crate::estimate::scatter::{MEDIAN_DEVIATION, median};
+use crate::estimate::limits::{PROPORTIONAL_SHOWS, SHARED_VARIANCE, UNKNOWN_JITTER_NS, UNKNOWN_NOISE};
 use crate::reading::Fault;
 use crate::record::CalibrationKind;
 pub use gate::Gate;
+use spread::Spread;
 
 /// Covariance of the crossings of A and B in one discharge, ns².
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -79,150 +77,6 @@ impl Covariance {
 
     fn scaled(&self, by: f64) -> Covariance {
         Covariance { aa: self.aa * by, bb: self.bb * by, ab: self.ab * by }
-    }
-}
-
-/// The spread of the crossings of one calibration resistor.
-#[derive(Debug, Clone)]
-struct Spread {
-    warm_up: [[f64; 2]; NOISE_WARM_UP],
-    seen: usize,
-    /// Of the times: what their noise goes by.
-    time: [f64; 2],
-    /// Of the times less what was expected.
-    mean: [f64; 2],
-    last: [f64; 2],
-    /// Whether node B was waited for in the last one.
-    last_had_b: bool,
-    sum: Covariance,
-    /// Of A alone, and of both.
-    weight: [f64; 2],
-    gate: Gate,
-    outliers_in_row: u32,
-}
-
-impl Spread {
-    const NEW: Spread = Spread {
-        warm_up: [[0.0; 2]; NOISE_WARM_UP],
-        seen: 0,
-        time: [0.0; 2],
-        mean: [0.0; 2],
-        last: [0.0; 2],
-        last_had_b: true,
-        sum: Covariance { aa: 0.0, bb: 0.0, ab: 0.0 },
-        weight: [0.0; 2],
-        gate: Gate::new(BEYOND_NOISE),
-        outliers_in_row: 0,
-    };
-
-    /// `seen`: the nodes that were waited for, of those that there are. Only discharges in which all were begin it.
-    fn add(
-        &mut self,
-        away: [f64; 2],
-        times: [f64; 2],
-        [all, has_b]: [bool; 2],
-        quantisation: f64,
-    ) -> Result<(), Fault> {
-        if self.seen < NOISE_WARM_UP {
-            if all {
-                self.warm_up[self.seen] = away;
-                self.seen += 1;
-                if self.seen == NOISE_WARM_UP {
-                    self.begin();
-                }
-            }
-            return Ok(());
-        }
-        let sigmas = self.sigmas(away, has_b, quantisation);
-        if !self.gate.admits(sigmas) {
-            self.outliers_in_row += 1;
-            if self.outliers_in_row < OUTLIERS_OF_A_STEP {
-                return Err(Fault::LatencyOutlier);
-            }
-            (self.mean, self.last) = (away, away);
-        }
-        self.outliers_in_row = 0;
-        self.learn(away, times, has_b);
-        Ok(())
-    }
-
-    /// Differences of successive discharges; those of B, and with B, only where both have waited for it.
-    fn learn(&mut self, away: [f64; 2], times: [f64; 2], has_b: bool) {
-        let step = [away[0] - self.last[0], away[1] - self.last[1]];
-        self.sum.aa += step[0] * step[0];
-        self.weight[0] += 1.0;
-        if has_b && self.last_had_b {
-            self.sum.bb += step[1] * step[1];
-            self.sum.ab += step[0] * step[1];
-            self.weight[1] += 1.0;
-        }
-        let keep = 1.0 - 1.0 / NOISE_MEMORY;
-        if self.weight[0] > NOISE_MEMORY {
-            self.sum.aa *= keep;
-            self.weight[0] *= keep;
-        }
-        if self.weight[1] > NOISE_MEMORY {
-            (self.sum.bb, self.sum.ab) = (keep * self.sum.bb, keep * self.sum.ab);
-            self.weight[1] *= keep;
-        }
-        for node in 0..if has_b { 2 } else { 1 } {
-            self.mean[node] += (away[node] - self.mean[node]) / NOISE_WARM_UP as f64;
-            (self.last[node], self.time[node]) = (away[node], times[node]);
-        }
-        self.last_had_b = has_b;
-    }
-
-    /// From now on something else is expected, namely what comes.
-    fn expect_what_comes(&mut self) {
-        (self.mean, self.last) = ([0.0; 2], [0.0; 2]);
-    }
-
-    /// After the warm-up: differences that are outliers by the median of their absolute values are left out.
-    fn begin(&mut self) {
-        let mut limit = [0.0; 2];
-        for (node, limit) in limit.iter_mut().enumerate() {
-            let mut steps = [0.0; NOISE_WARM_UP - 1];
-            for (step, pair) in steps.iter_mut().zip(self.warm_up.windows(2)) {
-                *step = (pair[1][node] - pair[0][node]).abs();
-            }
-            *limit = BEYOND_NOISE * (median(&mut steps) / MEDIAN_DEVIATION).max(1.0);
-        }
-        for pair in self.warm_up.windows(2) {
-            let step = [pair[1][0] - pair[0][0], pair[1][1] - pair[0][1]];
-            if step[0].abs() <= limit[0] && step[1].abs() <= limit[1] {
-                self.sum.add_outer(step);
-                self.weight = self.weight.map(|weight| weight + 1.0);
-            }
-        }
-        for node in 0..2 {
-            self.mean[node] = median(&mut self.warm_up.map(|pair| pair[node]));
-            self.last[node] = self.mean[node];
-        }
-        self.time = self.mean;
-    }
-
-    /// How far the farther node is from the running mean.
-    fn sigmas(&self, away: [f64; 2], has_b: bool, quantisation: f64) -> f64 {
-        let variance = self.covariance().at_least(quantisation);
-        // The running mean has a variance of its own: 1/(2 x 16 - 1) of a single time's.
-        let of = |node: usize| (away[node] - self.mean[node]).abs() / (1.04 * variance.node(node)).sqrt();
-        if has_b { of(0).max(of(1)) } else { of(0) }
-    }
-
-    /// Half the mean square of successive differences, which has two degrees of freedom for three of them. With few of
-    /// them, as much more as makes 2 sigma the 95 % limit of Student's distribution (to 2 % from 8 degrees on).
-    fn covariance(&self) -> Covariance {
-        let [a, b] =
-            [0, 1].map(|node| 0.5 * (1.0 + 1.3 / self.freedom(node)).powi(2) / self.weight[node].max(1.0));
-        Covariance { aa: a * self.sum.aa, bb: b * self.sum.bb, ab: b * self.sum.ab }
-    }
-
-    fn is_known(&self) -> bool {
-        self.seen == NOISE_WARM_UP
-    }
-
-    fn freedom(&self, node: usize) -> f64 {
-        (self.weight[node] * 2.0 / 3.0).max(1.0)
     }
 }
 
@@ -297,6 +151,20 @@ impl Noise {
             // Too much would make a combination of two crossings look exact: it takes many discharges to believe that.
             correlated: 1.0 - 1.0 / freedom.sqrt(),
         });
+    }
+
+    /// Takes whether a discharge of this kind was far from what was expected, where something else has judged it.
+    pub fn tell_far(&mut self, kind: CalibrationKind, is_far: bool) {
+        match kind {
+            CalibrationKind::First => self.c1.tell_far(is_far),
+            CalibrationKind::Second => self.c2.tell_far(is_far),
+            CalibrationKind::Split => {}
+        }
+    }
+
+    /// Whether so many stamps are late that a crossing alone is no evidence.
+    pub fn is_often_late(&self) -> bool {
+        self.c1.is_often_late() || self.c2.is_often_late()
     }
 
     /// Whether enough discharges have been seen.

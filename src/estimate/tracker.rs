@@ -9,7 +9,7 @@
 use crate::circuit::Node;
 use crate::estimate::law::{Crossing, D, D_B, R_O, Route, State, UNKNOWNS};
 use crate::estimate::limits::{
-    BEGINNINGS, FIRST_ROUNDS, INNOVATION_GATE, MOST_REJECTED, RATE_AT_FIRST, REJECTED_OF_A_STEP,
+    BEGINNINGS, FIRST_ROUNDS, INNOVATION_GATE, LATE_NS, MOST_REJECTED, RATE_AT_FIRST, REJECTED_OF_A_STEP,
     SLOWEST_WALK, SPLIT_FRACTION,
 };
 use crate::estimate::noise::{Covariance, Noise};
@@ -213,7 +213,7 @@ impl Tracker {
         for record in rounds.iter().flatten() {
             self.advance(record.start);
             // One that the gate rejects is one less.
-            let used = record.ended(self.nodes).is_some_and(|times| self.correct(record, times));
+            let used = record.ended(self.nodes).is_some_and(|times| self.correct(record, times).is_some());
             rejected += usize::from(!used);
         }
         rejected * MOST_REJECTED <= 3 * rounds.len()
@@ -237,15 +237,19 @@ impl Tracker {
         times: [Option<f64>; 2],
     ) -> Result<(), Fault> {
         self.advance(record.start);
-        let route = self.route(kind, record);
-        let expected = [0, 1].map(|node| route.crossing(&self.state, node).ns);
-        if self.correct(record, times) {
+        if let Some(expected) = self.correct(record, times) {
             // What the filter takes is no spike, whatever the spread says.
             let _ = self.noise.add(kind, times, expected);
             self.rejected_in_row = 0;
+            self.noise.tell_far(kind, false);
             self.counts.used += 1;
             return Ok(());
         }
+        let route = self.route(kind, record);
+        let is_late = |node: usize| {
+            times[node].is_some_and(|ns| (ns - route.crossing(&self.state, node).ns).abs() > LATE_NS)
+        };
+        self.noise.tell_far(kind, is_late(0) || is_late(1));
         self.counts.rejected += 1;
         self.rejected_in_row += 1;
         if self.rejected_in_row < REJECTED_OF_A_STEP {
@@ -297,31 +301,35 @@ impl Tracker {
         self.r_ohm[usize::from(kind == CalibrationKind::Second)]
     }
 
-    /// The covariance of what is observed of a discharge, its noise and its switch; `expected_ns`: as in
+    /// The noise of the crossings of a discharge, and with it that of its switch; `expected_ns`: as in
     /// [`Tracker::u_switch_ns`].
-    fn observation(&self, route: &Route, expected_ns: f64) -> Option<Covariance> {
-        let mut noise = self.noise.covariance(route.late_ns(&self.state))?;
+    fn noise_of(
+        &self,
+        route: &Route,
+        rows: &[Crossing; 2],
+        expected_ns: f64,
+    ) -> Option<(Covariance, Covariance)> {
+        let crossings = self.noise.covariance(route.late_ns(&self.state))?;
         let u_switch_ns = self.u_switch_ns(expected_ns);
-        noise.add_outer([0, 1].map(|node| route.crossing(&self.state, node).by_switch * u_switch_ns));
-        Some(noise)
+        let mut all = crossings;
+        all.add_outer(rows.map(|row| row.by_switch * u_switch_ns));
+        Some((crossings, all))
     }
 
-    /// Kalman's correction by the crossings that were seen; whether they are within the gate, and have been used.
-    fn correct(&mut self, record: &Record, times: [Option<f64>; 2]) -> bool {
-        let Some(kind) = record.calibration_kind() else { return false };
+    /// Kalman's correction by the crossings that were seen; where they were expected, if they are within the gate and have been
+    /// used.
+    fn correct(&mut self, record: &Record, times: [Option<f64>; 2]) -> Option<[f64; 2]> {
+        let kind = record.calibration_kind()?;
         let route = self.route(kind, record);
         let rows = [0, 1].map(|node| route.crossing(&self.state, node));
         let seen = times.map(|time| time.is_some());
         let innovation = [0, 1].map(|node: usize| times[node].map_or(0.0, |ns| ns - rows[node].ns));
         let (states, by_switch) = (rows.map(|row| row.by_state), rows.map(|row| row.by_switch));
-        let Some(crossings) = self.noise.covariance(route.late_ns(&self.state)) else { return false };
-        let u_switch_ns = self.u_switch_ns(expected_ns(record));
-        let mut noise = crossings;
-        noise.add_outer(by_switch.map(|by| by * u_switch_ns));
-        let Some(gain) = Gain::new(&self.covariance, &states, &noise, seen) else { return false };
+        let (crossings, noise) = self.noise_of(&route, &rows, expected_ns(record))?;
+        let gain = Gain::new(&self.covariance, &states, &noise, seen)?;
         let count = seen.iter().filter(|seen| **seen).count();
         if gain.normalised(innovation) > INNOVATION_GATE * INNOVATION_GATE * count as f64 {
-            return false;
+            return None;
         }
         self.learn_misfit(kind, &gain, innovation, seen);
         self.learn_walk(kind, &gain, &states, innovation);
@@ -331,7 +339,7 @@ impl Tracker {
         }
         self.covariance = gain.posterior(&self.covariance);
         self.last = (gain.of, states);
-        true
+        Some(rows.map(|row| row.ns))
     }
 
     /// What an error that all switches have in common does to an estimate that depends on the state and on its own switch as given,
@@ -342,15 +350,13 @@ impl Tracker {
         UNLIKE_CALLS * u_switch_ns * (by_split / SPLIT_FRACTION - by_switch).abs()
     }
 
-    /// By how much a calibration discharge of this kind would lower v^T P v, if it ends at this node.
-    pub fn benefit(&self, kind: CalibrationKind, last: Node, v: &State) -> Option<f64> {
+    /// What a calibration discharge of this kind would bring, if it ends at this node. What discharges of different kinds
+    /// contradict each other by, more of them do not take away: it is not in it.
+    pub fn planned_gain(&self, kind: CalibrationKind, last: Node) -> Option<Gain> {
         let route = self.planned(kind);
-        let rows = [0, 1].map(|node| route.crossing(&self.state, node).by_state);
-        let seen = [true, last == Node::B];
-        let gain = Gain::new(&self.covariance, &rows, &self.observation(&route, 0.0)?, seen)?;
-        let lowered = quadratic(&self.covariance, v) - quadratic(&gain.posterior(&self.covariance), v);
-        // What discharges of different kinds contradict each other by, more of them do not take away.
-        Some(lowered)
+        let rows = [0, 1].map(|node| route.crossing(&self.state, node));
+        let (_, noise) = self.noise_of(&route, &rows, 0.0)?;
+        Gain::new(&self.covariance, &rows.map(|row| row.by_state), &noise, [true, last == Node::B])
     }
 
     /// What a calibration discharge of this kind runs through.

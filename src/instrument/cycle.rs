@@ -15,15 +15,16 @@
 
 mod calls;
 mod choice;
+mod look;
 mod plan;
 mod publish;
 mod window;
 
 use crate::circuit::Node;
 use crate::estimate::Estimator;
+use crate::estimate::absorption::AbsorptionTest;
 use crate::estimate::estimator::Judged;
 use crate::estimate::leak::LeakTest;
-use crate::estimate::limits::UNKNOWN_JITTER_NS;
 use crate::estimate::offset::{Offset, SplitCalibration};
 use crate::instrument::diagnosis::Diagnosis;
 use crate::instrument::discharge::{Outcome, Plan};
@@ -37,6 +38,7 @@ use crate::record::CalibrationKind;
 use crate::record::{Record, Through};
 use crate::units::Nanos;
 use calls::CallGate;
+use look::Look;
 use plan::Memory;
 
 /// The longest that the share of one reading in a cycle can take, whatever is connected: every discharge taken as often as it
@@ -61,8 +63,8 @@ pub enum Next {
 enum Step {
     Start,
     Calibrate(CalibrationKind, Node),
-    /// R_2, held on its way: looks for a leak.
-    Hold,
+    /// R_2, held on its way or before it: looks for what is wrong with the circuit.
+    Hold(Look),
     Sensor(usize),
 }
 
@@ -75,6 +77,7 @@ pub struct Cycle {
     memory: Vec<Memory>,
     calls: CallGate,
     leak: LeakTest,
+    absorption: AbsorptionTest,
     diagnosis: Diagnosis,
     step: Step,
     retries: u32,
@@ -127,6 +130,7 @@ impl Cycle {
             memory: vec![Memory::default(); settings.channels.len()],
             calls: CallGate::default(),
             leak,
+            absorption: AbsorptionTest::default(),
             diagnosis: Diagnosis::new(settings.board()),
             step: Step::Start,
             retries: 0,
@@ -157,6 +161,7 @@ impl Cycle {
         stats.offset = self.estimator.offset();
         stats.offset_is_known = self.offset_is_known();
         stats.leak_siemens = self.leak.siemens();
+        stats.absorbed = self.absorption.share();
         stats.tracking = self.estimator.tracker().map(|tracker| tracker.counts());
         stats
     }
@@ -184,9 +189,9 @@ impl Cycle {
         self.step == Step::Start
     }
 
-    /// Whether the next discharge is held back, to look for a leak.
+    /// Whether the next discharge is held back, to look for what is wrong with the circuit.
     pub fn is_holding(&self) -> bool {
-        self.step == Step::Hold
+        matches!(self.step, Step::Hold(_))
     }
 
     /// Ends the cycle: every channel that has not been read gets this fault.
@@ -219,7 +224,7 @@ impl Cycle {
                 None => self.sensor_plan(channel),
             },
             Step::Calibrate(kind, last) => self.calibration_plan(kind, last),
-            Step::Hold => self.held_plan(),
+            Step::Hold(look) => self.held_plan(look),
             Step::Start => self.calibration_plan(CalibrationKind::First, self.settings.last()),
         };
         self.b_is_kept = plan.charge.together > Nanos::ZERO;
@@ -235,7 +240,8 @@ impl Cycle {
     pub fn replay(&mut self, record: &Record, is_timed: bool, is_held: bool) -> Option<Reading> {
         self.step = match (record.through.channel(), record.calibration_kind()) {
             (Some(channel), _) => Step::Sensor(channel),
-            (None, _) if is_held => Step::Hold,
+            (None, _) if is_held && record.switch.is_some() => Step::Hold(Look::Leak),
+            (None, _) if is_held => Step::Hold(Look::Absorption),
             (None, Some(kind)) => Step::Calibrate(kind, self.settings.last()),
             (None, None) => return None,
         };
@@ -272,7 +278,7 @@ impl Cycle {
         let next = if self.estimator.tracker().is_some() {
             // More would take longer than the readings that they improve.
             let may = (self.calibrations as usize) < self.settings.channels.len();
-            self.wanted().filter(|_| may)
+            may.then(|| self.wanted()).flatten()
         } else {
             let kind = match last {
                 None => Some(CalibrationKind::First),
@@ -285,10 +291,14 @@ impl Cycle {
         next.map_or(self.first_sensor(), |(kind, last)| Step::Calibrate(kind, last))
     }
 
-    /// The next cycle, or before it, from time to time, the look for a leak: where no reading waits for it.
+    /// The next cycle, or before it, from time to time, a look for leaks and absorption: where no reading waits for it.
     fn after_sensors(&mut self, now: Nanos) -> Step {
         let may = self.failed.is_none() && self.estimator.calibration().is_some();
-        if may && self.leak.is_due(now) { Step::Hold } else { Step::Start }
+        match may {
+            true if self.leak.is_due(now) => Step::Hold(Look::Leak),
+            true if self.absorption.is_due(now) => Step::Hold(Look::Absorption),
+            _ => Step::Start,
+        }
     }
 
     fn is_split_due(&self) -> bool {
@@ -320,7 +330,7 @@ impl Cycle {
                 self.retries += 1;
                 self.stats.retried += 1;
             }
-            Step::Hold => self.held_done(outcome, now),
+            Step::Hold(look) => self.held_done(look, outcome, now),
             Step::Sensor(channel) => return self.sensor_done(channel, outcome, now),
             Step::Start => {}
         }
@@ -395,26 +405,6 @@ impl Cycle {
             if let Some(offset) = split.result() {
                 self.estimator.set_offset(offset);
             }
-        }
-    }
-
-    /// Shorter than an ordinary discharge through R_2 by what has leaked away meanwhile. One that came to nothing tells
-    /// nothing.
-    fn held_done(&mut self, outcome: &Outcome, now: Nanos) {
-        self.step = Step::Start;
-        let usual = self.estimator.calibration().map(|(_, c2)| c2);
-        let lost = outcome.result.ok().zip(usual).and_then(|(record, usual)| {
-            let switch = record.switch?;
-            let held_ns = switch.on_ns - switch.at_ns;
-            // The two discharges have their own noise each.
-            let noise = self.estimator.noise().covariance(usual);
-            let variance = 2.0 * noise.map_or(UNKNOWN_JITTER_NS * UNKNOWN_JITTER_NS, |noise| noise.aa);
-            Some((usual[0] + held_ns - record.a_ns?, variance))
-        });
-        self.leak.add(lost, self.settings.r_ohm()[1], now);
-        self.estimator.set_leak(&self.leak);
-        if self.leak.has_changed() {
-            self.estimator.begin_anew();
         }
     }
 }

@@ -409,4 +409,6 @@ impl Discharge {
 }
 
 #[cfg(test)]
+mod exhaustive;
+#[cfg(test)]
 mod tests;

@@ -58,9 +58,11 @@ pub enum Message {
     Discharge {
         /// Counts the discharges.
         seq: u64,
+        /// When it was asked for: what goes before it began.
+        asked: Nanos,
         /// Its timings.
         record: Record,
-        /// It was held back, to look for a leak.
+        /// It was held back, to look for a leak or for absorption.
         is_held: bool,
         /// What was read by it, with its sign, before the zero and the scale of the channel, ohm.
         as_read_ohm: Option<f64>,
@@ -144,7 +146,7 @@ impl<P: Pins> Instrument<P> {
                 if let Ok(record) = outcome.result {
                     self.discharges += 1;
                     let (seq, as_read_ohm) = (self.discharges, self.cycle.as_read_ohm());
-                    out(Message::Discharge { seq, record, is_held, as_read_ohm });
+                    out(Message::Discharge { seq, asked: now, record, is_held, as_read_ohm });
                 }
                 if let Some(reading) = reading {
                     out(Message::Reading(reading));

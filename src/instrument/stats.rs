@@ -31,6 +31,8 @@ pub struct Stats {
     pub offset_is_known: bool,
     /// What leaks beside the resistors, siemens, if it shows.
     pub leak_siemens: Option<f64>,
+    /// By which share of their time discharges are longer after a rest, if that shows: what capacitors absorb.
+    pub absorbed: Option<f64>,
     /// What the last fault looked like, until a reading is none.
     pub suspect: Option<Suspect>,
     /// What a tracked calibration has counted.

@@ -20,7 +20,7 @@ pub(super) const LEAST_SPIN_MARGIN: Nanos = Nanos(20_000);
 pub(super) const MOST_SPIN_MARGIN: Nanos = Nanos(500_000);
 /// Before anything is learned: the usual lateness of a wake-up without real-time scheduling, with the default timer slack
 /// of 50 us (prctl(2)).
-pub(super) const FIRST_SPIN_MARGIN: Nanos = Nanos(100_000);
+pub(crate) const FIRST_SPIN_MARGIN: Nanos = Nanos(100_000);
 /// The resolution of the coarse clocks where the kernel does not tell it: CONFIG_HZ = 1000, the fastest there is.
 pub(super) const SHORTEST_TICK: Nanos = Nanos(1_000_000);
 
@@ -31,6 +31,9 @@ pub(super) const CHANGES_KEPT: usize = 16;
 pub(super) const SHORTEST_CALL: f64 = 0.1;
 /// Where in its slot a line moves, from .. to, if a scene does not say it.
 pub(super) const MIDDLE_OF_SLOT: [f64; 2] = [0.5; 2];
+/// The longest of all that is late, a call, a wake-up, an edge, seconds: a slower board is a slip of a prefix, and a simulated
+/// call that took for ever could not be stopped.
+pub(super) const LATEST: f64 = 1.0;
 /// The latest place of a move, in slots: a write that is posted arrives after some calls, not after hundreds.
 pub(super) const LATEST_MOVE: f64 = 100.0;
 /// Branches that one capacitor's absorption may have: one a decade from 10 us to 1 s.

@@ -57,6 +57,7 @@ pub mod realtime;
 pub mod sim;
 
 pub use crate::record::MAX_CHANNELS;
+pub(crate) use limits::FIRST_SPIN_MARGIN;
 
 /// The set of lines that drive; every other line is an input.
 ///
@@ -326,6 +327,37 @@ pub trait Pins {
 
     /// What the backend knows about itself.
     fn particulars(&self) -> Particulars<'_>;
+}
+
+/// Pins of a backend that is chosen while the program runs.
+impl<P: Pins + ?Sized> Pins for Box<P> {
+    fn now(&mut self) -> Nanos {
+        (**self).now()
+    }
+    fn drive(&mut self, on: Drives) -> Result<Bracket, PinsError> {
+        (**self).drive(on)
+    }
+    fn arm(&mut self) -> Result<Armed, PinsError> {
+        (**self).arm()
+    }
+    fn edge(&mut self, until: Nanos) -> Result<Option<Edge>, PinsError> {
+        (**self).edge(until)
+    }
+    fn sleep_until(&mut self, at: Nanos) -> Result<(), PinsError> {
+        (**self).sleep_until(at)
+    }
+    fn rest_until(&mut self, at: Nanos) -> Result<(), PinsError> {
+        (**self).rest_until(at)
+    }
+    fn rest_before_edge(&mut self, at: Nanos) -> Result<(), PinsError> {
+        (**self).rest_before_edge(at)
+    }
+    fn levels(&mut self) -> Result<Levels, PinsError> {
+        (**self).levels()
+    }
+    fn particulars(&self) -> Particulars<'_> {
+        (**self).particulars()
+    }
 }
 
 #[cfg(test)]

@@ -147,7 +147,8 @@ fn latency_refused(error: &io::Error) -> String {
             format!("the kernel has no {CPU_DMA_LATENCY} (CONFIG_PM or CONFIG_CPU_IDLE)")
         }
         io::ErrorKind::PermissionDenied => {
-            format!("{error}; {CPU_DMA_LATENCY} is root's: DeviceAllow={CPU_DMA_LATENCY} rw and a udev rule")
+            let how = "DeviceAllow= of cermd.service and the udev rule let the user cermd in";
+            format!("{error}; {CPU_DMA_LATENCY} is root's: {how}")
         }
         _ => error.to_string(),
     }

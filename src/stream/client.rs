@@ -46,7 +46,9 @@ pub enum ClientError {
     #[error("cermd closed the connection; it was stopped or restarted")]
     Closed,
     /// Nothing came within the time-out.
-    #[error("no answer from cermd within {0:?}; `cermctl stats` tells whether it measures")]
+    #[error(
+        "no answer from cermd within {0:?}: it hangs, or the machine is too busy (systemctl status cermd)"
+    )]
     TimedOut(Duration),
     /// The first line was a refusal: too many clients.
     #[error("cermd refused the connection: {0}")]
@@ -183,12 +185,20 @@ fn explain(path: &Path, error: io::Error) -> ClientError {
 
 fn who_may_write(path: &Path) -> String {
     let Ok(metadata) = path.metadata() else {
-        return "its directory may not be searched by this user".to_owned();
+        return "its directory may not be searched by this user: try sudo".to_owned();
     };
-    if metadata.mode() & 0o020 == 0 {
+    hint_of(metadata.mode(), metadata.gid())
+}
+
+/// Nobody is to join the group of root.
+fn hint_of(mode: u32, gid: u32) -> String {
+    if mode & 0o020 == 0 {
         return "it is open to its owner only: try sudo, or set [server] mode = \"0660\"".to_owned();
     }
-    let group = group_name(metadata.gid()).unwrap_or_else(|| metadata.gid().to_string());
+    if gid == 0 {
+        return "it belongs to root: try sudo, or run cermd by its unit, as a user of its own".to_owned();
+    }
+    let group = group_name(gid).unwrap_or_else(|| gid.to_string());
     format!("it is open to group {group}: sudo usermod -aG {group} $USER, then log in again")
 }
 
@@ -205,6 +215,14 @@ fn group_name(gid: u32) -> Option<String> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn nobody_is_told_to_join_the_group_of_root() {
+        assert!(hint_of(0o660, 1234).contains("usermod -aG 1234 "));
+        for hint in [hint_of(0o660, 0), hint_of(0o600, 1234)] {
+            assert!(hint.contains("try sudo") && !hint.contains("usermod"), "{hint}");
+        }
+    }
 
     #[test]
     fn groups_have_names() {

@@ -32,8 +32,16 @@ pub const LARGEST: f64 = 1e12;
 pub mod serving {
     use crate::units::Nanos;
 
+    /// What readings come to is said of at least so long, s: at 1 reading a second their rate is known to a tenth.
+    pub const ACHIEVED_OVER_S: f64 = 10.0;
     /// Clients at a time; the next one is told "busy" and closed.
     pub const CLIENTS: usize = 1024;
+    /// Of these, kept for root and the daemon's own user.
+    pub const CLIENTS_KEPT: usize = 16;
+    /// Clients of one other user at a time: two of them at least are needed to shut out a third.
+    pub const CLIENTS_OF_A_USER: usize = 504;
+    /// Descriptors of the daemon that are not clients: pins, signals, epoll, the log, files while they are read.
+    pub const OTHER_DESCRIPTORS: usize = 64;
     /// Lines that wait for a client that reads slowly: 10 s at 100 lines/s.
     pub const QUEUE_LINES: usize = 1024;
     /// `SO_SNDBUF` of each client, bytes: 32 MiB in the kernel when 1024 clients do not read.
@@ -44,6 +52,8 @@ pub mod serving {
     pub const EVENTS_PER_TURN: usize = 64;
     /// How long accepting rests when the process or the system is out of descriptors or memory.
     pub const ACCEPT_PAUSE: Nanos = Nanos(100_000_000);
+    /// How long that is not said again: it may come and go with each client.
+    pub const ACCEPT_SAID_FOR: Nanos = Nanos(600_000_000_000);
     /// Bytes that are read of one client before the next one has its turn.
     pub const READ_BYTES: usize = 4096;
     /// Lines that are written to one client before the next one has its turn.

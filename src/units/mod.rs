@@ -2,10 +2,12 @@
 //!
 //! For: units in types and in text ("2.2 uF"). Must not know: what a quantity is used for.
 
+mod force;
 mod number;
 mod quantity;
 
-pub use number::{measured, rough, rounded, to_places};
+pub use force::ForceUnit;
+pub use number::{measured, rough, rounded, rounded_down, rounded_up, to_places};
 pub use quantity::{
     Ampere, Farad, Hertz, Newton, NewtonOhm, Ohm, ParseQuantityError, Percent, Quantity, Seconds, Volt,
 };

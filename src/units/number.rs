@@ -6,6 +6,21 @@ pub fn rounded(value: f64, digits: usize) -> f64 {
     format!("{value:.*e}", digits.max(1) - 1).parse().unwrap_or(value)
 }
 
+/// The least number with so many significant digits that is not below it: a bound that is given with few digits still holds.
+pub fn rounded_up(value: f64, digits: usize) -> f64 {
+    let near = rounded(value, digits);
+    if near >= value || !value.is_finite() {
+        return near;
+    }
+    let exponent = near.abs().log10().floor() - (digits.max(1) - 1) as f64;
+    rounded(near + 10f64.powf(exponent), digits)
+}
+
+/// The greatest one that is not above it.
+pub fn rounded_down(value: f64, digits: usize) -> f64 {
+    -rounded_up(-value, digits)
+}
+
 /// The nearest number with so many decimal places; itself if it is not finite.
 pub fn to_places(value: f64, places: usize) -> f64 {
     format!("{value:.places$}").parse().unwrap_or(value)
@@ -77,6 +92,14 @@ mod tests {
         assert_eq!(rounded(999.96, 4), 1000.0);
         assert_eq!(to_places(-40.649_6, 2), -40.65);
         assert!(rounded(f64::NAN, 3).is_nan() && to_places(f64::INFINITY, 3).is_infinite());
+    }
+
+    #[test]
+    fn bounds_stay_bounds() {
+        assert_eq!([rounded_up(206.25, 3), rounded_down(206.25, 3)], [207.0, 206.0]);
+        assert_eq!([rounded_up(207.0, 3), rounded_down(207.0, 3)], [207.0, 207.0]);
+        assert_eq!([rounded_up(999.4, 3), rounded_down(0.004_58, 2)], [1000.0, 0.0045]);
+        assert_eq!([rounded_up(0.0, 3), rounded_down(-1.26, 2)], [0.0, -1.3]);
     }
 
     proptest! {

@@ -1,5 +1,6 @@
 //! Physical quantities as text: a number, an optional prefix, a unit.
 
+use super::force::{GRAVITY, POUND_FORCE_N};
 use super::number::rounded;
 use serde::de::{self, Visitor};
 use serde::{Deserialize, Deserializer};
@@ -14,13 +15,15 @@ const DIGITS: usize = 13;
 const PREFIXES: [(&str, i32); 7] = [("M", 6), ("k", 3), ("", 0), ("m", -3), ("u", -6), ("n", -9), ("p", -12)];
 
 /// A physical quantity, held in its SI unit.
-pub trait Quantity: Copy {
+pub trait Quantity: Copy + fmt::Display {
     /// What it is, with its article: "a capacitance".
     const NAME: &'static str;
     /// How it may be written: "2.2 uF".
     const EXAMPLE: &'static str;
     /// The spellings of its unit that are accepted; the first is the one that is written.
     const UNITS: &'static [&'static str];
+    /// Other units that are accepted, and what one of them is in the SI unit.
+    const OTHERS: &'static [(&'static str, f64)] = &[];
     /// From the value in the SI unit.
     fn from_si(value: f64) -> Self;
     /// The value in the SI unit.
@@ -29,19 +32,39 @@ pub trait Quantity: Copy {
 
 /// A text that is not the quantity that was asked for.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
-#[error("expected {name} such as \"{example}\", got \"{got}\"")]
+#[error("expected {name} such as \"{example}\", got {got}{}", why(.with_unit))]
 pub struct ParseQuantityError {
     name: &'static str,
     example: &'static str,
+    /// As it was written, in quotes if it was a text.
     got: String,
+    /// What it would be with the unit that it lacks.
+    with_unit: Option<String>,
+}
+
+fn why(with_unit: &Option<String>) -> String {
+    with_unit.as_ref().map(|right| format!(": the unit is missing, write \"{right}\"")).unwrap_or_default()
+}
+
+impl ParseQuantityError {
+    /// `got`: without quotes; `text`: as it was written.
+    fn new<Q: Quantity>(got: &str, text: String) -> ParseQuantityError {
+        // Whatever is a quantity as soon as it has a unit.
+        let right = value_of::<Q>(&format!("{}{}", got.trim(), Q::UNITS[0]));
+        let with_unit = right.map(|value| Q::from_si(value).to_string());
+        ParseQuantityError { name: Q::NAME, example: Q::EXAMPLE, got: text, with_unit }
+    }
 }
 
 /// Reads `2.2 uF`: number, blanks if any, prefix if any, unit. Micro is `u`, U+00B5 or U+03BC.
 fn parse<Q: Quantity>(text: &str) -> Result<Q, ParseQuantityError> {
-    value_in(text.trim(), Q::UNITS)
-        .filter(|value| value.is_finite())
-        .map(Q::from_si)
-        .ok_or_else(|| ParseQuantityError { name: Q::NAME, example: Q::EXAMPLE, got: text.to_owned() })
+    value_of::<Q>(text).map(Q::from_si).ok_or_else(|| ParseQuantityError::new::<Q>(text, format!("{text:?}")))
+}
+
+/// In the SI unit.
+fn value_of<Q: Quantity>(text: &str) -> Option<f64> {
+    let others = || Q::OTHERS.iter().find_map(|(unit, size)| Some(value_in(text.trim(), &[unit])? * size));
+    value_in(text.trim(), Q::UNITS).or_else(others).filter(|value| value.is_finite())
 }
 
 fn value_in(text: &str, units: &[&str]) -> Option<f64> {
@@ -94,11 +117,27 @@ impl<Q: Quantity> Visitor<'_> for QuantityVisitor<Q> {
     fn visit_str<E: de::Error>(self, text: &str) -> Result<Q, E> {
         parse(text).map_err(E::custom)
     }
+
+    fn visit_i64<E: de::Error>(self, number: i64) -> Result<Q, E> {
+        bare::<Q, E>(&number.to_string())
+    }
+
+    fn visit_u64<E: de::Error>(self, number: u64) -> Result<Q, E> {
+        bare::<Q, E>(&number.to_string())
+    }
+
+    fn visit_f64<E: de::Error>(self, number: f64) -> Result<Q, E> {
+        bare::<Q, E>(&number.to_string())
+    }
+}
+
+fn bare<Q: Quantity, E: de::Error>(number: &str) -> Result<Q, E> {
+    Err(E::custom(ParseQuantityError::new::<Q>(number, number.to_owned())))
 }
 
 /// Declares a quantity; everything else about it follows.
 macro_rules! quantity {
-    ($(#[$doc:meta])* $type:ident, $name:literal, $example:literal, $units:expr) => {
+    ($(#[$doc:meta])* $type:ident, $name:literal, $example:literal, $units:expr $(, or $others:expr)?) => {
         $(#[$doc])*
         #[derive(Debug, Clone, Copy, PartialEq, PartialOrd, Default)]
         pub struct $type(pub f64);
@@ -107,6 +146,7 @@ macro_rules! quantity {
             const NAME: &'static str = $name;
             const EXAMPLE: &'static str = $example;
             const UNITS: &'static [&'static str] = &$units;
+            $(const OTHERS: &'static [(&'static str, f64)] = &$others;)?
             fn from_si(value: f64) -> Self {
                 $type(value)
             }
@@ -131,7 +171,8 @@ macro_rules! quantity {
 
         impl<'de> Deserialize<'de> for $type {
             fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-                deserializer.deserialize_str(QuantityVisitor(PhantomData))
+                // Whatever it is: a number gets an error of its own.
+                deserializer.deserialize_any(QuantityVisitor(PhantomData))
             }
         }
     };
@@ -154,8 +195,8 @@ quantity!(
     Ampere, "a current", "5 uA", ["A"]
 );
 quantity!(
-    /// A force in newton.
-    Newton, "a force", "5.75 N", ["N"]
+    /// A force in newton; a mass stands for its weight under standard gravity.
+    Newton, "a force", "5.75 N", ["N"], or [("g", 1e-3 * GRAVITY), ("lbf", POUND_FORCE_N)]
 );
 quantity!(
     /// A frequency in hertz.
@@ -220,6 +261,33 @@ mod tests {
     fn milli_is_not_mega() {
         assert_eq!("5 mohm".parse(), Ok(Ohm(0.005)));
         assert_eq!("5 Mohm".parse(), Ok(Ohm(5e6)));
+    }
+
+    #[test]
+    fn a_weight_is_a_force() {
+        assert_eq!("500 g".parse(), Ok(Newton(4.903325)));
+        assert_eq!("0.5kg".parse(), "500 g".parse::<Newton>());
+        assert_eq!("1 lbf".parse(), Ok(Newton(4.448_221_615_260_5)));
+        assert!("500 g".parse::<Ohm>().is_err());
+    }
+
+    #[test]
+    fn a_missing_unit_is_named() {
+        let says = |text: &str| text.parse::<Ohm>().unwrap_err().to_string();
+        let of = |got, right| {
+            format!(
+                "expected a resistance such as \"2.32 kohm\", got {got}: the unit is missing, write \"{right}\""
+            )
+        };
+        assert_eq!(says("2.32k"), of("\"2.32k\"", "2.32 kohm"));
+        assert_eq!(says("2320"), of("\"2320\"", "2.32 kohm"));
+        let says = |json: &str| {
+            let text = serde_json::from_str::<Ohm>(json).unwrap_err().to_string();
+            text.split(" at line").next().unwrap().to_owned()
+        };
+        assert_eq!((says("2320"), says("2.5")), (of("2320", "2.32 kohm"), of("2.5", "2.5 ohm")));
+        // What lacks more than that gets no wrong advice.
+        assert!(!says("\"2.32 uF\"").contains("missing") && !says("-1e400").contains("missing"));
     }
 
     #[test]

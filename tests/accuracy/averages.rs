@@ -3,6 +3,7 @@
 //! Writes `docs/averages.md` with `UPDATE_DOCS=1 cargo test --test accuracy averages`, and fails when it is out of date.
 
 use crate::common::{Bench, Errors, check_page, rms};
+use cermd::characterize::watch::published_s;
 use cermd::instrument::Message;
 use cermd::pins::Pins;
 use cermd::pins::sim::{Kind, Sensor};
@@ -13,8 +14,6 @@ use std::fmt::Write;
 const INSTRUMENTS: u64 = 200;
 /// Those of means over 10 s, which take their time.
 const FEW: u64 = 40;
-/// Before the first reading that counts: the state is there, noise and leaks are known.
-const BEFORE: Nanos = Nanos(4_000_000_000);
 const RESISTANCES: [f64; 4] = [100.0, 1000.0, 16_200.0, 100_000.0];
 
 const HEAD: &str = "# Single readings, and means over a time
@@ -50,32 +49,9 @@ struct Cell {
 }
 
 fn measure(kind: Kind, r_ohm: f64, average: &str, readings: usize, boards: u64) -> Cell {
-    let (mut errors, mut seconds, mut count) = (Errors::default(), 0.0, 0usize);
-    for seed in 0..boards {
-        errors.next_board();
-        let mut instrument =
-            Bench::with_kind("pi4", kind, Method::Tracked, r_ohm, seed, average).instrument();
-        let (mut began, mut last, mut seen) = (None, Nanos::ZERO, 0);
-        while seen <= readings {
-            instrument
-                .step(&mut |message| {
-                    let Message::Reading(reading) = message else { return };
-                    if reading.at < BEFORE || seen > readings {
-                        return;
-                    }
-                    // The first one only says when the second begins.
-                    if began.replace(began.unwrap_or(reading.at)).is_some() {
-                        errors.add(&reading, r_ohm);
-                    }
-                    (last, seen) = (reading.at, seen + 1);
-                })
-                .unwrap();
-        }
-        assert!(instrument.pins().now() > BEFORE);
-        seconds += (last - began.unwrap()).as_seconds();
-        count += readings;
-    }
-    Cell { errors: errors.at_rest(), rate_hz: count as f64 / seconds }
+    let bench = Bench::with_kind("pi4", kind, Method::Tracked, r_ohm, 0, average);
+    let found = bench.cell(r_ohm, boards, readings).measure(&|| false).unwrap().unwrap();
+    Cell { errors: Errors::of(&found).at_rest(), rate_hz: 1.0 / published_s(&found) }
 }
 
 /// All cells of one circuit, two of them at a time.

@@ -22,6 +22,10 @@ const LEAKS: [f64; 2] = [30e6, 1e6];
 
 const HEAD: &str = "# How short a charge may be
 
+![Error and honesty over resistance and size of capacitors](map-capacitor.svg)
+
+The picture, what larger and smaller capacitors are worth, is of `cermctl characterize`; the rest of the page is of tests.
+
 Every figure on this page is **simulated**: scene `pi4` without its rare long delays (2.2 uF / 680 nF, or 470 nF for the circuit
 with series calibration; Rc 470 / 12700 ohm), wake-ups from the charge 53 us late with a scatter of 5 us. Written by
 `UPDATE_DOCS=1 cargo test --test accuracy charging`; do not edit. The same test asserts what is said here.

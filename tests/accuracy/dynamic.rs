@@ -237,6 +237,10 @@ fn an_oscillation_is_read_with_its_second_order_stated() {
 
 const HEAD: &str = "# A sensor that changes while it is read
 
+![Error and honesty over resistance and speed of the sensor: which cells fail, and by which cause](map-speed.svg)
+
+The picture is of `cermctl characterize`; the rest of the page is of tests.
+
 A discharge takes its time: about 1 us for each ohm with 2.2 uF / 680 nF. Each crossing tells the mean conductance
 1/(R_x+Ro) over its stretch of the discharge. The stated instant of a reading (`time`, `t_mono_ns`) is the weighted mean
 of the middles of these stretches: for a steady change the reading is R_x at that instant.

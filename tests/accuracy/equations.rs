@@ -244,7 +244,7 @@ proptest! {
         let split = Times { x: [None, Some(switched)], switch: Some(Switched { at, on: at }), ..full };
         let f_n = [alpha / R_C1, alpha / R_C2];
         let law = Law::Calibrated { fc1_n: f_n[0], fc2_n: f_n[1] };
-        let pair = Force { law, u: None, range_n: None };
+        let pair = Force { law, u: None, range_n: None, tare_n: None };
         let force = |ratio: f64| {
             pair.at(Measured { value: R_C1 + ratio * (R_C2 - R_C1), u: None }, 0.0, [R_C1, R_C2]).unwrap().value
         };

@@ -145,7 +145,7 @@ impl Seen {
         if within.margin.is_nan() {
             return (true, false);
         }
-        (within.is_in(PROMISED..=1.0), within.value < PROMISED)
+        (within.is_in(PROMISED..=1.0), within.value - within.margin < PROMISED)
     }
 }
 
@@ -156,7 +156,7 @@ impl fmt::Display for Seen {
             let (u, error) = (median(&self.errors.us), self.errors.rms_ratio(1.0).value);
             write!(f, "{within:.3} {z:10.2} {u:9.3} {error:10.3} ")?;
         }
-        write!(f, "{:8.2} {}", self.numbers(), self.otherwise())
+        write!(f, "{:8.2} {:5} {}", self.numbers(), self.errors.wild, self.otherwise())
     }
 }
 
@@ -181,7 +181,7 @@ struct Trial<R> {
 fn judge<R: FnOnce() -> Seen>(title: &str, trials: impl Iterator<Item = Trial<R>>) {
     let chosen = std::env::var("CERMD_ROWS").unwrap_or_default();
     let mut table = format!(
-        "{title} (simulated)\n{:52} method     R/ohm      within 2u      rms z  median u  rms error  numbers\n",
+        "{title} (simulated)\n{:52} method     R/ohm      within 2u      rms z  median u  rms error  numbers  wild\n",
         ""
     );
     let mut failures = String::new();

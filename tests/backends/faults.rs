@@ -52,7 +52,7 @@ fn draw(rng: &mut ChaCha8Rng) -> (Instrument<Faulty<SimPins>>, Nanos) {
     let r_ohm = 10f64.powf(rng.random_range(0.0..7.0));
     let (pins, mut settings) = Bench::new("pi4", method, r_ohm, rng.random(), "").parts();
     let law = Law::Calibrated { fc1_n: 5.75, fc2_n: 1.05 };
-    settings.channels[0].force = Some(Force { law, u: None, range_n: None });
+    settings.channels[0].force = Some(Force { law, u: None, range_n: None, tare_n: None });
     let mut pins = Faulty::new(pins, rng.random());
     for injection in Injection::ALL {
         // From never to often; a call that fails ends its cycle, and there are twenty of them in one.

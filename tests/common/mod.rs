@@ -7,6 +7,8 @@ pub mod decorated;
 pub mod faulty;
 pub mod seed;
 
+use cermd::characterize::cell::Cell;
+use cermd::characterize::watch::{Found, Number};
 use cermd::instrument::settings::Settings;
 use cermd::instrument::{Instrument, Message};
 use cermd::pins::Pins;
@@ -83,6 +85,13 @@ impl Bench {
             config.set("measure.resolution", "20 ns");
         }
         Bench { scene, config, seed }
+    }
+
+    /// So many instruments with so many readings each, beginning at this seed.
+    pub fn cell(&self, r_ohm: f64, instruments: u64, readings: usize) -> Cell {
+        let (scene, config) = (self.scene.clone(), self.config.parse());
+        let (name, seed) = ("bench".to_owned(), seed::seed(self.seed));
+        Cell { name, scene, config, r_ohm, change: None, seed, instruments, readings }
     }
 
     pub fn instrument(&self) -> Instrument<SimPins> {
@@ -192,6 +201,8 @@ pub struct Errors {
     pub without_u: usize,
     /// Of each error, whether its reading says that the sensor moves.
     pub moving: Vec<bool>,
+    /// Numbers off by more than ten of their sigma that neither move nor settle.
+    pub wild: usize,
     /// States, of faults their names.
     pub not_ok: Vec<&'static str>,
     /// Where the errors of each board begin.
@@ -199,6 +210,26 @@ pub struct Errors {
 }
 
 impl Errors {
+    /// Those of a cell, one board after the other.
+    pub fn of(found: &[Found]) -> Errors {
+        let mut all = Errors::default();
+        for board in found {
+            all.next_board();
+            for told in &board.told {
+                match told.what {
+                    Ok(Number { u_ohm: None, .. }) => all.without_u += 1,
+                    Ok(Number { error_ohm, u_ohm: Some(u_ohm), is_moving, .. }) => {
+                        all.errors.push(error_ohm);
+                        all.us.push(u_ohm);
+                        all.moving.push(is_moving);
+                    }
+                    Err(state) => all.not_ok.push(state),
+                }
+            }
+        }
+        all
+    }
+
     /// What is added from now on is of another board, whose errors have nothing to do with those before.
     pub fn next_board(&mut self) {
         self.boards.push(self.errors.len());
@@ -213,6 +244,7 @@ impl Errors {
         self.not_ok.extend(board.not_ok);
         self.inferred += board.inferred;
         self.without_u += board.without_u;
+        self.wild += board.wild;
     }
 
     /// Something of the errors of all boards together.
@@ -262,7 +294,7 @@ impl Errors {
 
     pub fn add(&mut self, reading: &Reading, truth: f64) {
         match reading.status {
-            Status::Ok { branch, r_ohm, is_moving, .. } => {
+            Status::Ok { branch, r_ohm, is_moving, is_settling, .. } => {
                 let Some(u) = r_ohm.u else {
                     self.without_u += 1;
                     return;
@@ -270,6 +302,8 @@ impl Errors {
                 self.errors.push(r_ohm.value - truth);
                 self.us.push(u);
                 self.moving.push(is_moving);
+                let is_wild = !is_moving && !is_settling && (r_ohm.value - truth).abs() > 10.0 * u;
+                self.wild += usize::from(is_wild);
                 self.inferred += usize::from(branch == cermd::reading::Branch::Inferred);
             }
             Status::Fault(fault) => self.not_ok.push(fault.as_str()),

@@ -1,8 +1,10 @@
 //! `cermctl calibrate` with the real programs: a daemon on a simulated board, answers on standard input, and a
 //! configuration file that changes after a yes and only then.
 
-use crate::cermctl::daemon::{Daemon, config, ctl, scene};
+use crate::cermctl::daemon::{Daemon, config, ctl, json_lines, scene};
+use crate::cermctl::terminal::on_a_terminal;
 use crate::common::config::ConfigFile;
+use crate::waiting::until_so;
 use assert_cmd::Command;
 use serde_json::Value;
 use std::fs;
@@ -73,8 +75,6 @@ fn a_short_circuit_tells_zeros_of_both_signs() {
         assert_eq!((&line["channel"], &line["updated"]), (&id.into(), &true.into()));
         let kept = line["kept"].as_str().unwrap();
         assert_eq!(fs::read_to_string(kept).unwrap(), before);
-        // Another one within this second would have the same name.
-        fs::remove_file(kept).unwrap();
         let after = config_of(&daemon);
         let new: Vec<&str> = after.lines().filter(|line| !before.contains(line)).collect();
         let written: f64 = new[0].strip_prefix("zero-ohm = ").unwrap().parse().unwrap();
@@ -142,6 +142,17 @@ fn a_sensor_is_no_short_circuit() {
     assert_eq!(config_of(&daemon), before);
     let manual = include_str!("../../docs/commissioning.md");
     assert!(manual.contains(&format!("A zero of more than {} ohm", cermd::config::LARGEST_ZERO_OHM)));
+}
+
+#[test]
+fn an_open_sensor_is_not_waited_for_without_end() {
+    for method in ["tracked", "cerm"] {
+        let daemon = daemon_by(method, "100 Mohm", SHORT);
+        let mut command = calibrate(&daemon, &["zero", "--channel", "thumb", "--count", "20", "--yes"]);
+        let error = String::from_utf8(command.assert().code(1).get_output().stderr.clone()).unwrap();
+        assert!(error.contains("of 20 discharges gave a number"), "{method}: {error}");
+        assert!(error.contains("is the short circuit in the sensor's place?"), "{method}: {error}");
+    }
 }
 
 #[test]
@@ -265,6 +276,8 @@ fn bad_input_is_named_and_changes_nothing() {
         ("power", "1.2,11122\n1.2,11100\n", "all pairs have the same force"),
         ("power", "1.2,2200\n6.06,11122\n9,12000\n", "does not fall while the force rises"),
         ("table", "1.2,11122\n6.06,12000\n", "not monotone"),
+        // One weight in gram among others in newton.
+        ("alpha", "1.2,11122\n6.06,2200\n200,6670\n", "that is no fit: the weights are off it by "),
     ];
     for (model, csv, wanted) in cases {
         fs::write(folder.path("weights.csv"), csv).unwrap();
@@ -296,4 +309,119 @@ fn a_configuration_that_would_not_be_usable_stays_as_it_is() {
     assert!(error.contains("nothing was changed") && error.contains("error: mock.scene"), "{error}");
     assert_eq!(folder.config(), broken);
     assert_eq!(fs::read_dir(folder.0.path()).unwrap().count(), 2, "nothing is left behind");
+}
+
+#[test]
+fn what_residuals_mean_is_said_with_them() {
+    let folder = Folder::new();
+    let bent: String =
+        [0.5f64, 1.0, 2.0, 4.0].map(|f_n| format!("{f_n},{}\n", 13_346.0 * f_n.powf(-0.8))).concat();
+    fs::write(folder.path("weights.csv"), bent).unwrap();
+    let text = |model| stdout(folder.force(&["--csv", "weights.csv", "--model", model]).write_stdin("n\n"));
+    let alpha = text("alpha");
+    for wanted in [
+        "a residual is how much more resistance than the fit a weight made",
+        "they are no scatter but a bend: `--model power` leaves 0.00 % of them",
+        "readings outside of 500 mN to 4 N are marked as extrapolated",
+        "N (at Rc1; over the range of the weights)",
+    ] {
+        assert!(alpha.contains(wanted), "{wanted:?} is missing:\n{alpha}");
+    }
+    assert!(!text("power").contains("--model"), "a power law has no bend left");
+    assert!(text("table").contains("outside of 500 mN to 4 N have no force"));
+}
+
+#[test]
+fn progress_is_shown_on_a_terminal() {
+    let daemon = daemon(SHORT, SHORT);
+    let arguments = "calibrate zero --channel thumb --count 400 --yes --config cermd.toml";
+    let text = on_a_terminal(&daemon, arguments, 60, |text| text.contains("is updated"));
+    assert!(text.contains(" of 400 discharges: ") && text.contains("is updated"), "{text}");
+}
+
+#[test]
+fn what_lies_on_a_sensor_is_taken_off() {
+    let daemon = daemon_with("cerm", "r-o-of = {}", ["11122 ohm", SHORT]);
+    let mut file = ConfigFile::of(&config_of(&daemon));
+    fs::write(daemon.path("cermd.toml"), file.set("channel.thumb.zero-ohm", 0.0).to_string()).unwrap();
+    let before = config_of(&daemon);
+    let path = daemon.path("cermd.toml").to_str().unwrap().to_owned();
+    let zero = |arguments: &[&str]| {
+        let mut command = daemon.ctl(&["zero", "--yes", "--json", "--config", &path]);
+        let json = stdout(command.args(arguments));
+        let line: Value = serde_json::from_str(&json).unwrap();
+        fs::remove_file(line["kept"].as_str().unwrap()).unwrap();
+        line
+    };
+    let line = zero(&["--channel", "thumb"]);
+    let tare_n = line["tare_n"].as_f64().unwrap();
+    assert!((tare_n - 1.2).abs() < 0.01, "{line}");
+    assert!(config_of(&daemon).contains(", tare = \"1."), "{}", config_of(&daemon));
+    // A second time gives the same, whether the daemon has taken it over or not.
+    daemon.reload();
+    until_so("forces without the tare", || {
+        let line = &json_lines(&daemon.ctl(&["get", "--json", "thumb"]).output().unwrap().stdout)[0];
+        line["f_n"].as_f64().is_some_and(|f_n| f_n.abs() < 0.02)
+    });
+    assert!((zero(&["--channel", "thumb"])["tare_n"].as_f64().unwrap() - tare_n).abs() < 0.01);
+    assert!(zero(&["--channel", "thumb", "--clear"])["tare_n"].is_null());
+    assert_eq!(config_of(&daemon), before);
+    // A channel without a force.
+    let error = daemon.ctl(&["zero", "--channel", "index", "--config", &path]).assert().code(1);
+    let error = String::from_utf8(error.get_output().stderr.clone()).unwrap();
+    assert!(error.contains("first `cermctl calibrate force`"), "{error}");
+}
+
+#[test]
+fn each_of_several_changes_within_a_second_has_its_own_copy() {
+    const CHANGES: usize = 4;
+    let folder = Folder::new();
+    let mut texts = vec![folder.config()];
+    for _ in 0..CHANGES {
+        stdout(&mut folder.force(&["--csv", "weights.csv", "--model", "table", "--yes"]));
+        texts.push(folder.config());
+    }
+    texts.sort();
+    let mut copies: Vec<String> =
+        kept(folder.0.path()).iter().map(|path| fs::read_to_string(path).unwrap()).collect();
+    copies.push(folder.config());
+    copies.sort();
+    assert_eq!(copies, texts);
+    texts.dedup();
+    assert_eq!(texts.len(), CHANGES + 1, "two of them name the same table");
+}
+
+/// Wherever it is interrupted: all of the change or nothing, and no file that has no use.
+#[test]
+fn an_interruption_leaves_no_half_of_a_change() {
+    use nix::sys::signal::{Signal, kill};
+    use std::process::{Command as Process, Stdio};
+    use std::time::{Duration, Instant};
+    const INTERRUPTIONS: u32 = 24;
+    let start = |folder: &Folder| {
+        let mut process = Process::new(env!("CARGO_BIN_EXE_cermctl"));
+        process.args("calibrate force --csv weights.csv --model table --yes --config cermd.toml".split(' '));
+        process.current_dir(folder.0.path()).stdout(Stdio::null()).stderr(Stdio::null()).spawn().unwrap()
+    };
+    let began = Instant::now();
+    start(&Folder::new()).wait().unwrap();
+    let usual: Duration = began.elapsed();
+    let mut changed = 0;
+    for number in 0..INTERRUPTIONS {
+        let folder = Folder::new();
+        let before = folder.config();
+        let mut child = start(&folder);
+        std::thread::sleep(usual * number / INTERRUPTIONS);
+        // It may have ended, but it was not waited for: the number is still its own.
+        kill(nix::unistd::Pid::from_raw(child.id() as i32), Signal::SIGINT).unwrap();
+        child.wait().unwrap();
+        let is_changed = folder.config() != before;
+        changed += u32::from(is_changed);
+        let mut names: Vec<_> =
+            fs::read_dir(folder.0.path()).unwrap().map(|entry| entry.unwrap().file_name()).collect();
+        names.sort();
+        assert_eq!(names.len(), if is_changed { 4 } else { 2 }, "after {number}/{INTERRUPTIONS}: {names:?}");
+    }
+    println!("{INTERRUPTIONS} interruptions within {usual:.0?}: {changed} came after the change");
+    assert!(changed < INTERRUPTIONS, "none came in time");
 }

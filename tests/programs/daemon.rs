@@ -123,6 +123,74 @@ fn hangup_with_a_file_whose_scene_is_missing_changes_nothing() {
     survives(config(&["thumb"], FAST).set("mock.scene", "nowhere.toml"), "nowhere.toml");
 }
 
+/// What is no file may never answer, or never end.
+#[test]
+fn a_pipe_or_a_device_in_the_place_of_a_file_is_refused_at_once() {
+    let folder = tempfile::tempdir().unwrap();
+    let pipe = folder.path().join("pipe.toml");
+    nix::unistd::mkfifo(&pipe, nix::sys::stat::Mode::S_IRWXU).unwrap();
+    let endless = folder.path().join("endless.toml");
+    std::os::unix::fs::symlink("/dev/zero", &endless).unwrap();
+    for path in [&pipe, &endless] {
+        let path = path.to_str().unwrap();
+        survives(config(&["thumb"], FAST).set("mock.scene", path), "no regular file");
+        let force = format!("force = {{ table = \"{path}\" }}");
+        survives(config(&["thumb"], FAST).lines("channel.thumb", &force), "no regular file");
+        let home = Home::new(&config(&["thumb"], FAST));
+        let daemon = home.start();
+        home.connect().next_of("READING");
+        fs::remove_file(home.config()).unwrap();
+        std::os::unix::fs::symlink(path, home.config()).unwrap();
+        daemon.signal(Signal::SIGHUP);
+        home.wait_for_log("no regular file");
+        home.connect().next_of("READING");
+        daemon.signal(Signal::SIGTERM);
+        assert_eq!(daemon.end().code(), Some(0));
+    }
+}
+
+/// After a kill there may be another file, of other lines.
+#[test]
+fn the_lines_that_were_asked_for_are_released_whatever_the_file_says() {
+    const RUNTIME: &str = "RUNTIME_DIRECTORY";
+    let simulated = config(&["thumb"], FAST);
+    let mut hardware = simulated.clone();
+    hardware.set("gpio.backend", "chardev").set("gpio.chip", "a-chip-that-is-gone");
+    let lines =
+        [("sense-a", 1), ("sense-b", 2), ("charge-a", 3), ("charge-b", 4), ("sink-c1", 5), ("sink-c2", 6)];
+    for (key, line) in lines {
+        hardware.set(&format!("gpio.{key}"), line);
+    }
+    hardware.set("channel.thumb.sink", 7);
+    let home = Home::new(&hardware);
+    let runtime = home.path().join("run");
+    fs::create_dir(&runtime).unwrap();
+    let release = || {
+        let mut command = home.command();
+        let output =
+            command.arg("--release-lines").env(RUNTIME, &runtime).stderr(Stdio::piped()).output().unwrap();
+        (output.status.code(), String::from_utf8(output.stderr).unwrap())
+    };
+    // It does not get its lines, but it has asked for them.
+    assert_eq!(Daemon::spawn(home.command().env(RUNTIME, &runtime)).end().code(), Some(1));
+    for later in [simulated.to_string(), "what = is this".to_owned()] {
+        home.configure(later);
+        let (code, said) = release();
+        assert!(code == Some(1) && said.contains("a-chip-that-is-gone"), "{code:?} {said}");
+    }
+    home.configure(&simulated);
+    let daemon = Daemon::spawn(home.command().env(RUNTIME, &runtime));
+    home.connect().next_of("READING");
+    daemon.signal(Signal::SIGKILL);
+    daemon.end();
+    home.configure(&hardware);
+    let (code, said) = release();
+    assert!(code == Some(0) && said.contains("no line to release"), "{code:?} {said}");
+    // Without a word of what was asked for, the file has to do.
+    fs::remove_dir_all(&runtime).unwrap();
+    assert!(release().1.contains("a-chip-that-is-gone"));
+}
+
 #[test]
 fn without_a_configuration_it_refuses_and_says_how_to_simulate() {
     let output = program().output().unwrap();
@@ -153,7 +221,7 @@ fn check_says_what_the_library_says() {
 fn what_keeps_it_from_starting_is_said_in_a_sentence() {
     for (name, value, because) in [
         ("mock.scene", "nowhere.toml", "nowhere.toml"),
-        ("server.socket", "/nowhere/s", "does not exist: create it"),
+        ("server.socket", "/nowhere/s", "create its directory"),
         ("circuit.r-c1", "22 kohm", "not usable"),
     ] {
         let home = Home::new(config(&["thumb"], FAST).set(name, value));

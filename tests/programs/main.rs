@@ -1,6 +1,7 @@
 //! The programs, the stream between them and their manual, as users, scripts and the service manager meet them.
 #![allow(clippy::unwrap_used, clippy::panic, reason = "a test that cannot go on has failed")]
 
+mod bridges;
 mod calibrate;
 mod cermctl;
 #[path = "../common/mod.rs"]
@@ -9,4 +10,7 @@ mod daemon;
 mod manual;
 mod processes;
 mod protocol;
+mod schema;
+mod setup;
+mod size;
 mod waiting;

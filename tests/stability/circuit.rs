@@ -69,7 +69,13 @@ pub fn node_b() -> Scenario {
             it.promise("tracked: error, of the bound of a discharge in full", of_bound, 0.7..=1.0);
         }
         let good = errors.rms_ratio(r_ohm).below(0.002) & is_true(&errors);
-        it.cell(method, truth(&errors, r_ohm), good, matches!(method, Method::Tpcm | Method::Tracked));
+        it.cell_of(
+            method,
+            truth(&errors, r_ohm),
+            &errors,
+            good,
+            matches!(method, Method::Tpcm | Method::Tracked),
+        );
     }
     let warned = finding(&board, Method::Tracked, "circuit.c-b") == Some(Severity::Warning);
     let beyond = Board::pi4(Parts { c_b: 1.01 * limit, ..parts });
@@ -104,7 +110,7 @@ pub fn close_resistors() -> Scenario {
         let figure =
             format!("{}, {:.0} times that of 470 ohm", truth(&errors, r_ohm), rms(&errors) / rms(&usual));
         let good = errors.rms_ratio(r_ohm).below(0.02) & is_true(&errors);
-        it.cell(method, figure, good, matches!(method, Method::Qerm | Method::Tracked));
+        it.cell_of(method, figure, &errors, good, matches!(method, Method::Qerm | Method::Tracked));
     }
     let warned = finding(&board, Method::Tracked, "circuit.r-c2") == Some(Severity::Warning);
     it.require("the configuration's check warns", warned);
@@ -194,7 +200,7 @@ pub fn fast_drift() -> Scenario {
         let errors = board.errors(method, r_ohm, 20, 100);
         let off = errors.mean_error().times(1.0 / errors.sd());
         let figure = format!("mean off by {:+.2} sigma, {}", off.value, truth(&errors, r_ohm));
-        it.cell(method, figure, off.within(0.2) & is_true(&errors), false);
+        it.cell_of(method, figure, &errors, off.within(0.2) & is_true(&errors), false);
     }
     it.why = "between the calibration discharges and that of the sensor C grows by as much as the noise. The filter of `tracked` rejects \
               such a circuit and never begins; until it does, each reading has its own calibration."
@@ -311,7 +317,7 @@ pub fn restless_supply() -> Scenario {
     for method in Method::ALL {
         let errors = restless_errors(&board, method, r_ohm);
         let good = is_true(&errors) & errors.rms_ratio(r_ohm).below(0.0015);
-        it.cell(method, truth(&errors, r_ohm), good, method == Method::Tracked);
+        it.cell_of(method, truth(&errors, r_ohm), &errors, good, method == Method::Tracked);
     }
     it.why = "the charge is another one each time, and with it the crossings, in proportion to R + Ro: no calibration before or after \
               can take it out. What A and B share of it is learned, so that u is right, and `tracked` takes the greater part of it out \
@@ -336,7 +342,7 @@ pub fn ten_megohm() -> Scenario {
     let [_, sigma] = PI4_NOISE.sigma(&parts, r_ohm);
     let found_s = Figure { value: found, u: sigma, margin: sigmas() * sigma };
     it.expect("as printed: B crosses after, s", found_s, endless, 1e-3 * endless);
-    it.cell(Method::Tcdic, format!("as printed: {found:.1} s"), found < 0.2, false);
+    it.published(Method::Tcdic, format!("{found:.1} s"), found < 0.2, false);
     for method in Method::ALL {
         let (mut open, mut sound, mut count) = (0usize, 0usize, 0usize);
         let (mut longest, mut lowest, mut relative) = (0.0f64, f64::INFINITY, 0.0f64);

@@ -71,7 +71,7 @@ pub fn quantisation() -> Scenario {
         }
         let figure =
             format!("error {}, largest {}", percent(rms(&errors) / 100.0), percent(largest.value / 100.0));
-        it.cell(method, figure, largest.below(0.88), method == Method::Tracked);
+        it.cell_of(method, figure, &errors, largest.below(0.88), method == Method::Tracked);
     }
     let cycle = 20e-9 / parts.g()[0];
     it.why = format!(
@@ -109,7 +109,7 @@ pub fn trigger() -> Scenario {
             }
         }
         let holds = errors.rms_ratio(r_ohm).below(0.002);
-        it.cell(method, percent(rms(&errors) / r_ohm), holds, method == Method::Tracked);
+        it.cell_of(method, percent(rms(&errors) / r_ohm), &errors, holds, method == Method::Tracked);
     }
     it.why = "trigger noise grows with R: its share of the time stays the same (eq. (8)). Two nodes are better than one only if B falls \
               as fast as A (C_A >> C_B); tracking weights each by its own noise, and does not add that of two calibration \
@@ -152,10 +152,11 @@ pub fn wide_band_low() -> Scenario {
         (Method::Tcdic, "", "", of_tcdic),
         (Method::Cerm, "offset = \"8 us\"\nt-l = \"1 s\"", "offset of the stamps ", of_cerm),
     ] {
-        let mean = board.with(measure).errors(method, r_ohm, 40, 100).mean_error();
+        let errors = board.with(measure).errors(method, r_ohm, 40, 100);
+        let mean = errors.mean_error();
         expect_bias(&mut it, format!("{} {name}", method.as_str()), mean, predicted);
         let figure = format!("{name}{}", percent(mean.value / r_ohm));
-        it.cell(method, figure, mean.within(0.01 * r_ohm), false);
+        it.cell_of(method, figure, &errors, mean.within(0.01 * r_ohm), false);
     }
     for (method, name) in [(Method::Qerm, ""), (Method::Cerm, "offset found "), (Method::Tracked, "")] {
         let measure = if method == Method::Cerm { "t-l = \"1 s\"" } else { "" };
@@ -171,7 +172,7 @@ pub fn wide_band_low() -> Scenario {
         if missing > 0.005 {
             write!(figure, ", {:.0} % no number", 100.0 * missing).unwrap();
         }
-        it.cell(method, figure, mean.within(0.01 * r_ohm), !of_two_nodes);
+        it.cell_of(method, figure, &errors, mean.within(0.01 * r_ohm), !of_two_nodes);
     }
     let [first, second] =
         [parts.r_c1, parts.r_c2].map(|r| -1e6 * paper::early(&parts, VOLTAGE, BANDWIDTH, r)[0]);
@@ -194,17 +195,19 @@ pub fn wide_band_high() -> Scenario {
     let patient = board.with("deadline = \"400 ms\"");
     for (method, predicted) in [(Method::Tpcm, of_tpcm), (Method::Tcdic, of_tcdic), (Method::Cerm, of_tcdic)]
     {
-        let mean = patient.errors(method, r_ohm, 40, 100).mean_error();
+        let errors = patient.errors(method, r_ohm, 40, 100);
+        let mean = errors.mean_error();
         expect_bias(&mut it, method.as_str(), mean, predicted);
-        it.cell(method, percent(mean.value / r_ohm), mean.within(0.001 * r_ohm), false);
+        it.cell_of(method, percent(mean.value / r_ohm), &errors, mean.within(0.001 * r_ohm), false);
     }
     for (name, board, expected) in [
         ("in full", patient, false),
         ("finished through Rc1 after 30 ms", board.with("deadline = \"30 ms\""), true),
     ] {
-        let mean = board.errors(Method::Tracked, r_ohm, 40, 100).mean_error();
+        let errors = board.errors(Method::Tracked, r_ohm, 40, 100);
+        let mean = errors.mean_error();
         let figure = format!("{name} {}", percent(mean.value / r_ohm));
-        it.cell(Method::Tracked, figure, mean.within(0.001 * r_ohm), expected);
+        it.cell_of(Method::Tracked, figure, &errors, mean.within(0.001 * r_ohm), expected);
     }
     it.why = "as at 100 ohm; averaging takes nothing of it away. A discharge that a known resistor finishes is as early as the \
               calibration. A low-pass at the sense lines, or less noise, is the remedy."
@@ -262,9 +265,9 @@ pub fn spikes() -> Scenario {
             let found = Figure { value: found_mean.value - r_ohm, ..found_mean };
             it.expect("cerm as printed: bias, ohm", found, bias, SPIKES_ARE_LONG * bias.abs());
         }
-        it.cell(
+        it.published(
             method,
-            format!("as printed: sigma {:.0} times", found_sd.value / quiet),
+            format!("sigma {:.0} times", found_sd.value / quiet),
             found_sd.below(1.2 * quiet),
             false,
         );

@@ -3,6 +3,7 @@
 use crate::common::chance::{Figure, Verdict, share_below, share_is_in};
 use crate::common::{self, Bench, Errors, file_for, kind_of};
 use crate::paper::{Parts, Times};
+use crate::picture;
 use cermd::circuit::Node;
 use cermd::instrument::discharge::{Charge, Plan, run};
 use cermd::instrument::{Instrument, Message};
@@ -14,11 +15,42 @@ use cermd::units::{Farad, Nanos, Ohm, Volt};
 use std::fmt::{Display, Write};
 use std::ops::RangeInclusive;
 
+/// How somebody fares with a method where something is wrong.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Mark {
+    /// By the row's own criterion.
+    Holds,
+    /// It does not, and the readings say so: by their uncertainty, or by a state in the place of a number.
+    Told,
+    /// It does not, and nobody is told.
+    Fails,
+}
+
+impl Mark {
+    pub const ALL: [Mark; 3] = [Mark::Holds, Mark::Told, Mark::Fails];
+
+    pub fn sign(self) -> char {
+        ['✔', '!', '✘'][self as usize]
+    }
+
+    pub fn word(self) -> &'static str {
+        ["holds", "told", "fails"][self as usize]
+    }
+}
+
+/// What was found of a method.
+pub struct Cell {
+    /// By our methods; else by the published equations on the same discharges, or by another program.
+    pub is_ours: bool,
+    pub mark: Mark,
+    pub text: String,
+}
+
 /// One row of the table, and what is wrong with it.
 pub struct Scenario {
     pub title: &'static str,
     pub holds_if: &'static str,
-    pub cells: [Vec<String>; Method::ALL.len()],
+    pub cells: [Vec<Cell>; Method::ALL.len()],
     pub why: String,
     pub wrong: String,
     seeds: String,
@@ -67,11 +99,48 @@ impl Scenario {
         self.require_of(format!("{what}: {is_so}"), is_so);
     }
 
-    /// A figure of a method, whether it holds, and whether it was predicted to.
+    /// A figure of one of our methods, whether it holds, and whether it was predicted to.
     pub fn cell(&mut self, method: Method, figure: impl Display, holds: impl Into<Verdict>, expected: bool) {
-        let verdict = holds.into();
-        let text = format!("{figure}: {}", if verdict.holds { "**holds**" } else { "**fails**" });
-        println!("{}: {}: {text}", self.title, method.as_str());
+        self.put(method, (true, figure.to_string()), holds.into(), expected, false);
+    }
+
+    /// The same of readings that may tell what is wrong.
+    pub fn cell_of(
+        &mut self,
+        method: Method,
+        figure: impl Display,
+        errors: &Errors,
+        holds: impl Into<Verdict>,
+        expected: bool,
+    ) {
+        self.put(method, (true, figure.to_string()), holds.into(), expected, tells(errors));
+    }
+
+    /// The same of published equations, or of a program that is not ours.
+    pub fn published(
+        &mut self,
+        method: Method,
+        figure: impl Display,
+        holds: impl Into<Verdict>,
+        expected: bool,
+    ) {
+        self.put(method, (false, format!("published: {figure}")), holds.into(), expected, false);
+    }
+
+    fn put(
+        &mut self,
+        method: Method,
+        (is_ours, text): (bool, String),
+        verdict: Verdict,
+        expected: bool,
+        is_told: bool,
+    ) {
+        let mark = match (verdict.holds, is_told) {
+            (true, _) => Mark::Holds,
+            (false, true) => Mark::Told,
+            (false, false) => Mark::Fails,
+        };
+        println!("{}: {}: {text}: {}", self.title, method.as_str(), mark.word());
         if !verdict.may_be(expected) {
             let was = if expected { "hold" } else { "fail" };
             writeln!(
@@ -83,14 +152,34 @@ impl Scenario {
             )
             .unwrap();
         }
-        self.cells[method as usize].push(text);
+        self.cells[method as usize].push(Cell { is_ours, mark, text });
+    }
+
+    /// That there is no number is right by the row's criterion, and no more than told.
+    pub fn only_told(&mut self, method: Method) {
+        self.cells[method as usize].last_mut().unwrap().mark = Mark::Told;
+    }
+
+    /// The row of the picture: of several findings the worst.
+    pub fn picture(&self) -> picture::Row {
+        let worst = |cells: &[Cell], is_ours: bool| {
+            let found = cells.iter().filter(|cell| cell.is_ours == is_ours);
+            found.max_by_key(|cell| cell.mark as usize).map(|cell| (cell.mark, cell.text.clone()))
+        };
+        let marks =
+            self.cells.iter().map(|cells| [false, true].map(|is_ours| worst(cells, is_ours))).collect();
+        // What comes after a colon is in the table.
+        let name = self.title.split(':').next().unwrap_or_default().to_owned();
+        picture::Row { name, marks }
     }
 
     /// The row in Markdown.
     pub fn row(&self, number: usize) -> String {
         let mut row = format!("| {number} | {} | {} |", self.title, self.holds_if);
         for cell in &self.cells {
-            let text = if cell.is_empty() { "–".to_owned() } else { cell.join("; ") };
+            let texts: Vec<String> =
+                cell.iter().map(|Cell { mark, text, .. }| format!("{} {text}", mark.sign())).collect();
+            let text = if cell.is_empty() { "–".to_owned() } else { texts.join("<br>") };
             write!(row, " {text} |").unwrap();
         }
         row
@@ -237,6 +326,12 @@ pub fn percent(relative: f64) -> String {
 pub fn is_true(errors: &Errors) -> Verdict {
     let others = errors.not_ok.len() + errors.without_u;
     share_below(others, others + errors.count(), 0.1) & errors.within_2u().times(-1.0).below(-0.9)
+}
+
+/// Whether readings say what they are worth: 90 % of the numbers are within two of their own sigma, and what is none has a
+/// state.
+fn tells(errors: &Errors) -> bool {
+    errors.count() == 0 || errors.without_u == 0 && errors.within_2u().value > 0.9
 }
 
 /// The figures that [`is_true`] judges.

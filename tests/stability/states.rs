@@ -1,6 +1,8 @@
 //! Defects of the circuit, one at a time: they come while the instrument runs, stay, and go again.
 
 use crate::common::{Bench, kind_of, name_of};
+use crate::picture;
+use crate::scenario::Mark;
 use cermd::circuit::Node;
 use cermd::instrument::cycle::longest_reading;
 use cermd::instrument::{Instrument, Message};
@@ -118,6 +120,18 @@ impl Said {
         self.longest = Nanos(self.longest.0.max(reading.duration.0));
     }
 
+    /// Right numbers and bounds, or that there is none, or what is neither.
+    fn mark(&self) -> Mark {
+        let faults =
+            self.names.iter().filter(|(name, _)| Fault::ALL.iter().any(|fault| fault.as_str() == *name));
+        let faults: usize = faults.map(|(_, count)| count).sum();
+        match (self.wrong * 20 > self.readings, faults * 20 > self.readings) {
+            (true, _) => Mark::Fails,
+            (false, true) => Mark::Told,
+            (false, false) => Mark::Holds,
+        }
+    }
+
     /// The commonest first, those of less than 2 % left out.
     fn in_words(&self) -> String {
         let mut names: Vec<_> = self.names.iter().filter(|(_, count)| **count * 50 > self.readings).collect();
@@ -141,8 +155,8 @@ fn listen(instrument: &mut Instrument<SimPins>, (count, time): (usize, Nanos), t
     said
 }
 
-/// One row's cell for a method, and what is wrong with it.
-fn examine(defect: &Defect, method: Method) -> (String, Option<String>) {
+/// One row's cell for a method, how the method fares, and what is wrong with it.
+fn examine(defect: &Defect, method: Method) -> (String, Mark, Option<String>) {
     let bench = Bench::with_kind(
         "pi4",
         kind_of(method),
@@ -186,13 +200,13 @@ fn examine(defect: &Defect, method: Method) -> (String, Option<String>) {
     }
     let wrong = (!wrong.is_empty())
         .then(|| format!("{}, {}, seed {SEED}: {wrong}{:?}\n", defect.name, method.as_str(), ill.names));
-    (ill.in_words(), wrong)
+    (ill.in_words(), ill.mark(), wrong)
 }
 
-/// The table, and what is not as it should be.
-pub fn report() -> (String, String) {
+/// The table, its rows in the picture, and what is not as it should be.
+pub fn report() -> (String, Vec<picture::Row>, String) {
     let mut table = String::from("| defect | looks like |");
-    let mut wrong = String::new();
+    let (mut rows, mut wrong) = (Vec::new(), String::new());
     for method in Method::ALL {
         write!(table, " {} |", method.as_str()).unwrap();
     }
@@ -200,14 +214,17 @@ pub fn report() -> (String, String) {
     for defect in &DEFECTS {
         let sights: Vec<_> = defect.suspects.iter().map(|suspect| suspect.seen()).collect();
         write!(table, "| {} | {} |", defect.name, sights.join("; or: ")).unwrap();
+        let mut marks = Vec::new();
         for method in Method::ALL {
-            let (cell, failure) = examine(defect, method);
+            let (cell, mark, failure) = examine(defect, method);
             write!(table, " {cell} |").unwrap();
+            marks.push([None, Some((mark, cell))]);
             wrong.extend(failure);
         }
+        rows.push(picture::Row { name: defect.name.to_owned(), marks });
         table.push('\n');
     }
-    (format!("{HEAD}\n{table}"), wrong)
+    (format!("{HEAD}\n{table}"), rows, wrong)
 }
 
 const HEAD: &str = "## Defects of the circuit\n\n\

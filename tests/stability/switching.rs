@@ -83,7 +83,7 @@ pub fn reaction() -> Scenario {
     let late = too_late(&board, 1000.0, 1);
     it.expect_share("1 kohm: B crosses first", late, DISCHARGES, 1.0..=1.0);
     let figure = format!("in reaction: B first in {:.0} %", 100.0 * late as f64 / DISCHARGES as f64);
-    it.cell(Method::Cerm, figure, share_below(late, DISCHARGES, 0.01), false);
+    it.published(Method::Cerm, figure, share_below(late, DISCHARGES, 0.01), false);
     for method in [Method::Cerm, Method::Tracked] {
         let errors = board.errors(method, 1000.0, 40, 100);
         let [behind, planned] = behind(&board, method, 1000.0);
@@ -136,12 +136,7 @@ pub fn offset() -> Scenario {
                 let what = format!("{}, {r_ohm} ohm: bias, ohm", method.as_str());
                 it.expect(what, bias, predicted, FIRST_ORDER * predicted.abs());
                 if r_ohm == 1000.0 {
-                    it.cell(
-                        method,
-                        format!("as printed {}", percent(bias.value / r_ohm)),
-                        bias.within(0.002 * r_ohm),
-                        false,
-                    );
+                    it.published(method, percent(bias.value / r_ohm), bias.within(0.002 * r_ohm), false);
                 }
             }
         }
@@ -216,9 +211,9 @@ pub fn threshold() -> Scenario {
     let chatter = changes(&fixed(STAMP, t_l), Method::Cerm, r_l, 20);
     it.promise("fixed T_L: changes of branch by reading, about half", chatter, 0.4..=0.6);
     let [jumps, change] = [jump.value, 100.0 * chatter.value];
-    it.cell(
+    it.published(
         Method::Cerm,
-        format!("as printed: the mean jumps by {jumps:.1} ohm; fixed T_L: {change:.0} % change"),
+        format!("the mean jumps by {jumps:.1} ohm; fixed T_L: {change:.0} % change"),
         chatter.below(0.05),
         false,
     );
@@ -288,9 +283,9 @@ pub fn denominator() -> Scenario {
     it.expect_share("as printed: below zero", negative, found.len(), of_negative);
     it.expect_share("as printed: off by half", far, found.len(), of_far);
     let percent = |count: usize| 100.0 * count as f64 / found.len() as f64;
-    it.cell(
+    it.published(
         Method::Cerm,
-        format!("as printed: {:.0} % off by half, {:.0} % below zero", percent(far), percent(negative)),
+        format!("{:.0} % off by half, {:.0} % below zero", percent(far), percent(negative)),
         share_below(far, found.len(), 0.001),
         false,
     );
@@ -336,8 +331,8 @@ pub fn one_ohm() -> Scenario {
         let what = format!("{} as printed: below zero", method.as_str());
         let range = predicted(1.0 - FIRST_ORDER)..=predicted(1.0 + FIRST_ORDER);
         it.expect_share(what, negative, cycles.len(), range);
-        let figure = format!("as printed: {:.0} % below zero", 100.0 * negative as f64 / cycles.len() as f64);
-        it.cell(method, figure, share_below(negative, cycles.len(), 0.001), false);
+        let figure = format!("{:.0} % below zero", 100.0 * negative as f64 / cycles.len() as f64);
+        it.published(method, figure, share_below(negative, cycles.len(), 0.001), false);
     }
     for method in Method::ALL {
         let (mut sound, mut short, mut count, mut negative) = (0usize, 0usize, 0usize, 0usize);

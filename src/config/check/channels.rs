@@ -117,7 +117,7 @@ fn scale(index: usize, channel: &ChannelTable, findings: &mut Findings) {
 }
 
 fn force(key: &str, characteristic: &Characteristic, findings: &mut Findings) {
-    let Characteristic { law, u, range_n } = characteristic;
+    let Characteristic { law, u, range_n, tare_n } = characteristic;
     let fault = match law {
         Source::File(file) if file.as_os_str().is_empty() => {
             Some(("table names no file".to_owned(), "a CSV file beside the configuration"))
@@ -125,7 +125,7 @@ fn force(key: &str, characteristic: &Characteristic, findings: &mut Findings) {
         Source::File(_) => None,
         Source::Given(law) => law.defect(),
     };
-    let fault = fault.or(sensor::defect_of_bounds(*u, *range_n));
+    let fault = fault.or(sensor::defect_of_bounds(*u, *range_n, *tare_n));
     match fault {
         Some((reason, remedy)) => findings.error(key, reason, remedy),
         None if u.is_none() => findings.add(

@@ -2,8 +2,10 @@
 
 use crate::circuit::{Circuit, Kind, Network, Node};
 use crate::config::Findings;
-use crate::config::limits::{B_MARGIN, CALIBRATION_RATIO, CAPACITORS, PIN_LIMIT_A, RESISTORS, SUPPLIES};
-use crate::units::{Farad, Ohm, Quantity, Volt};
+use crate::config::limits::{
+    B_MARGIN, CALIBRATION_RATIO, CAPACITORS, PIN_LIMIT_A, RESISTORS, SHORTEST_DISCHARGE, SUPPLIES,
+};
+use crate::units::{Farad, Ohm, Quantity, Volt, rounded_up};
 use std::fmt::Display;
 use std::ops::RangeInclusive;
 
@@ -77,7 +79,9 @@ fn weaknesses(circuit: &Circuit, findings: &mut Findings) {
         if milliampere > 1e3 * PIN_LIMIT_A {
             let reason =
                 format!("{begins} starts with {milliampere:.1} mA, above the {limit} that a pin may {does}");
-            let remedy = format!("at least \"{:.3}\"{pin}", Ohm(supply / PIN_LIMIT_A - r_o));
+            // Upwards, or who follows it hears the same again.
+            let least = rounded_up(supply / PIN_LIMIT_A - r_o, 3);
+            let remedy = format!("at least \"{:.3}\"{pin}", Ohm(least));
             findings.warning(format!("circuit.{key}"), reason, remedy);
         }
     }
@@ -87,6 +91,11 @@ fn weaknesses(circuit: &Circuit, findings: &mut Findings) {
             format!("calibration at {} and {} is too close together", circuit.r_c1, circuit.r_second()),
             "r-c1 and r-c2 near the ends of the range of the sensor",
         );
+    }
+    let key = if circuit.kind() == Kind::TwoCapacitor { "circuit.c-a" } else { "circuit.c" };
+    if let Some(time) = circuit.crossing(Node::A, circuit.r_c1).filter(|time| *time < SHORTEST_DISCHARGE) {
+        let reason = format!("the discharge through Rc1 takes {time:.2}: too short to be started and timed");
+        findings.error(key, reason, "larger capacitors, or another prefix: u is micro, n is nano");
     }
     let (end, v_th) = (circuit.voltage(Node::B, Farad(f64::INFINITY)), circuit.v_th);
     if let Some(end) = end.filter(|end| v_th.0 - end.0 < B_MARGIN * supply) {

@@ -6,10 +6,10 @@ use crate::circuit::{Chargers, Node};
 use crate::config::Config;
 use crate::config::Findings;
 use crate::config::charge::Remembered;
-use crate::config::limits::{SHORT_CHARGE, SHORTEST_PART};
+use crate::config::limits::{LONGEST_WAIT, SHORT_CHARGE, SHORTEST_PART};
 use crate::estimate::method::Switching;
 use crate::instrument::settings::OffsetSource;
-use crate::units::Seconds;
+use crate::units::{Hertz, Seconds, rounded_down};
 
 pub fn check(config: &Config, findings: &mut Findings) {
     charge_time(config, findings);
@@ -55,7 +55,11 @@ fn deadline(config: &Config, findings: &mut Findings) {
                 Seconds::from(deadline),
                 config.circuit.kind().second(),
             ),
-            format!("at least \"{:.2}\", or without it", Seconds(2.0 * calibration.0)),
+            if 2.0 * calibration.0 < LONGEST_WAIT.as_seconds() {
+                format!("at least \"{:.2}\", or without it", Seconds(2.0 * calibration.0))
+            } else {
+                "smaller capacitors".to_owned()
+            },
         );
     }
 }
@@ -63,10 +67,14 @@ fn deadline(config: &Config, findings: &mut Findings) {
 fn rate(config: &Config, findings: &mut Findings) {
     let Some(rate) = config.measure.rate_hz else { return };
     let [fastest, _] = config.cycle(Seconds(0.0));
-    let [_, usual] = config.cycle(config.discharge(config.circuit.r_second()));
-    let remedy = format!("at most {:.1}, a shorter charge-time, or smaller capacitors", 1.0 / usual.0);
+    // Where the calibration is tracked, without one: most readings have none.
+    let [usual, _] = config.cycle(config.discharge(config.circuit.r_second()));
+    // Downwards, or who follows it hears the same again.
+    let most = rounded_down(1.0 / usual.0, 2);
+    let remedy = format!("at most {most}, a shorter charge-time, or smaller capacitors");
     if rate * fastest.0 > 1.0 {
-        let reason = format!("calibration and charging alone take {fastest:.3}, {:.1} Hz", 1.0 / fastest.0);
+        let reason =
+            format!("calibration and charging alone take {fastest:.3}, {:.2}", Hertz(1.0 / fastest.0));
         findings.error("measure.rate-hz", reason, remedy);
     } else if rate * usual.0 > 1.0 {
         let reason =
@@ -87,7 +95,7 @@ fn switch(config: &Config, findings: &mut Findings) {
         findings.warning(
             "measure.switch-fraction",
             format!("the last crossing comes at {latest:.3} of T_xA, before the planned switch"),
-            format!("{:.2}", 0.9 * latest),
+            rounded_down(0.9 * latest, 2).to_string(),
         );
     }
 }
@@ -145,8 +153,8 @@ fn predictions(config: &Config, findings: &mut Findings) {
     findings.info(
         "measure.rate-hz",
         format!(
-            "a cycle takes {usual:.3} ({:.1} Hz) with the sensor at {}, {longest:.3} at most",
-            1.0 / usual.0,
+            "a cycle takes {usual:.3} ({:.3}) with the sensor at {}, {longest:.3} at most",
+            Hertz(1.0 / usual.0),
             config.circuit.kind().second(),
         ),
     );

@@ -7,6 +7,8 @@ use crate::pins::MAX_CHANNELS;
 use crate::units::{Nanos, Seconds};
 use proptest::prelude::*;
 
+mod advice;
+
 /// A good configuration with something changed.
 fn config(change: impl FnOnce(&mut ConfigFile) -> &mut ConfigFile) -> Config {
     let lines = [
@@ -235,6 +237,11 @@ fn rates() {
     one_measure("rate-hz = nan", "error: measure.rate-hz: not above zero");
     one_measure("rate-hz = 100", "error: measure.rate-hz: calibration and charging alone take");
     one_measure("rate-hz = 45", "warning: measure.rate-hz: a cycle with the sensor at Rc2 takes");
+    // 86 readings a second are simulated of these at Rc2 (docs/methods.md).
+    assert_eq!(
+        complaints(&config(|c| c.set("measure.method", "tracked").set("measure.rate-hz", 70))),
+        Vec::<String>::new()
+    );
     assert_eq!(complaints(&config(|c| c.set("measure.rate-hz", 10))), Vec::<String>::new());
 }
 
@@ -353,4 +360,28 @@ proptest! {
 /// A quantity of any sign and of any size between these powers of ten, as text.
 fn quantity(unit: &'static str, powers: std::ops::Range<i32>) -> impl Strategy<Value = String> {
     (-0.5..10.0f64, powers).prop_map(move |(mantissa, power)| format!("{mantissa}e{power} {unit}"))
+}
+
+#[test]
+fn a_discharge_too_short_to_be_timed_is_an_error() {
+    let short = |c_f: &str| {
+        let config = config_file::config(|c| {
+            let c = c.one_capacitor("one-capacitor", c_f).set("circuit.r-c1", "300 ohm");
+            c.set("gpio.backend", "mock").set("mock.scene", "pi4").channel("x")
+        });
+        complaints(&config.parse())
+    };
+    assert!(
+        short("1 nF")[0].starts_with("error: circuit.c: the discharge through Rc1 takes"),
+        "{:?}",
+        short("1 nF")
+    );
+    assert!(!short("100 nF").iter().any(|text| text.contains("too short to be started")));
+}
+
+#[test]
+fn a_priority_above_that_of_interrupts_is_warned_of() {
+    one(|c| c.set("realtime.priority", 50), "warning: realtime.priority: 50 is not below 50");
+    one(|c| c.set("realtime.priority", 99), "warning: realtime.priority: 99 is not below 50");
+    assert!(complaints(&config(|c| c.set("realtime.priority", 49))).is_empty());
 }

@@ -3,15 +3,19 @@
 //! Every other byte stays; the new file is checked before it counts, and the old one is kept.
 
 use super::CtlError;
+use crate::config::{Config, Source};
 use crate::ctl::check;
 use crate::estimate::fit::Pair;
+use crate::files;
 use crate::sensor::{Force, Law};
 use crate::units::{Newton, NewtonOhm, rounded, to_places};
 use jiff::Timestamp;
-use std::fs::{self, File};
+use nix::sys::signal::SigSet;
+use std::fs::{self, File, Metadata};
 use std::io::Write;
 use std::os::unix::fs::{MetadataExt, chown};
 use std::path::{Path, PathBuf};
+use tempfile::NamedTempFile;
 use toml_edit::{DocumentMut, InlineTable, Item, TableLike};
 
 /// What is put into the configuration.
@@ -23,6 +27,8 @@ pub enum Value {
     Scale(f64),
     /// `force`; a table becomes a file beside the configuration.
     Force(Force, Vec<Pair>),
+    /// `tare` of a force that is there; `None` takes it out.
+    Tare(Option<f64>),
 }
 
 /// Changes a channel of the file, and gives the path of the file as it was.
@@ -32,58 +38,92 @@ pub enum Value {
 pub fn update(path: &Path, id: &str, value: &Value) -> Result<PathBuf, CtlError> {
     // A link stays one.
     let real = fs::canonicalize(path).map_err(CtlError::file(path))?;
-    let folder = real.parent().unwrap_or(Path::new("/"));
-    let text = fs::read_to_string(&real).map_err(CtlError::file(&real))?;
-    // Part of file names: `20261121T034000Z`.
-    let stamp = Timestamp::now().strftime("%Y%m%dT%H%M%SZ").to_string();
-    let table_name = format!("force-{}-{stamp}.csv", file_name(id));
+    let text = files::read_text(&real, files::SETTINGS_BYTES).map_err(CtlError::file(&real))?;
+    let (table, kept) = free_names(&real, id);
+    let table_name = table.file_name().unwrap_or_default().to_string_lossy();
     let edited = edit(&text, id, value, &table_name)
         .map_err(|reason| CtlError::Said(format!("{}: {reason}; nothing was changed", path.display())))?;
+    check_before(&real, &edited, id, value)?;
+    // A signal between two of these steps would leave files behind that nobody needs.
+    let signals = SigSet::all();
+    signals.thread_block().map_err(|errno| CtlError::system("signals")(errno.into()))?;
+    let outcome = put(&real, &edited, (value, &table), &kept);
+    let _ = signals.thread_unblock();
+    outcome.map(|()| kept)
+}
+
+/// Names for the table of a force and for the file as it was, with the second in them (`20261121T034000Z`), and a number if
+/// there are such files already.
+fn free_names(path: &Path, id: &str) -> (PathBuf, PathBuf) {
+    let stamp = Timestamp::now().strftime("%Y%m%dT%H%M%SZ");
+    let mut number = 1;
+    loop {
+        let stamp = if number == 1 { stamp.to_string() } else { format!("{stamp}-{number}") };
+        let table = path.with_file_name(format!("force-{}-{stamp}.csv", file_name(id)));
+        let mut kept = path.as_os_str().to_owned();
+        kept.push(format!(".bak-{stamp}"));
+        let kept = PathBuf::from(kept);
+        if [&table, &kept].iter().all(|path| fs::symlink_metadata(path).is_err()) {
+            return (table, kept);
+        }
+        number += 1;
+    }
+}
+
+/// Whether the new text would be usable, before anything is written: with the table that is no file yet.
+fn check_before(path: &Path, text: &str, id: &str, value: &Value) -> Result<(), CtlError> {
+    let mut config = Config::of_file(text, path);
+    let channels = config.iter_mut().flat_map(|config| &mut config.channels);
+    let force = channels.filter(|channel| channel.id == id).find_map(|channel| channel.force.as_mut());
+    if let (Some(force), Value::Force(Force { law: law @ Law::Table { .. }, .. }, _)) = (force, value) {
+        force.law = Source::Given(law.clone());
+    }
+    let report = check::usable(path, config);
+    let refusal = || {
+        let errors = report.errors();
+        CtlError::Said(format!("nothing was changed, for the configuration would not be usable:\n{errors}"))
+    };
+    report.is_usable().then_some(()).ok_or_else(refusal)
+}
+
+/// Each file is there whole or not at all; if one fails, none is.
+fn put(path: &Path, text: &str, (value, table): (&Value, &Path), kept: &Path) -> Result<(), CtlError> {
+    let old = fs::metadata(path).map_err(CtlError::file(path))?;
     let table = match value {
         Value::Force(Force { law: Law::Table { .. }, .. }, pairs) => {
-            Some((folder.join(table_name), csv(pairs)))
+            let new = beside(table, &csv(pairs), &old)?;
+            new.persist_noclobber(table).map_err(|error| CtlError::file(table)(error.error))?;
+            Some(table)
         }
         _ => None,
     };
-    if let Some((path, text)) = &table {
-        let mut file = File::create_new(path).map_err(CtlError::file(path))?;
-        file.write_all(text.as_bytes()).and_then(|()| file.sync_all()).map_err(CtlError::file(path))?;
+    let put = || {
+        let new = beside(path, text, &old)?;
+        fs::hard_link(path, kept).map_err(CtlError::file(kept))?;
+        new.persist(path).map_err(|error| {
+            let _ = fs::remove_file(kept);
+            CtlError::file(path)(error.error)
+        })
+    };
+    if let Err(error) = put() {
+        let _ = table.map(fs::remove_file);
+        return Err(error);
     }
-    let outcome = replace(&real, &edited, &stamp);
-    if let (Err(_), Some((path, _))) = (&outcome, &table) {
-        let _ = fs::remove_file(path);
-    }
-    outcome
+    let folder = path.parent().unwrap_or(Path::new("/"));
+    File::open(folder).and_then(|folder| folder.sync_all()).map_err(CtlError::file(folder))
 }
 
-/// Writes beside, checks, keeps the old file, renames.
-fn replace(path: &Path, text: &str, stamp: &str) -> Result<PathBuf, CtlError> {
+/// A file of that text on its way to that path, with the rights of the file that was there.
+fn beside(path: &Path, text: &str, old: &Metadata) -> Result<NamedTempFile, CtlError> {
     let folder = path.parent().unwrap_or(Path::new("/"));
-    let failed = CtlError::file(path);
-    let mut new = tempfile::Builder::new()
-        .prefix(".cermd-")
-        .suffix(".toml")
-        .tempfile_in(folder)
-        .map_err(CtlError::file(folder))?;
-    new.write_all(text.as_bytes()).and_then(|()| new.as_file().sync_all()).map_err(&failed)?;
-    let report = check::check(new.path());
-    if !report.is_usable() {
-        let errors = report.errors();
-        return Err(CtlError::Said(format!(
-            "nothing was changed, for the configuration would not be usable:\n{errors}"
-        )));
-    }
-    let old = fs::metadata(path).map_err(&failed)?;
+    let new = tempfile::Builder::new().prefix(".cermd-").tempfile_in(folder);
+    let mut new = new.map_err(CtlError::file(folder))?;
     // Only root can give files away; for others the file becomes their own, as with any editor.
     let _ = chown(new.path(), Some(old.uid()), Some(old.gid()));
-    new.as_file().set_permissions(old.permissions()).map_err(&failed)?;
-    let mut kept = path.as_os_str().to_owned();
-    kept.push(format!(".bak-{stamp}"));
-    let kept = PathBuf::from(kept);
-    fs::hard_link(path, &kept).map_err(CtlError::file(&kept))?;
-    new.persist(path).map_err(|error| failed(error.error))?;
-    File::open(folder).and_then(|folder| folder.sync_all()).map_err(CtlError::file(folder))?;
-    Ok(kept)
+    let written = new.write_all(text.as_bytes());
+    let written = written.and_then(|()| new.as_file().set_permissions(old.permissions()));
+    written.and_then(|()| new.as_file().sync_all()).map_err(CtlError::file(path))?;
+    Ok(new)
 }
 
 /// The text with one value changed.
@@ -95,6 +135,17 @@ fn edit(text: &str, id: &str, value: &Value, table_name: &str) -> Result<String,
         Value::ZeroOhm(ohm) => set(channel, "zero-ohm", to_places(*ohm, 4).into()),
         Value::Scale(scale) => set(channel, "scale", to_places(*scale, 6).into()),
         Value::Force(force, _) => set(channel, "force", characteristic(force, table_name).into()),
+        Value::Tare(tare_n) => {
+            let force = channel.get_mut("force").ok_or_else(|| format!("channel {id:?} has no force"))?;
+            let table =
+                force.as_table_like_mut().ok_or_else(|| format!("the force of {id:?} is no table"))?;
+            match tare_n {
+                Some(tare_n) => set(table, "tare", Newton(to_places(*tare_n, 6)).to_string().into()),
+                None => drop(table.remove("tare")),
+            }
+            // Blanks before a comma come of what stood before the brace.
+            force.as_inline_table_mut().into_iter().for_each(InlineTable::fmt);
+        }
     }
     Ok(document.to_string())
 }
@@ -177,6 +228,10 @@ mod tests {
         assert_eq!(edited("index", Value::ZeroOhm(2.0)), inserted);
         let inserted = TEXT.replace("sink = 5\n", "sink = 5\nforce = { alpha = \"13.34646 kN ohm\" }\n");
         assert_eq!(edited("index", alpha(13_346.46)), inserted);
+        let tare = TEXT.replace("\"1 N ohm\" }", "\"1 N ohm\", tare = \"523 mN\" }");
+        assert_eq!(edited("thumb", Value::Tare(Some(0.523))), tare);
+        assert_eq!(edit(&tare, "thumb", &Value::Tare(None), "").unwrap(), TEXT);
+        assert!(edit(TEXT, "index", &Value::Tare(Some(1.0)), "").unwrap_err().contains("has no force"));
     }
 
     #[test]

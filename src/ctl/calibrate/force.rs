@@ -5,12 +5,14 @@
 use super::{CtlError, Target, Value, plot, typed_line, wait_for};
 use crate::circuit::Circuit;
 use crate::config::pairs;
-use crate::ctl::cli::{Force, Model};
+use crate::ctl::cli::{Connection, Force, Model};
+use crate::ctl::limits::WORST_FIT;
+use crate::ctl::progress::Progress;
 use crate::ctl::stream::Stream;
 use crate::estimate::fit::{self, Fit, Pair};
 use crate::sensor::{self, Law};
 use crate::stream::wire::{ReadingLine, ServerMessage, StatusName};
-use crate::units::{measured, rounded};
+use crate::units::{Newton, Ohm, measured, rounded};
 use serde::Serialize;
 use std::collections::BTreeMap;
 use std::fmt::Write;
@@ -38,6 +40,9 @@ pub fn run(arguments: &Force) -> Result<(), CtlError> {
     let fit = fit.map_err(CtlError::said)?;
     let force = fit.force(&pairs);
     target.say(&report(&fit, &force, &pairs, &target.config.circuit))?;
+    if let Some(refusal) = refusal(&fit, &pairs, arguments.model) {
+        return Err(CtlError::Said(refusal));
+    }
     if let Some(path) = &arguments.plot {
         fs::write(path, plot::svg(&fit, &pairs, &target.id)).map_err(CtlError::file(path))?;
         target.say(&format!("plot: {}", path.display()))?;
@@ -63,7 +68,10 @@ fn typed(target: &Target, arguments: &Force) -> Result<Vec<Pair>, CtlError> {
         }
         let pair = match pairs::parse(&text) {
             Ok((f_n, Some(r_ohm))) => Ok(Pair { f_n, r_ohm }),
-            Ok((f_n, None)) => measure(target, arguments)?.map(|r_ohm| Pair { f_n, r_ohm }),
+            Ok((f_n, None)) => {
+                let r_ohm = measure(target, &arguments.connection, arguments.count)?;
+                r_ohm.map(|r_ohm| Pair { f_n, r_ohm })
+            }
             // Somebody at the keyboard types it again; a script does not know that it has to.
             Err(reason) if !io::stdin().is_terminal() => return Err(wrong(reason)),
             Err(reason) => Err(reason),
@@ -76,22 +84,29 @@ fn typed(target: &Target, arguments: &Force) -> Result<Vec<Pair>, CtlError> {
     Ok(pairs)
 }
 
-/// The mean of the next readings, ohm; or why there is none.
-fn measure(target: &Target, arguments: &Force) -> Result<Result<f64, String>, CtlError> {
+/// The mean of so many readings that come next, ohm; or why there is none.
+pub fn measure(
+    target: &Target,
+    connection: &Connection,
+    count: u64,
+) -> Result<Result<f64, String>, CtlError> {
     // Anew for each weight: readings that were waiting are of the weight before.
-    let mut stream = Stream::connect(&arguments.connection.socket, std::slice::from_ref(&target.id))?;
+    let mut stream = Stream::connect(&connection.socket, std::slice::from_ref(&target.id))?;
     let (mut numbers, mut others) = (Vec::new(), 0);
-    while (numbers.len() as u64) < arguments.count {
+    let mut progress = Progress::new();
+    while (numbers.len() as u64) < count {
+        progress.show(|| format!("  {} of {count} readings", numbers.len()));
         let reading = wait_for(&mut stream, "reading", |message| match message {
             ServerMessage::Reading(reading) => Some(reading),
             _ => None,
         })?;
         match (reading.state.status, reading.state.r_ohm) {
             (StatusName::Ok, Some(r_ohm)) => numbers.push(r_ohm),
-            _ if others == arguments.count => return Ok(Err(format!("the sensor reads {}", said(&reading)))),
+            _ if others == count => return Ok(Err(format!("the sensor reads {}", said(&reading)))),
             _ => others += 1,
         }
     }
+    drop(progress);
     let mean = fit::mean(&numbers);
     if let Some(mean) = mean {
         eprintln!("  {}", measured(mean.value, mean.u, "ohm", false));
@@ -102,7 +117,11 @@ fn measure(target: &Target, arguments: &Force) -> Result<Result<f64, String>, Ct
 fn said(reading: &ReadingLine) -> String {
     match (&reading.state.fault, reading.state.status) {
         (Some(fault), _) => format!("fault {fault}"),
-        (None, StatusName::Open) => "open: is there a weight on it, and is it connected?".to_owned(),
+        (None, StatusName::Open) => {
+            let over = reading.state.r_min_ohm.map(|r_ohm| format!(" (above {:.2})", Ohm(r_ohm)));
+            let over = over.unwrap_or_default();
+            format!("open{over}: a heavier weight, or a longer `deadline`; or is it not connected?")
+        }
         (None, _) => "short: is there a short circuit in its place?".to_owned(),
     }
 }
@@ -111,6 +130,12 @@ fn said(reading: &ReadingLine) -> String {
 fn at_resistors(force: &sensor::Force, circuit: &Circuit) -> [Option<f64>; 2] {
     let known = [circuit.r_c1.0, circuit.r_c2.0];
     known.map(|r_ohm| force.at_bound(r_ohm, known))
+}
+
+/// The least and the greatest, newton.
+fn weights(pairs: &[Pair]) -> [f64; 2] {
+    let forces = || pairs.iter().map(|pair| pair.f_n);
+    [forces().fold(f64::INFINITY, f64::min), forces().fold(0.0, f64::max)]
 }
 
 /// What was fitted, and by how much each pair is off, with a bar to the side that it is off to.
@@ -143,16 +168,61 @@ fn report(fit: &Fit, force: &sensor::Force, pairs: &[Pair], circuit: &Circuit) -
         }
         _ => writeln!(text, "table of {} pairs; no force outside them", pairs.len()),
     };
+    let [least, greatest] = weights(pairs);
     let names = ["F_c1", "F_c2"].into_iter().zip(["Rc1", "Rc2"]);
-    for ((force, resistor), f_n) in names.zip(at_resistors(force, circuit)) {
+    for ((name, resistor), f_n) in names.zip(at_resistors(force, circuit)) {
+        let is_over = f_n.is_some_and(|f_n| f_n < least || f_n > greatest);
+        let over = if is_over { "; over the range of the weights" } else { "" };
         let f_n = f_n.map_or("outside the table".to_owned(), |f_n| format!("{f_n:.2} N"));
-        let _ = writeln!(text, "{force} = {f_n} (at {resistor})");
+        let _ = writeln!(text, "{name} = {f_n} (at {resistor}{over})");
     }
-    let _ = write!(text, "relative rms of the residuals: {:.2} %", 100.0 * fit.relative_rms(pairs));
-    if let Some(u) = force.u {
-        let _ = write!(text, "; the uncertainty of forces by it: {} %", rounded(100.0 * u, 2));
+    let _ = writeln!(text, "relative rms of the residuals: {:.2} %", 100.0 * fit.relative_rms(pairs));
+    text + &meaning(fit, force, pairs, [least, greatest])
+}
+
+/// What the residuals say, and what follows from it.
+fn meaning(fit: &Fit, force: &sensor::Force, pairs: &[Pair], [least, greatest]: [f64; 2]) -> String {
+    let mut lines = Vec::new();
+    if let Law::Table { .. } = fit.law {
+        return format!("readings outside of {} to {} have no force", Newton(least), Newton(greatest));
     }
-    text
+    lines.push(match force.u {
+        Some(u) => format!(
+            "a residual is how much more resistance than the fit a weight made; they make forces uncertain by {} % (1 sigma)",
+            rounded(100.0 * u, 2)
+        ),
+        None => "as many numbers were fitted as there are weights: residuals of 0 say nothing, take more weights".to_owned(),
+    });
+    let power = fit::power(pairs).map(|power| power.relative_rms(pairs)).unwrap_or(f64::INFINITY);
+    if matches!(fit.law, Law::Alpha { .. }) && pairs.len() > 3 && power < 0.5 * fit.relative_rms(pairs) {
+        lines.push(format!(
+            "they are no scatter but a bend: `--model power` leaves {:.2} % of them",
+            100.0 * power
+        ));
+    }
+    lines.push(format!(
+        "readings outside of {} to {} are marked as extrapolated",
+        Newton(least),
+        Newton(greatest)
+    ));
+    lines.join("\n")
+}
+
+/// Why a fit is none.
+fn refusal(fit: &Fit, pairs: &[Pair], model: Model) -> Option<String> {
+    let rms = fit.relative_rms(pairs);
+    let other = match model {
+        Model::Alpha => "or try `--model power` or `table`",
+        _ => "or try `--model table`",
+    };
+    (rms > WORST_FIT).then(|| {
+        format!(
+            "that is no fit: the weights are off it by {:.0} % rms, more than {:.0} %; nothing was changed. Look for a weight in \
+             another unit, or typed for another reading, for columns that are swapped (force comes first), {other}",
+            100.0 * rms,
+            100.0 * WORST_FIT
+        )
+    })
 }
 
 /// The same for a machine; what is not known is absent.

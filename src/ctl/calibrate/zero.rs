@@ -6,6 +6,7 @@
 use super::{CtlError, Target, Value, silent, wait_for};
 use crate::config::LARGEST_ZERO_OHM;
 use crate::ctl::cli::Zero;
+use crate::ctl::progress::Progress;
 use crate::ctl::replay::Replay;
 use crate::ctl::stream::Stream;
 use crate::estimate::fit;
@@ -95,6 +96,7 @@ fn take(target: &Target, arguments: &Zero, part: &str) -> Result<Vec<f64>, CtlEr
     let method = method(&mut stream)?;
     stream.watch(None, true)?;
     let (mut replay, mut estimates) = (None, Vec::new());
+    let mut progress = Progress::new();
     while (estimates.len() as u64) < arguments.count {
         let is_of_tape =
             |message: &_| matches!(message, ServerMessage::Tape(_) | ServerMessage::Discharge(_));
@@ -109,17 +111,22 @@ fn take(target: &Target, arguments: &Zero, part: &str) -> Result<Vec<f64>, CtlEr
             }
             ServerMessage::Discharge(line) => {
                 let Some(replay) = &mut replay else {
-                    estimates.extend(line.as_read_ohm.map(Ok));
+                    // An open sensor never gives a number: not to be waited for without end.
+                    let is_of_sensor = line.channel.is_some();
+                    estimates.extend(is_of_sensor.then(|| line.as_read_ohm.ok_or(None)));
                     continue;
                 };
                 let entry = replay.header().entry(&line).map_err(CtlError::said)?;
-                estimates.extend(replay.signed_ohm(&entry));
+                estimates.extend(replay.signed_ohm(&entry).map(|estimate| estimate.map_err(Some)));
             }
             _ => {}
         }
+        progress.show(|| so_far(&estimates, arguments.count));
     }
+    drop(progress);
     let discharges = estimates.len();
-    let fault = estimates.iter().rev().find_map(|estimate: &Result<f64, Fault>| estimate.err());
+    let fault =
+        estimates.iter().rev().find_map(|estimate: &Result<f64, Option<Fault>>| estimate.err().flatten());
     let numbers: Vec<f64> = estimates.into_iter().flatten().collect();
     if 2 * numbers.len() < discharges || numbers.len() < 2 {
         let fault = fault.map(|fault| format!(" (the last fault: {fault})")).unwrap_or_default();
@@ -129,6 +136,16 @@ fn take(target: &Target, arguments: &Zero, part: &str) -> Result<Vec<f64>, CtlEr
         )));
     }
     Ok(numbers)
+}
+
+/// Among them those that gave no number.
+fn so_far<E>(estimates: &[Result<f64, E>], count: u64) -> String {
+    let numbers: Vec<f64> = estimates.iter().flatten().copied().collect();
+    let mean = fit::mean(&numbers).map_or_else(String::new, |mean| {
+        let mean = measured(mean.value, mean.u, "ohm", false);
+        format!(": {mean}")
+    });
+    format!("{} of {count} discharges{mean}", estimates.len())
 }
 
 /// The method of the daemon.

@@ -1,10 +1,10 @@
 //! What readings are to be expected, by a rehearsal: the instrument with its own plan, estimator and settings on the simulated
 //! circuit, in virtual time, for every method alike.
 
-use crate::circuit::{Network, Node};
+use crate::circuit::{Circuit, Network, Node};
 use crate::config::backend;
 use crate::config::{Backend, Config, Findings};
-use crate::ctl::limits::{COLD, REHEARSED, REHEARSED_READINGS, SHARES_OF_R_2, WARM};
+use crate::ctl::limits::{COLD, REHEARSED, REHEARSED_BOARDS, REHEARSED_READINGS, SHARES_OF_R_2, WARM};
 use crate::instrument::settings::Settings;
 use crate::instrument::{Instrument, Message};
 use crate::pins::Pins;
@@ -19,9 +19,9 @@ pub struct Expected {
     pub r_ohm: f64,
     /// Root mean square of what is stated of numbers, 1 sigma, ohm; `None` where there are none.
     pub u_ohm: Option<f64>,
-    /// Readings of a channel, and discharges of all kinds, in a second.
+    /// Readings of a channel in a second.
     pub rate_hz: f64,
-    /// See there.
+    /// Discharges of all kinds in a second.
     pub discharges_hz: f64,
 }
 
@@ -30,15 +30,23 @@ pub fn board(config: &Config, jitter: Option<Seconds>) -> Option<(Scene, String)
     if config.gpio.backend == Backend::Mock {
         return backend::scene(config).ok().map(|scene| (scene, "the scene".to_owned()));
     }
-    let is_5 = config.gpio.chip.as_deref().is_some_and(|chip| chip.contains("rp1"));
-    let name = if is_5 { "pi5" } else { "pi4" };
+    let name = match config.gpio.chip.as_deref().unwrap_or_default() {
+        chip if chip.contains("rp1") => "pi5",
+        chip if chip.contains("bcm2835") => "pi-zero",
+        _ => "pi4",
+    };
     let mut scene = Scene::builtin(name).ok()?;
     let mut how = format!("calls and noise of the scene {name}");
     if let (Some(jitter), Some(stamps)) = (jitter, &mut scene.stamps) {
         stamps.jitter = Some(jitter);
         how = format!("the jitter that was measured, {jitter:.2}, else {how}");
     }
-    let (circuit, nominal) = (&mut scene.circuit, &config.circuit);
+    Some((built(scene, &config.circuit)?, how))
+}
+
+/// A board with another circuit on it; `None` if a scene cannot have it.
+pub fn built(mut scene: Scene, nominal: &Circuit) -> Option<Scene> {
+    let circuit = &mut scene.circuit;
     match nominal.network {
         Network::TwoCapacitor { c_a, c_b } => (circuit.c_a, circuit.c_b) = (Some(c_a), Some(c_b)),
         Network::OneCapacitor { c } | Network::SeriesCalibration { c } => circuit.c = Some(c),
@@ -48,30 +56,76 @@ pub fn board(config: &Config, jitter: Option<Seconds>) -> Option<(Scene, String)
     circuit.r_p = Some(Ohm((nominal.r_charge.0 - nominal.r_o.0).max(0.0)));
     circuit.threshold.falling = nominal.v_th;
     circuit.threshold.rising = circuit.threshold.rising.map(|rising| Volt(rising.0.max(nominal.v_th.0)));
-    Some((scene.with_kind(nominal.kind()).ok()?, how))
+    scene.with_kind(nominal.kind()).ok()
 }
 
-/// From a hundredth of R_2 up to what the deadline resolves.
-pub fn expected(config: &Config, settings: &Settings, scene: &Scene) -> Vec<Expected> {
+/// From a hundredth of R_2 up to what the deadline resolves, ohm.
+pub fn resistances(config: &Config, settings: &Settings) -> Vec<f64> {
     let highest = config.circuit.resistance(Node::A, config.deadline().into()).unwrap_or_default();
-    SHARES_OF_R_2
+    let all = SHARES_OF_R_2.into_iter().map(|share| rounded(share * settings.r_ohm()[1], 1));
+    all.filter(|r_ohm| *r_ohm < highest.0).collect()
+}
+
+/// At these [`resistances`].
+pub fn expected(config: &Config, settings: &Settings, scene: &Scene) -> Vec<Expected> {
+    resistances(config, settings)
         .into_iter()
-        .map(|share| rounded(share * settings.r_ohm()[1], 1))
-        .filter(|r_ohm| *r_ohm < highest.0)
-        .filter_map(|r_ohm| rehearse(settings, scene, r_ohm))
+        .filter_map(|r_ohm| rehearse(settings, scene, r_ohm, REHEARSED_BOARDS))
         .collect()
 }
 
-fn rehearse(settings: &Settings, scene: &Scene, r_ohm: f64) -> Option<Expected> {
-    let sensors = vec![Sensor::Constant(Ohm(r_ohm)); settings.channels.len()];
-    let scene = scene.clone().with_sensors(sensors).ok()?;
-    let mut instrument = Instrument::new(SimPins::new(&scene, None), settings.clone());
-    let channels = settings.channels.len();
-    let (mut began, mut readings, mut discharges) = (None, 0usize, 0usize);
-    let (mut squares, mut numbers, mut now) = (0.0, 0usize, Nanos::ZERO);
+/// What so many boards of a kind do together: each has another noise, and has learned another u from it. At each channel is a sensor
+/// of `r_ohm`, behind what its zero says. `None` if one of them does not find its own state.
+pub fn rehearse(settings: &Settings, scene: &Scene, r_ohm: f64, boards: usize) -> Option<Expected> {
+    let sensors = settings.channels.iter().map(|channel| Sensor::Constant(Ohm(channel.as_read(r_ohm))));
+    let mut scene = scene.clone().with_sensors(sensors.collect()).ok()?;
+    let mut all = Rehearsed::default();
+    for _ in 0..boards {
+        all = all.and(&rehearse_board(settings, &scene)?);
+        scene.seed = scene.seed.wrapping_add(1);
+    }
+    Some(Expected {
+        r_ohm,
+        u_ohm: (2 * all.numbers > all.readings).then(|| (all.squares / all.numbers as f64).sqrt()),
+        rate_hz: all.readings as f64 / settings.channels.len() as f64 / all.until_last,
+        discharges_hz: all.discharges as f64 / all.seconds,
+    })
+}
+
+/// What came of boards; `squares`: the sum of those of u, ohm².
+#[derive(Default)]
+struct Rehearsed {
+    readings: usize,
+    numbers: usize,
+    squares: f64,
+    discharges: usize,
+    seconds: f64,
+    /// Until the last reading, s: few of them would be counted short otherwise.
+    until_last: f64,
+}
+
+impl Rehearsed {
+    fn and(self, other: &Rehearsed) -> Rehearsed {
+        Rehearsed {
+            readings: self.readings + other.readings,
+            numbers: self.numbers + other.numbers,
+            squares: self.squares + other.squares,
+            discharges: self.discharges + other.discharges,
+            seconds: self.seconds + other.seconds,
+            until_last: self.until_last + other.until_last,
+        }
+    }
+}
+
+/// `None` if it has no offset or state in time.
+fn rehearse_board(settings: &Settings, scene: &Scene) -> Option<Rehearsed> {
+    let mut instrument = Instrument::new(SimPins::new(scene, None), settings.clone());
+    let (mut began, mut now, mut last) = (None, Nanos::ZERO, Nanos::ZERO);
+    let mut found = Rehearsed::default();
     let least = settings.average.unwrap_or_default().max(settings.period.unwrap_or_default());
     let end = |began: Nanos| began + REHEARSED.max(Nanos(3 * least.0));
-    while readings < REHEARSED_READINGS * channels && began.is_none_or(|began| now < end(began)) {
+    let enough = REHEARSED_READINGS * settings.channels.len();
+    while found.readings < enough && began.is_none_or(|began| now < end(began)) {
         // What is settling, with the offset or the state still to be found, is not what comes after it.
         let is_warm = began.is_some() || now > WARM && instrument.cycle().offset_is_known();
         if !is_warm && now > COLD.max(Nanos(2 * least.0)) {
@@ -79,26 +133,23 @@ fn rehearse(settings: &Settings, scene: &Scene, r_ohm: f64) -> Option<Expected> 
         }
         let step = instrument.step(&mut |message| match message {
             Message::Reading(reading) if began.is_some() => {
-                readings += 1;
+                found.readings += 1;
+                last = now;
                 if let Status::Ok { r_ohm: Measured { u: Some(u), .. }, .. } = reading.status {
-                    squares += u * u;
-                    numbers += 1;
+                    found.squares += u * u;
+                    found.numbers += 1;
                 }
             }
             Message::Reading(_) if is_warm => began = Some(now),
-            Message::Discharge { .. } if began.is_some() => discharges += 1,
+            Message::Discharge { .. } if began.is_some() => found.discharges += 1,
             _ => {}
         });
         step.ok()?;
         now = instrument.pins().now();
     }
-    let seconds = (now - began?).as_seconds();
-    Some(Expected {
-        r_ohm,
-        u_ohm: (2 * numbers > readings).then(|| (squares / numbers as f64).sqrt()),
-        rate_hz: readings as f64 / channels as f64 / seconds,
-        discharges_hz: discharges as f64 / seconds,
-    })
+    let began = began?;
+    let [seconds, until_last] = [now, last].map(|end| (end - began).as_seconds().max(f64::MIN_POSITIVE));
+    Some(Rehearsed { seconds, until_last, ..found })
 }
 
 /// Adds what readings are to be expected: their errors, their forces, and how often they come.
@@ -130,4 +181,4 @@ pub fn readings(config: &Config, settings: &Settings, jitter: Option<Seconds>, f
 }
 
 #[cfg(test)]
-mod tests;
+pub(in crate::ctl) mod tests;

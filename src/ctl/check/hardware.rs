@@ -1,22 +1,32 @@
 //! The part of `cermctl check` that touches hardware: the kernel, the rights, the lines, the circuit, the latencies.
 
-use super::{expect, latency, wiring};
+use super::{expect, latency, processor, wiring};
 use crate::config::backend::{self, CONSUMER, OpenError};
 use crate::config::{Backend, Config, Findings, Severity};
 use crate::ctl::CtlError;
+use crate::ctl::limits::DISCHARGES;
 use crate::ctl::stream::Stream;
 use crate::estimate::scatter::{MEDIAN_DEVIATION, median};
 use crate::pins::realtime::{Realtime, Right};
 use crate::pins::{Pins, PinsError};
-use crate::units::Seconds;
+use crate::units::{Nanos, Seconds};
 
 /// The first kernel with GPIO uAPI v2.
 const FIRST_V2: (u32, u32) = (5, 10);
 
-/// Adds what there is to say of the hardware that a configuration names; answers the latencies, as text.
-pub fn check(config: &Config, findings: &mut Findings) -> String {
+/// What trying the hardware out has shown.
+#[derive(Debug, Default, PartialEq)]
+pub struct Tried {
+    /// The latencies, as text.
+    pub latencies: String,
+    /// The processor time that a discharge took; `None`: the hardware was not tried.
+    pub busy: Option<Nanos>,
+}
+
+/// Adds what there is to say of the hardware that a configuration names.
+pub fn check(config: &Config, findings: &mut Findings) -> Tried {
     if config.gpio.backend == Backend::Mock {
-        return String::new();
+        return Tried::default();
     }
     kernel(config.gpio.backend, findings);
     let realtime = Realtime::request(&config.realtime);
@@ -29,7 +39,7 @@ pub fn check(config: &Config, findings: &mut Findings) -> String {
             }
             return measure(&mut *pins, config, findings).unwrap_or_else(|failed| {
                 findings.add(Severity::Error, "gpio", failed, None);
-                String::new()
+                Tried::default()
             });
         }
         Err(OpenError::Hardware(error)) if error.is_held_by(CONSUMER) => match ask_the_daemon(config) {
@@ -44,13 +54,15 @@ pub fn check(config: &Config, findings: &mut Findings) -> String {
         },
         Err(refusal) => findings.add(Severity::Error, "gpio", refusal, None),
     }
-    String::new()
+    Tried::default()
 }
 
-fn measure(pins: &mut dyn Pins, config: &Config, findings: &mut Findings) -> Result<String, PinsError> {
+fn measure(pins: &mut dyn Pins, config: &Config, findings: &mut Findings) -> Result<Tried, PinsError> {
     wiring::test(pins, config, findings)?;
     let wake_ups = latency::histogram(&latency::wake_ups());
+    let before = processor::time();
     let mut late_us = latency::stamps(pins, config)?;
+    let busy = Nanos((processor::time() - before).0 / DISCHARGES as i64);
     let stamps = latency::histogram(&late_us);
     let middle = median(&mut late_us);
     late_us.iter_mut().for_each(|late_us| *late_us = (*late_us - middle).abs());
@@ -58,9 +70,10 @@ fn measure(pins: &mut dyn Pins, config: &Config, findings: &mut Findings) -> Res
     if let Ok(settings) = config.settings() {
         expect::readings(config, &settings, Some(Seconds(jitter_s)), findings);
     }
-    Ok(format!(
+    let latencies = format!(
         "\nHow late a sleep of 1 ms ends:\n{wake_ups}How late equal crossings are stamped, after the earliest of them:\n{stamps}"
-    ))
+    );
+    Ok(Tried { latencies, busy: Some(busy) })
 }
 
 fn kernel(backend: Backend, findings: &mut Findings) {
@@ -116,13 +129,13 @@ mod tests {
         let config = Config::parse(include_str!("../../../hw/cermd.toml"), "test").unwrap();
         let mut findings = Findings::default();
         let mock = Config { gpio: crate::config::Gpio::default(), ..config.clone() };
-        assert_eq!(check(&mock, &mut findings), "");
+        assert_eq!(check(&mock, &mut findings), Tried::default());
         assert!(findings.0.is_empty());
         let missing = Config {
             gpio: crate::config::Gpio { chip: Some("no-such-chip".into()), ..config.gpio.clone() },
             ..config
         };
-        assert_eq!(check(&missing, &mut findings), "");
+        assert_eq!(check(&missing, &mut findings), Tried::default());
         assert!(
             findings.0.last().unwrap().to_string().starts_with("error: gpio: there is no GPIO chip"),
             "{findings:?}"

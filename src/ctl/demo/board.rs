@@ -2,20 +2,17 @@
 //! can know.
 
 use super::super::CtlError;
-use crate::circuit::{Circuit, NOMINAL_R_CHARGE};
-use crate::config::{ChannelTable, Characteristic, Config, Gpio, Measure, Mock, Server, Source};
+use crate::config::{ChannelTable, Characteristic, Config, Gpio, Measure, Mock, Server, Source, backend};
 use crate::ctl::cli;
 use crate::pins::Drives;
 use crate::pins::sim::network::line_index;
 use crate::pins::sim::{Kind, Scene, Sensor, SimPins};
-use crate::sensor::Law;
-use crate::units::{Newton, NewtonOhm, Ohm, Seconds};
+use crate::sensor::{FSR_402, Law};
+use crate::units::{Newton, Ohm, Seconds};
 use std::path::{Path, PathBuf};
 
 /// The channels, as far as a hand has fingers.
 const FINGERS: [&str; 5] = ["thumb", "index", "middle", "ring", "little"];
-/// Alpha of F = alpha / R for the FSR 402 of the paper, N ohm.
-const FSR_402: NewtonOhm = NewtonOhm(13_346.46);
 
 /// A simulated board.
 #[derive(Debug)]
@@ -42,6 +39,20 @@ impl Board {
     /// The circuit in virtual time. Two of them behave alike.
     pub fn simulation(&self) -> SimPins {
         SimPins::new(&self.scene, self.seed)
+    }
+
+    /// The same with the first of its sensors alone.
+    pub fn with_first_sensor(self) -> Result<Board, CtlError> {
+        let (mut sensors, mut config) = (self.scene.sensors.clone(), self.config);
+        sensors.truncate(1);
+        config.channels.truncate(1);
+        Ok(Board { scene: self.scene.with_sensors(sensors)?, config, seed: self.seed })
+    }
+
+    /// The same circuit with a resistor in the place of its sensors.
+    pub fn resting(&self, r: Ohm) -> Option<SimPins> {
+        let scene = self.scene.clone().with_sensors(vec![Sensor::Constant(r)]).ok()?;
+        Some(SimPins::new(&scene, self.seed))
     }
 
     /// How late a crossing is stamped, ns, without the rare long delays: what a latency offset should be.
@@ -78,10 +89,11 @@ fn config(scene: &Scene, arguments: &cli::Demo, socket: &Path) -> Config {
             law: Source::Given(Law::Alpha { alpha_n_ohm: FSR_402.0 }),
             u: None,
             range_n: None,
+            tare_n: None,
         }),
     };
     Config {
-        circuit: circuit(scene),
+        circuit: backend::circuit_of(scene),
         gpio: Gpio::default(),
         measure: Measure { method: arguments.method, ..Measure::default() },
         channels: (0..scene.sensors.len().max(1)).map(channel).collect(),
@@ -89,20 +101,5 @@ fn config(scene: &Scene, arguments: &cli::Demo, socket: &Path) -> Config {
         server: Server { socket: socket.to_owned(), mode: 0o600 },
         mock: Some(Mock { scene: arguments.scene.clone(), seed: arguments.seed }),
         base: PathBuf::new(),
-    }
-}
-
-/// The nominal values that somebody with this board would write into the configuration.
-fn circuit(scene: &Scene) -> Circuit {
-    let circuit = &scene.circuit;
-    let r_charge = circuit.r_p.map_or(0.0, |r_p| r_p.0) + circuit.r_o.0;
-    Circuit {
-        network: scene.network().network,
-        r_c1: circuit.r_c1,
-        r_c2: circuit.r_c2,
-        v_dd: circuit.v_dd,
-        v_th: circuit.threshold.falling,
-        r_charge: if r_charge > 0.0 { Ohm(r_charge) } else { NOMINAL_R_CHARGE },
-        r_o: circuit.r_o,
     }
 }

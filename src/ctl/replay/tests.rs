@@ -110,10 +110,9 @@ fn a_tape_tells_what_the_instrument_has_told() {
             };
             *states.entry(of_state).or_insert(0) += 1;
         }
-        assert!(
-            states.get("ok").is_some_and(|ok| *ok > 250) && states.contains_key("open"),
-            "{name}: {states:?}"
-        );
+        // Both are there to be compared: the hand lifts off for a part of the time that differs.
+        let ok = states.get("ok").copied().unwrap_or(0);
+        assert!(2 * ok > readings.len() && states.contains_key("open"), "{name}: {states:?}");
     }
 }
 

@@ -60,9 +60,10 @@ impl Mistaken {
     }
 }
 
-/// A circuit whose nodes stay high: each wait for an edge lasts as long as it may. It takes no time.
+/// A circuit whose nodes stay high: each wait for an edge lasts as long as it may. It takes no time but that of its call.
 struct Endless {
     now: Nanos,
+    call: Duration,
     driving: Arc<AtomicU32>,
     waits: Arc<AtomicU32>,
 }
@@ -80,7 +81,7 @@ impl Pins for Endless {
     }
     fn edge(&mut self, until: Nanos) -> Result<Option<Edge>, PinsError> {
         self.waits.fetch_add(1, Ordering::SeqCst);
-        thread::sleep(Duration::from_millis(1));
+        thread::sleep(self.call);
         self.now = until;
         Ok(None)
     }
@@ -102,13 +103,33 @@ impl Pins for Endless {
     }
 }
 
-#[test]
-fn a_long_discharge_looks_alive_and_ends_when_it_is_to() {
+/// A measurement of it, how many lines drive, and how many waits there were.
+fn endless(call: Duration) -> (Measuring, Arc<AtomicU32>, Arc<AtomicU32>) {
     let config = config_file::config(|c| c.set("measure.deadline", "3600 s").channel("x")).parse();
     let settings = config.settings().unwrap();
     let [driving, waits] = [(); 2].map(|()| Arc::new(AtomicU32::new(0)));
-    let pins = Endless { now: Nanos::ZERO, driving: Arc::clone(&driving), waits: Arc::clone(&waits) };
-    let mut measuring = Measuring::start(Some(Box::new(pins)), config, settings).unwrap();
+    let pins = Endless { now: Nanos::ZERO, call, driving: Arc::clone(&driving), waits: Arc::clone(&waits) };
+    (Measuring::start(Some(Box::new(pins)), config, settings).unwrap(), driving, waits)
+}
+
+#[test]
+fn a_thread_that_hangs_is_not_waited_for_without_limit() {
+    let (mut measuring, _, waits) = endless(Duration::from_secs(3600));
+    while waits.load(Ordering::SeqCst) == 0 {
+        thread::yield_now();
+    }
+    let asked = monotonic();
+    assert!(measuring.stop().is_err(), "it has ended");
+    // As a service manager that waits 10 s asks for it, whatever else this machine does.
+    assert!(monotonic() - asked >= STOP_PATIENCE);
+    let again = monotonic();
+    drop(measuring);
+    assert!(monotonic() - again < STOP_PATIENCE, "it is waited for once more");
+}
+
+#[test]
+fn a_long_discharge_looks_alive_and_ends_when_it_is_to() {
+    let (mut measuring, driving, waits) = endless(Duration::from_millis(1));
     while waits.load(Ordering::SeqCst) < 3 {
         thread::yield_now();
     }
@@ -118,7 +139,7 @@ fn a_long_discharge_looks_alive_and_ends_when_it_is_to() {
         thread::yield_now();
     }
     assert!(measuring.beat() > beat, "no sign of life within a discharge");
-    measuring.stop();
+    measuring.stop().unwrap();
     // An hour in pieces of 100 ms, each of them 1 ms here.
     assert!(waits.load(Ordering::SeqCst) < 36_000, "the discharge went on to its deadline");
     assert_eq!(driving.load(Ordering::SeqCst), 0);
@@ -140,7 +161,7 @@ fn a_panic_ends_the_measurement_with_every_line_released() {
     assert_eq!(driving.load(Ordering::SeqCst), 0);
     assert!(matches!(measuring.next(), Some(Update::Realtime(_))));
     assert!(matches!(measuring.next(), Some(Update::Message(_))), "what was measured before is still there");
-    measuring.stop();
+    measuring.stop().unwrap();
 }
 
 #[test]
@@ -162,7 +183,7 @@ fn readings_wake_nobody_while_nobody_watches() {
                 None => thread::yield_now(),
             }
         }
-        measuring.stop();
+        measuring.stop().unwrap();
         let wakes = measuring.wake().read().unwrap_or(0);
         while let Some(update) = measuring.next() {
             others += u64::from(!matches!(update, Update::Message(_)));
@@ -176,7 +197,7 @@ fn what_was_kept_is_told_as_soon_as_somebody_watches() {
     let (config, settings) = config("ideal");
     let pins = SimPins::new(&Scene::builtin("ideal").unwrap(), None);
     let mut measuring = Measuring::start(Some(Box::new(pins)), config, settings).unwrap();
-    measuring.stop();
+    measuring.stop().unwrap();
     measuring.set_watched(false);
     let _ = measuring.wake().read();
     measuring.set_watched(true);
@@ -208,7 +229,7 @@ fn a_reason_is_told_once() {
     while measuring.beat() < begin + 25 {
         thread::sleep(Duration::from_millis(10));
     }
-    measuring.stop();
+    measuring.stop().unwrap();
     let (mut complaints, mut faults) = (0, 0);
     while let Some(update) = measuring.next() {
         match update {

@@ -1,7 +1,8 @@
-//! Paths that current takes beside the resistors: no number where the law of the circuit does not hold, a wider one where it
-//! nearly does.
+//! Charge that does not go through the resistors, but beside them or into a dielectric: no number where the law of the circuit
+//! does not hold, a wider one where it nearly does.
 
 use super::Estimator;
+use crate::estimate::absorption::{self, AbsorptionTest};
 use crate::estimate::leak::{self, LeakTest};
 use crate::estimate::limits::{
     BEYOND_NOISE, COVERAGE, GROSS_LEAK_SIEMENS, HIGHEST_R_O_OHM, LATEST_STAMP_NS, RESISTOR_TOLERANCE,
@@ -19,6 +20,11 @@ impl Estimator {
     pub fn set_leak(&mut self, leak: &LeakTest) {
         (self.leak_siemens, self.leak_shows) = (leak.likely_siemens(), leak.siemens().is_some());
         self.leak_is_prior = !leak.is_known();
+    }
+
+    /// Takes over what capacitors absorb.
+    pub fn set_absorption(&mut self, absorption: &AbsorptionTest) {
+        self.absorbed = absorption.share().unwrap_or(0.0);
     }
 
     /// Whether a discharge through 0 ohm would take the time that a pin explains: Ro if d is known, Ro + d/g if not. A path
@@ -55,12 +61,13 @@ impl Estimator {
     }
 
     /// The same estimate less what a leak that shows has made of it; that, or what one that does not show may have made of it,
-    /// is in its uncertainty. `None` if the sensor may have any higher resistance.
-    pub(super) fn with_leak(&self, r_ohm: Measured) -> Option<Measured> {
+    /// is in its uncertainty, and what dielectrics do. `None` if the sensor may have any higher resistance.
+    pub(super) fn with_defects(&self, r_ohm: Measured) -> Option<Measured> {
         let error_ohm = leak::error_ohm(self.leak_siemens, [self.r1_ohm, self.r2_ohm], r_ohm.value)?;
         let is_bounded = r_ohm.value < self.r2_ohm || r_ohm.value > COVERAGE * error_ohm.abs();
         let known_ohm = if self.leak_shows { error_ohm } else { 0.0 };
-        let u = r_ohm.u.map(|u| u.hypot(error_ohm));
+        let absorption_ohm = absorption::u_ohm(self.absorbed, self.r1_ohm, r_ohm.value + self.offset().r_o());
+        let u = r_ohm.u.map(|u| u.hypot(error_ohm).hypot(absorption_ohm));
         is_bounded.then_some(Measured { value: r_ohm.value - known_ohm, u })
     }
 }

@@ -107,6 +107,9 @@ impl Estimator {
             Ok(found) => found,
             Err(fault) => return Status::Fault(fault),
         };
+        if self.noise().is_often_late() && !evidence.is_confirmed() {
+            return Status::Fault(Fault::LatencyOutlier);
+        }
         (judged.at_ns, judged.basis) = (evidence.at_ns, estimate.basis);
         let Measured { value, u } = estimate.r_ohm;
         let r_o_ohm = self.offset().r_o();
@@ -116,7 +119,7 @@ impl Estimator {
             Err(fault) => return Status::Fault(fault),
         };
         let measured = Measured { value, u: u.map(|u| u.hypot(moved.map_or(0.0, |moved| moved.u_ohm))) };
-        let Some(r_ohm) = self.with_leak(measured) else {
+        let Some(r_ohm) = self.with_defects(measured) else {
             // The leak only ever makes it read lower; so far up it is the reciprocal that is known to +-u.
             let Measured { value, u } = measured;
             return open(value / (1.0 + COVERAGE * u.unwrap_or(0.0) / value));

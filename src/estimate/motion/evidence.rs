@@ -75,6 +75,11 @@ impl Evidence {
         }
     }
 
+    /// Whether a second crossing says the same.
+    pub fn is_confirmed(&self) -> bool {
+        self.pair.is_some() && !self.contradicts
+    }
+
     /// The same, with another word on whether the crossings disagree.
     pub fn contradicting(self, contradicts: bool) -> Evidence {
         Evidence { contradicts, ..self }

@@ -2,6 +2,7 @@
 
 use super::*;
 use crate::chance::{Figure, mean_of, share_is_in};
+use crate::estimate::limits::NOISE_WARM_UP;
 use rand_distr::{Distribution, StandardNormal};
 
 const LATENCY: f64 = 1500.0;

@@ -1,8 +1,12 @@
-//! The linear algebra of the filter: five unknowns, two observations.
+//! The linear algebra of the filter: all unknowns, two observations.
 
 use super::Matrix;
 use crate::estimate::law::{State, UNKNOWNS};
 use crate::estimate::noise::Covariance;
+
+fn dot(a: &State, b: &State) -> f64 {
+    (0..UNKNOWNS).map(|i| a[i] * b[i]).sum()
+}
 
 /// Kalman's gain for two observations.
 pub struct Gain {
@@ -27,7 +31,6 @@ impl Gain {
             }
             product
         });
-        let dot = |a: &State, b: &State| (0..UNKNOWNS).map(|i| a[i] * b[i]).sum::<f64>();
         let by_state =
             Covariance { aa: dot(&hp[0], &rows[0]), bb: dot(&hp[1], &rows[1]), ab: dot(&hp[0], &rows[1]) };
         let all = by_state.plus(noise);
@@ -59,6 +62,11 @@ impl Gain {
         // The share of an innovation's variance, in that direction, that is the state's.
         let (all, state) = (a * by[0] + b * by[1], self.by_state.of(a, b));
         if state > 0.0 { all / state } else { f64::INFINITY }
+    }
+
+    /// By how much the observations lower v^T P v.
+    pub fn lowers(&self, v: &State) -> f64 {
+        self.inverse.of(dot(&self.hp[0], v), dot(&self.hp[1], v))
     }
 
     /// The state's covariance once the observations are taken in.

@@ -56,19 +56,12 @@ impl Choice {
 
 /// The best for what is given; that which is `in_use` stays while another is hardly better. `None` without a tracked state.
 pub fn best(estimator: &Estimator, terms: &Terms, in_use: Option<Choice>) -> Option<Choice> {
-    let mut best: Option<Choice> = None;
-    for choice in considered(terms).filter_map(|choice| priced(estimator, terms, choice)) {
-        let is_in_use = in_use.is_some_and(|used| used.index == choice.index);
-        let factor = |is: bool| if is { HYSTERESIS } else { 1.0 };
-        let is_better = best.is_none_or(|best| {
-            let best_in_use = in_use.is_some_and(|used| used.index == best.index);
-            factor(is_in_use) * choice.price < factor(best_in_use) * best.price
-        });
-        if is_better {
-            best = Some(choice);
-        }
-    }
-    best
+    let is_in_use = |choice: &Choice| in_use.is_some_and(|used| used.index == choice.index);
+    let priced = considered(terms).filter_map(|choice| priced(estimator, terms, choice)).map(|choice| {
+        let factor = if is_in_use(&choice) { HYSTERESIS } else { 1.0 };
+        (factor * choice.price, choice)
+    });
+    priced.min_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, choice)| choice)
 }
 
 /// Everything that could be done: switches as a fraction of the time in which the last node crosses.
@@ -99,7 +92,7 @@ fn priced(
         // Finished through R_1 when the deadline has come.
         None if full_ns > terms.deadline_ns => Some((terms.deadline_ns, Through::C1)),
         None => None,
-        Some((fraction, to)) => Some(((fraction * full_ns).min(fraction * terms.deadline_ns), to)),
+        Some((fraction, to)) => Some((fraction * full_ns.min(terms.deadline_ns), to)),
     };
     let made = planned.map(|(at_ns, to)| {
         let switch = Switch { at_ns, on_ns: at_ns, to };
@@ -148,6 +141,19 @@ mod tests {
         instrument
     }
 
+    fn terms(r_ohm: f64, mean_ns: f64) -> Terms {
+        Terms {
+            r_ohm,
+            restless: 1e-3,
+            u_switch_ns: 300.0,
+            before_ns: [1.2e6, 1.5e6],
+            deadline_ns: 60e6,
+            mean_ns,
+            second: Through::C2,
+            nodes: 2,
+        }
+    }
+
     #[test]
     fn what_is_chosen_is_hardly_worse_than_the_best_of_all() {
         for seed in 0..4 {
@@ -156,16 +162,7 @@ mod tests {
             for r_ohm in [30.0, 100.0, 300.0, 1000.0, 3000.0, 5000.0, 10_000.0, 16_200.0, 30_000.0, 100_000.0]
             {
                 for mean_ns in [0.0, 1e8, 1e9] {
-                    let terms = Terms {
-                        r_ohm,
-                        restless: 1e-3,
-                        u_switch_ns: 300.0,
-                        before_ns: [1.2e6, 1.5e6],
-                        deadline_ns: 60e6,
-                        mean_ns,
-                        second: Through::C2,
-                        nodes: 2,
-                    };
+                    let terms = terms(r_ohm, mean_ns);
                     let chosen = best(estimator, &terms, None).unwrap();
                     let each = Node::BOTH.into_iter().flat_map(|last| {
                         [Through::C1, Through::C2].into_iter().flat_map(move |to| {
@@ -192,16 +189,7 @@ mod tests {
         for step in 0..200 {
             // To and fro about where another plan becomes the better one.
             let r_ohm = 1000.0 * (1.0 + 0.02 * f64::from(step % 2));
-            let terms = Terms {
-                r_ohm,
-                restless: 1e-3,
-                u_switch_ns: 300.0,
-                before_ns: [1.2e6, 1.5e6],
-                deadline_ns: 60e6,
-                mean_ns: 0.0,
-                second: Through::C2,
-                nodes: 2,
-            };
+            let terms = terms(r_ohm, 0.0);
             let choice = best(instrument.cycle().estimator(), &terms, used).unwrap();
             changes += u32::from(used.is_some_and(|used: Choice| used.index != choice.index));
             used = Some(choice);

@@ -2,11 +2,11 @@
 
 use super::choice::{self, Choice, Terms};
 use super::window::Window;
-use super::{Branch, CalibrationKind, Cycle, Estimator, Fault, Judged, Plan, Record, Status, Through};
+use super::{Branch, CalibrationKind, Cycle, Estimator, Fault, Judged, Look, Plan, Record, Status, Through};
 use crate::circuit::Node;
 use crate::estimate::Predicted;
 use crate::estimate::law::State;
-use crate::estimate::limits::{LEAK_HELD_AT, LEAK_HOLD, SPLIT_FRACTION};
+use crate::estimate::limits::{ABSORPTION_REST, LEAK_HELD_AT, LEAK_HOLD, SPLIT_FRACTION};
 use crate::estimate::method::Switching;
 use crate::estimate::motion::Motion;
 use crate::estimate::scatter::expected_ns;
@@ -130,10 +130,15 @@ impl Cycle {
         crossings.map_or([None; 2], |crossings| crossings.map(|ns| Some(Nanos(ns as i64))))
     }
 
-    /// R_2 with a pause on the way, in which a leak would show.
-    pub(super) fn held_plan(&self) -> Plan {
-        let at = self.estimator.calibration().map(|(_, c2)| Nanos((LEAK_HELD_AT * c2[0]) as i64));
+    /// R_2 with a pause on the way, in which a leak would show, or with a longer charge before it, which fills dielectrics.
+    pub(super) fn held_plan(&self, look: Look) -> Plan {
         let second = self.settings.second();
+        if look == Look::Absorption {
+            let plan = self.plan(second, None, Node::A);
+            let charge = Charge { together: plan.charge.together + ABSORPTION_REST, ..plan.charge };
+            return Plan { charge, ..plan };
+        }
+        let at = self.estimator.calibration().map(|(_, c2)| Nanos((LEAK_HELD_AT * c2[0]) as i64));
         Plan { hold: LEAK_HOLD, ..self.plan(second, at.map(|at| (at, second)), Node::A) }
     }
 
@@ -286,10 +291,12 @@ impl Cycle {
             .into_iter()
             .flat_map(|kind| Node::BOTH[..self.settings.nodes()].iter().map(move |last| (kind, *last)));
         let value = |(kind, last): (CalibrationKind, Node)| {
+            let gain = tracker.planned_gain(kind, last);
             let relative = |(by_state, own): (State, f64)| {
                 let common = tracker.variance(&by_state);
                 let lasts_ns = 1e9 * common / tracker.growth(&by_state);
-                tracker.benefit(kind, last, &by_state).unwrap_or(0.0) / (own / readings + common) * lasts_ns
+                let lowered = gain.as_ref().map_or(0.0, |gain| gain.lowers(&by_state));
+                lowered / (own / readings + common) * lasts_ns
             };
             let takes_ns = tracker.planned(kind).crossing(tracker.state(), last.index()).ns;
             let channels = self.memory.len() as f64;

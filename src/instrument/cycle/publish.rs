@@ -22,9 +22,8 @@ impl Cycle {
 
     /// What a cycle without calibration tells of a channel. That the lines cannot be used is told at once.
     pub(super) fn failing(&mut self, channel: usize, fault: Fault, now: Nanos) -> Option<Reading> {
-        let status = Status::Fault(fault);
         if fault == Fault::Pins {
-            return Some(self.report(channel, status, now, now));
+            return Some(self.report(channel, Status::Fault(fault), now, now));
         }
         self.publish(channel, &Judged::fault(fault), now, now)
     }
@@ -39,7 +38,7 @@ impl Cycle {
         window.add(judged.status, &judged.basis, [share_began, at], tracker);
         let (sensor, known) = (&self.settings.channels[channel], self.settings.r_ohm());
         let force_at = |r_ohm| sensor.force_at(r_ohm, known);
-        let over = window.is_over(now, length).then(|| window.take(length, now, tracker, force_at)).flatten();
+        let over = window.take(length, now, tracker, force_at);
         let reading = over.map(|(status, [began, at])| self.told(channel, status, at, now - began));
         self.go_on(channel, now);
         reading
@@ -79,8 +78,8 @@ impl Cycle {
         self.step = match self.next_sensor(channel + 1) {
             Some(next) => Step::Sensor(next),
             None => {
-                let seconds = (now - self.cycle_began).as_ns();
-                self.cycle_ns += OVERHEAD_STEP * (seconds - self.cycle_ns);
+                let took_ns = (now - self.cycle_began).as_ns();
+                self.cycle_ns += OVERHEAD_STEP * (took_ns - self.cycle_ns);
                 self.failed = None;
                 self.stats.cycles += 1;
                 self.turn += 1;

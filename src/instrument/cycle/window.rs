@@ -52,13 +52,9 @@ impl Window {
         self.rest.calibrated(tracker);
     }
 
-    /// Whether it has lasted for so long; the next one begins where this one was to end, if that is not long ago.
-    pub fn is_over(&self, now: Nanos, length: Nanos) -> bool {
-        self.began.is_some_and(|began| now - began >= length)
-    }
-
-    /// What is to be published, and since when and of when it is: the mean of the numbers, or the last state where there are more
-    /// bounds than numbers or no numbers at all. Begins anew.
+    /// What is to be published once it has lasted for so long, and since when and of when it is: the mean of the numbers, or the last
+    /// state where there are more bounds than numbers or no numbers at all. The next one begins where this one was to end, if that
+    /// is not long ago.
     pub fn take(
         &mut self,
         length: Nanos,
@@ -66,7 +62,7 @@ impl Window {
         tracker: Option<&Tracker>,
         force_at: impl Fn(Measured) -> Option<MeasuredForce>,
     ) -> Option<(Status, [Nanos; 2])> {
-        let began = self.began?;
+        let began = self.began.filter(|began| now - *began >= length)?;
         let done = *self;
         let due = began + length;
         *self = Window { began: Some(if now - due < length { due } else { now }), ..Window::default() };

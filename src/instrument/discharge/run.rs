@@ -32,8 +32,11 @@ pub struct Outcome {
 /// # Errors
 /// Only if the pins cannot be used; what the circuit did is in the [`Outcome`].
 pub fn run<P: Pins + ?Sized>(pins: &mut P, plan: Plan) -> Result<Outcome, PinsError> {
-    let outcome = run_on(pins, plan, &mut Lead::default())?;
-    pins.drive(Drives::NONE)?;
+    let pins = Release(pins);
+    let outcome = run_on(pins.0, plan, &mut Lead::default())?;
+    // If that fails, it is tried once more.
+    pins.0.drive(Drives::NONE)?;
+    std::mem::forget(pins);
     Ok(outcome)
 }
 

@@ -110,9 +110,9 @@ pub(super) fn is_gone(answer: &io::Error) -> bool {
 
 /// How to be let in by a device node: by way of the group that owns it (its number, if it has no name), unless that is root's.
 fn closed(node: &Path) -> String {
-    let gid = std::fs::metadata(node).map_or(0, |node| node.gid());
-    if gid == 0 {
-        return "the device node belongs to root alone: install the udev rule that gives it to a group"
+    let (gid, mode) = std::fs::metadata(node).map_or((0, 0), |node| (node.gid(), node.mode()));
+    if gid == 0 || mode & 0o060 != 0o060 {
+        return "the device node is open to its owner alone: install the udev rule that gives it to a group"
             .to_owned();
     }
     let named = Group::from_gid(Gid::from_raw(gid)).ok().flatten();
@@ -133,6 +133,7 @@ pub(in crate::pins) fn as_io(error: v2::Error) -> io::Error {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use std::os::unix::fs::PermissionsExt;
 
     fn refused(errno: i32, node: &Path) -> ChardevError {
         ChardevError::call("GET_LINE", "sink-c1".to_owned(), io::Error::from_raw_os_error(errno), node)
@@ -148,6 +149,9 @@ mod tests {
             assert!(text(errno).contains("udev rule"));
         }
         let node = tempfile::NamedTempFile::new().unwrap();
+        let mode =
+            |bits| std::fs::set_permissions(node.path(), std::fs::Permissions::from_mode(bits)).unwrap();
+        mode(0o660);
         let (own, other) = (node.path().metadata().unwrap().gid(), 4321);
         let joins = |text: &str| text.contains("usermod -aG ");
         if std::os::unix::fs::chown(node.path(), None, Some(other)).is_ok() {
@@ -155,6 +159,9 @@ mod tests {
         } else {
             assert_eq!(joins(&refused(libc::EACCES, node.path()).to_string()), own != 0);
         }
+        // A group that may not either is no help.
+        mode(0o640);
+        assert!(!joins(&refused(libc::EACCES, node.path()).to_string()));
     }
 
     #[test]

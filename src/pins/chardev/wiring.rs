@@ -4,10 +4,11 @@ use super::chips::{Chip, LineListing};
 use super::error::ChardevError;
 use crate::pins::limits::{RELEASE_ATTEMPTS, RELEASE_PAUSE, SUGGESTIONS};
 use crate::pins::{Drives, MAX_CHANNELS};
+use serde::{Deserialize, Serialize};
 use std::thread;
 
 /// How a circuit is wired to the lines of one chip. A line is given by name ("GPIO17") or by offset ("17").
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Wiring {
     /// Label ("pinctrl-rp1"), name ("gpiochip0") or path ("/dev/gpiochip0") of the chip.
     pub chip: String,

@@ -3,6 +3,7 @@
 use super::network::LINES;
 use super::sensor::Sensor;
 use crate::circuit::{Kind, Network};
+use crate::files;
 use crate::pins::Drives;
 use crate::units::{Ampere, Farad, Hertz, Ohm, Seconds, Volt};
 use serde::Deserialize;
@@ -275,11 +276,7 @@ impl Scene {
 
     /// A scene that is part of the program.
     pub fn builtin(name: &str) -> Result<Scene, SceneError> {
-        let (name, text) = BUILTIN.iter().find(|(known, _)| *known == name).ok_or_else(|| {
-            let names = Scene::builtin_names().collect::<Vec<_>>().join(", ");
-            SceneError(format!("there is no built-in scene \"{name}\"; there are {names}"))
-        })?;
-        Scene::parse(text, Path::new(name))
+        Scene::parse(builtin_text(name)?, Path::new(name))
     }
 
     /// A scene from a file (`*.toml`, relative to a folder), or one that is part of the program.
@@ -287,9 +284,18 @@ impl Scene {
         if name.ends_with(".toml") { Scene::load(&folder.join(name)) } else { Scene::builtin(name) }
     }
 
+    /// The text of the same.
+    pub fn text_of(name: &str, folder: &Path) -> Result<String, SceneError> {
+        if name.ends_with(".toml") {
+            read(&folder.join(name), files::SETTINGS_BYTES)
+        } else {
+            builtin_text(name).map(str::to_owned)
+        }
+    }
+
     /// A scene from a file.
     pub fn load(path: &Path) -> Result<Scene, SceneError> {
-        Scene::parse(&read(path)?, path)
+        Scene::parse(&read(path, files::SETTINGS_BYTES)?, path)
     }
 
     /// A scene from its text; `origin` stands in messages, and files that the scene names are beside it.
@@ -320,9 +326,18 @@ impl Scene {
     }
 }
 
-fn read(path: &Path) -> Result<String, SceneError> {
-    let refused = |error| SceneError(format!("cannot read {}: {error}", path.display()));
-    std::fs::read_to_string(path).map_err(refused)
+fn builtin_text(name: &str) -> Result<&'static str, SceneError> {
+    let found = BUILTIN.iter().find(|(known, _)| *known == name);
+    found.map(|(_, text)| *text).ok_or_else(|| {
+        let names = Scene::builtin_names().collect::<Vec<_>>().join(", ");
+        SceneError(format!("there is no built-in scene \"{name}\"; there are {names}"))
+    })
+}
+
+fn read(path: &Path, most_bytes: u64) -> Result<String, SceneError> {
+    let refused =
+        |error| SceneError(format!("cannot read {}: {error}; {}", path.display(), files::hint(&error)));
+    files::read_text(path, most_bytes).map_err(refused)
 }
 
 /// The line that is written like this in [`Drives`]' display.
@@ -334,7 +349,7 @@ impl Sensor {
     fn read_file(&mut self, folder: &Path) -> Result<(), SceneError> {
         let Sensor::File { path, points } = self else { return Ok(()) };
         let full = folder.join(path);
-        for (index, line) in read(&full)?.lines().enumerate() {
+        for (index, line) in read(&full, files::TABLE_BYTES)?.lines().enumerate() {
             let line = line.trim();
             if line.is_empty() || line.starts_with('#') || (index == 0 && line == "time_s,ohm") {
                 continue;

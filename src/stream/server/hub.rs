@@ -1,7 +1,11 @@
 //! What all clients share: the channels with their last readings, the header of a tape, the counts.
 
 use crate::reading::Reading;
-use crate::stream::wire::{ChannelInfo, ErrorCode, ErrorLine, ReadingLine, VersionLine, excerpt, to_line};
+use crate::stream::limits::serving::ACHIEVED_OVER_S;
+use crate::stream::wire::{
+    ChannelInfo, ChannelStats, ErrorCode, ErrorLine, InstrumentStats, ReadingLine, ReadingTally, StatsLine,
+    VersionLine, excerpt, to_line,
+};
 use jiff::Timestamp;
 use serde::Serialize;
 use std::sync::Arc;
@@ -50,9 +54,23 @@ pub(super) struct Hub {
 struct Channel {
     id: String,
     last: Option<(Reading, Timestamp)>,
+    /// Of the present window and of the last one that is full.
+    tallies: [ReadingTally; 2],
 }
 
 impl Channel {
+    fn count(&mut self, reading: &Reading) {
+        if self.tallies[0].span_s() > ACHIEVED_OVER_S {
+            self.tallies = [ReadingTally::default(), self.tallies[0]];
+        }
+        self.tallies[0].add(reading);
+    }
+
+    fn stats(&self) -> ChannelStats {
+        let [present, last] = self.tallies.map(|tally| tally.stats());
+        if last.readings > 0 { last } else { present }
+    }
+
     fn last_line(&self) -> Option<ReadingLine> {
         let (reading, time) = self.last.as_ref()?;
         Some(ReadingLine::new(reading, &self.id, format!("{time:.9}")))
@@ -62,7 +80,11 @@ impl Channel {
 impl Hub {
     pub fn new(channels: &[ChannelInfo]) -> Hub {
         let version = Published::new(Content::Version, &VersionLine::new(channels));
-        let new = |channel: &ChannelInfo| Channel { id: channel.id.clone(), last: None };
+        let new = |channel: &ChannelInfo| Channel {
+            id: channel.id.clone(),
+            last: None,
+            tallies: Default::default(),
+        };
         let channels = channels.iter().map(new).collect();
         Hub { version, tape_header: None, clients: 0, published: 0, lost: 0, channels }
     }
@@ -70,6 +92,18 @@ impl Hub {
     pub fn set_channels(&mut self, channels: &[ChannelInfo]) {
         let Hub { version, channels, .. } = Hub::new(channels);
         (self.version, self.channels) = (version, channels);
+    }
+
+    /// STATS, with what the daemon tells.
+    pub fn stats(&self, instrument: InstrumentStats) -> StatsLine {
+        let channels = self.channels.iter().map(|channel| (channel.id.clone(), channel.stats())).collect();
+        StatsLine {
+            clients: self.clients as u64,
+            published: self.published,
+            lost: self.lost,
+            channels,
+            instrument,
+        }
     }
 
     /// Whether there is a channel of each of these ids.
@@ -88,6 +122,7 @@ impl Hub {
     pub fn keep_reading(&mut self, reading: &Reading, time: Timestamp) {
         let Some(channel) = self.channels.get_mut(reading.channel) else { return };
         channel.last = Some((*reading, time));
+        channel.count(reading);
         self.published += 1;
     }
 

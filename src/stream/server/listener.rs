@@ -1,16 +1,19 @@
 //! The socket that clients connect to: handed over by systemd, or bound by ourselves. Never two daemons on one path, never
 //! somebody else's file deleted.
 
+use super::lock::{Lock, LockError};
 use nix::errno::Errno;
-use nix::fcntl::{FcntlArg, FdFlag, Flock, FlockArg, fcntl};
+use nix::fcntl::{FcntlArg, FdFlag, fcntl};
 use nix::sys::socket::{self, AddressFamily, Backlog, SockFlag, SockType, UnixAddr, sockopt};
+use nix::sys::stat::{Mode, fchmod, umask};
 use std::fmt::Display;
-use std::fs::{self, File, Metadata, Permissions};
+use std::fs::{self, Metadata};
 use std::io;
 use std::os::fd::{AsFd, AsRawFd, BorrowedFd, OwnedFd};
-use std::os::unix::fs::{FileTypeExt, MetadataExt, PermissionsExt};
+use std::os::unix::fs::{FileTypeExt, MetadataExt};
 use std::os::unix::net::{UnixListener, UnixStream};
 use std::path::{Path, PathBuf};
+use std::sync::{Mutex, PoisonError};
 
 /// Why there is no socket, and what to do.
 #[derive(Debug, thiserror::Error)]
@@ -74,16 +77,14 @@ impl Listener {
     /// # Errors
     /// What is in the way. No file is removed then that was there before.
     pub fn bind(path: &Path, mode: u32) -> Result<Listener, ListenError> {
-        let directory = match path.parent() {
-            Some(parent) if !parent.as_os_str().is_empty() => parent,
-            _ => Path::new("."),
-        };
+        // The kernel tells the shorter name of the lock file too late.
+        UnixAddr::new(path).map_err(|errno| failed("bind", path, errno))?;
         // From here to listen() only one daemon at a time: else two could find the same stale file, and the
         // second would remove the fresh socket of the first.
-        let directory =
-            File::open(directory).map_err(|source| failed("open the directory of", path, source))?;
-        let _lock = Flock::lock(directory, FlockArg::LockExclusiveNonblock)
-            .map_err(|(_, errno)| failed("lock the directory of", path, errno))?;
+        let mut lock_path = path.as_os_str().to_owned();
+        lock_path.push(".lock");
+        let lock_path = PathBuf::from(lock_path);
+        let _lock = Lock::take(&lock_path).map_err(|error| no_lock(&lock_path, error))?;
         remove_stale(path)?;
         bind_and_listen(path, mode)
     }
@@ -121,11 +122,24 @@ fn failed(call: &str, path: &Path, source: impl Into<io::Error>) -> ListenError 
         Some(Errno::EACCES | Errno::EPERM) => ": run cermd as a user that may write there",
         Some(Errno::EROFS) => ": the unit needs ReadWritePaths= or RuntimeDirectory= for it",
         Some(Errno::ENAMETOOLONG) => ": a socket path has at most 107 bytes",
-        Some(Errno::ENOENT) => ": it does not exist: create it (RuntimeDirectory= in a systemd unit does)",
-        Some(Errno::EWOULDBLOCK) => ": another process is just now binding a socket there; try again",
+        Some(Errno::ENOENT) => ": create its directory (RuntimeDirectory= in a systemd unit does)",
         _ => "",
     };
     ListenError(format!("{call} {}: {source}{hint}", path.display()))
+}
+
+fn no_lock(path: &Path, error: LockError) -> ListenError {
+    match error {
+        LockError::Failed(error) => failed("open", path, error),
+        LockError::Held => {
+            let why = "another cermd is just now binding a socket there";
+            ListenError(format!("{}: {why}; stop one of the two", path.display()))
+        }
+        LockError::NotOurs => {
+            let why = "not a file of this user alone";
+            ListenError(format!("{}: {why}: remove it, or choose another [server] socket", path.display()))
+        }
+    }
 }
 
 /// A stream socket that never waits, and the address of the path.
@@ -137,16 +151,27 @@ fn unix_socket(path: &Path) -> Result<(OwnedFd, UnixAddr), ListenError> {
     Ok((socket, address))
 }
 
-/// Binds before the mode is set, and listens after: until then a connect is refused whatever the mode is, so
-/// there is no instant at which the umask decides who may connect.
+/// The umask is the process's, and only one thread at a time may change it and put it back.
+static UMASK: Mutex<()> = Mutex::new(());
+
+/// Makes the file, which has its mode from the first: a later chmod would follow a link that somebody has put in its place.
+fn bind(socket: &OwnedFd, address: &UnixAddr, mode: u32) -> nix::Result<()> {
+    // The new file gets the mode of the socket, less the umask, whose bits for the owner stay out of it: folders that other
+    // threads make meanwhile are still their own.
+    fchmod(socket, Mode::from_bits_truncate(mode))?;
+    let _alone = UMASK.lock().unwrap_or_else(PoisonError::into_inner);
+    let own = umask(Mode::from_bits_truncate(!mode & 0o077));
+    let bound = socket::bind(socket.as_raw_fd(), address);
+    umask(own);
+    bound
+}
+
 fn bind_and_listen(path: &Path, mode: u32) -> Result<Listener, ListenError> {
     let (socket, address) = unix_socket(path)?;
-    socket::bind(socket.as_raw_fd(), &address).map_err(|errno| failed("bind", path, errno))?;
+    bind(&socket, &address, mode).map_err(|errno| failed("bind", path, errno))?;
     let metadata = fs::symlink_metadata(path).map_err(|source| failed("stat", path, source))?;
     let own_file = OwnFile { path: path.to_owned(), inode: inode(&metadata) };
     let listener = Listener { socket: UnixListener::from(socket), own_file: Some(own_file) };
-    fs::set_permissions(path, Permissions::from_mode(mode))
-        .map_err(|source| failed("chmod", path, source))?;
     socket::listen(&listener.socket, Backlog::MAXCONN).map_err(|errno| failed("listen on", path, errno))?;
     Ok(listener)
 }
@@ -262,14 +287,44 @@ mod tests {
     fn errors_say_what_to_do() {
         let (directory, path) = socket_path();
         let missing = Listener::bind(&directory.path().join("no/s"), 0o600).unwrap_err().to_string();
-        assert!(missing.contains("the directory of"), "{missing}");
-        assert!(missing.contains("does not exist: create it"), "{missing}");
+        assert!(missing.contains("no/s") && missing.contains("create its directory"), "{missing}");
         let long = Listener::bind(&directory.path().join("x".repeat(200)), 0o600).unwrap_err().to_string();
         assert!(long.contains("107 bytes"), "{long}");
-        let lock = Flock::lock(File::open(directory.path()).unwrap(), FlockArg::LockExclusive).unwrap();
+        let lock_path = path.with_file_name("s.lock");
+        let lock = Lock::take(&lock_path).unwrap();
         let contended = Listener::bind(&path, 0o600).unwrap_err().to_string();
-        assert!(contended.contains("another process is just now"), "{contended}");
+        assert!(contended.contains("another cermd is just now"), "{contended}");
         drop(lock);
+        fs::create_dir(&lock_path).unwrap();
+        let blocked = Listener::bind(&path, 0o600).unwrap_err().to_string();
+        assert!(blocked.contains("s.lock: not a file of this user alone: remove it"), "{blocked}");
+    }
+
+    /// Others can read the directory of the socket, and lock it.
+    #[test]
+    fn a_lock_of_somebody_else_on_the_directory_keeps_nobody_out() {
+        use nix::fcntl::{Flock, FlockArg};
+        let (directory, path) = socket_path();
+        let opened = fs::File::open(directory.path()).unwrap();
+        let _held = Flock::lock(opened, FlockArg::LockExclusive).unwrap();
+        drop(Listener::bind(&path, 0o600).unwrap());
+        let left = fs::read_dir(directory.path()).unwrap().count();
+        assert_eq!(left, 0, "neither socket nor lock is left");
+    }
+
+    #[test]
+    fn no_chmod_follows_the_bind() {
+        use nix::sys::inotify::{AddWatchFlags, InitFlags, Inotify};
+        let (directory, path) = socket_path();
+        let watch = Inotify::init(InitFlags::IN_NONBLOCK).unwrap();
+        let wanted = AddWatchFlags::IN_CREATE | AddWatchFlags::IN_ATTRIB;
+        watch.add_watch(directory.path(), wanted).unwrap();
+        let _listener = Listener::bind(&path, 0o620).unwrap();
+        let seen = watch.read_events().unwrap();
+        let of_socket: Vec<_> =
+            seen.iter().filter(|event| event.name.as_deref() == path.file_name()).collect();
+        assert!(of_socket.len() == 1 && of_socket[0].mask == AddWatchFlags::IN_CREATE, "{seen:?}");
+        assert_eq!(fs::metadata(&path).unwrap().mode() & 0o7777, 0o620);
     }
 
     #[test]
@@ -283,6 +338,6 @@ mod tests {
         assert!(Listener::adopt(OwnedFd::from(stream)).is_err());
         let tcp = std::net::TcpListener::bind("127.0.0.1:0").unwrap();
         assert!(Listener::adopt(OwnedFd::from(tcp)).is_err());
-        assert!(Listener::adopt(OwnedFd::from(File::open("/dev/null").unwrap())).is_err());
+        assert!(Listener::adopt(OwnedFd::from(fs::File::open("/dev/null").unwrap())).is_err());
     }
 }

@@ -10,22 +10,24 @@
 //! [`turn`](Server::turn) whenever it is ready, something was published, or [`wake_at`](Server::wake_at) has come.
 
 mod hub;
+mod limits;
 mod listener;
+mod lock;
 mod peer;
 mod session;
 mod subscription;
 
+pub use limits::Limits;
 pub use listener::{ListenError, Listener};
 
-use super::limits::serving::{
-    ACCEPT_PAUSE, ACCEPTS_PER_TURN, CLIENTS, EVENTS_PER_TURN, QUEUE_LINES, SEND_BUFFER_BYTES,
-};
+use super::limits::serving::{ACCEPT_PAUSE, ACCEPT_SAID_FOR, ACCEPTS_PER_TURN, EVENTS_PER_TURN};
 use super::tape::{DischargeLine, Header};
 use super::wire::{ChannelInfo, ErrorCode, ErrorLine, InstrumentStats, to_line};
 use crate::reading::Reading;
 use crate::units::Nanos;
 use hub::{Content, Hub, Published};
 use jiff::Timestamp;
+use limits::User;
 use nix::errno::Errno;
 use nix::sys::epoll::{Epoll, EpollCreateFlags, EpollEvent, EpollFlags, EpollTimeout};
 use nix::sys::socket::{self, sockopt};
@@ -35,24 +37,6 @@ use std::io;
 use std::os::fd::{AsFd, AsRawFd, BorrowedFd};
 use std::os::unix::net::UnixStream;
 use std::sync::Arc;
-
-/// What bounds the server.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Limits {
-    /// Clients at a time; the next one is told "busy" and closed.
-    pub clients: usize,
-    /// Lines that wait for a client that reads slowly.
-    pub queue_lines: usize,
-    /// `SO_SNDBUF` of each client, bytes; the kernel takes twice that for a client that does not read (and no
-    /// line that is longer than that in one piece).
-    pub send_buffer_bytes: usize,
-}
-
-impl Default for Limits {
-    fn default() -> Limits {
-        Limits { clients: CLIENTS, queue_lines: QUEUE_LINES, send_buffer_bytes: SEND_BUFFER_BYTES }
-    }
-}
 
 /// The token of the listener; clients count from 1.
 const LISTENER: u64 = 0;
@@ -73,6 +57,8 @@ pub struct Server {
     has_news: bool,
     /// Accepting rests until then.
     accept_again_at: Option<Nanos>,
+    /// Until then nothing more is said about that.
+    said_until: Option<Nanos>,
 }
 
 impl Server {
@@ -92,6 +78,7 @@ impl Server {
             last_token: LISTENER,
             has_news: false,
             accept_again_at: None,
+            said_until: None,
         })
     }
 
@@ -216,7 +203,10 @@ impl Server {
 
     /// The connection that cannot be accepted would keep the listener ready for ever: look away for a while.
     fn pause_accepting(&mut self, now: Nanos, error: &io::Error) -> io::Result<()> {
-        log::warn!("no further clients for now: accept: {error}; raise LimitNOFILE= if that stays");
+        if self.said_until.is_none_or(|until| now >= until) {
+            self.said_until = Some(now + ACCEPT_SAID_FOR);
+            log::warn!("no further clients for now: accept: {error}; raise LimitNOFILE= if that stays");
+        }
         self.epoll.modify(&self.listener, &mut EpollEvent::new(EpollFlags::empty(), LISTENER))?;
         self.accept_again_at = Some(now + ACCEPT_PAUSE);
         Ok(())
@@ -232,8 +222,9 @@ impl Server {
     }
 
     fn admit(&mut self, socket: UnixStream, stats: &StatsSource<'_>) {
-        if self.clients.len() >= self.limits.clients {
-            let message = format!("all {} connections are in use: try again later", self.limits.clients);
+        let user = User::of(&socket);
+        let of_user = self.clients.values().filter(|client| client.user == user).count();
+        if let Err(message) = self.limits.admit(user, self.clients.len(), of_user) {
             let line = to_line(&ErrorLine::new(ErrorCode::Busy, message));
             let _ = socket::send(socket.as_raw_fd(), &line, SEND);
             return;
@@ -242,7 +233,7 @@ impl Server {
         let _ = socket::setsockopt(&socket, sockopt::SndBuf, &self.limits.send_buffer_bytes);
         self.last_token += 1;
         let token = self.last_token;
-        match Peer::new(socket, &self.hub, self.limits.queue_lines, (&self.epoll, token)) {
+        match Peer::new((socket, user), &self.hub, self.limits.queue_lines, (&self.epoll, token)) {
             Ok(peer) => {
                 self.clients.insert(token, peer);
                 self.hub.clients = self.clients.len();

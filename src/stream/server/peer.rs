@@ -2,12 +2,12 @@
 
 use super::StatsSource;
 use super::hub::Hub;
+use super::limits::User;
 use super::session::Session;
 use crate::stream::limits::serving::{LINES_PER_TURN, READ_BYTES};
 use nix::errno::Errno;
 use nix::sys::epoll::{Epoll, EpollEvent, EpollFlags};
-use nix::sys::socket::{self, MsgFlags, sockopt};
-use nix::unistd::Uid;
+use nix::sys::socket::{self, MsgFlags};
 use std::os::fd::AsRawFd;
 use std::os::unix::net::UnixStream;
 
@@ -18,6 +18,7 @@ pub(super) const SEND: MsgFlags = MsgFlags::MSG_DONTWAIT.union(MsgFlags::MSG_NOS
 #[derive(Debug)]
 pub(super) struct Peer {
     socket: UnixStream,
+    pub user: User,
     pub session: Session,
     /// What epoll watches for.
     interest: EpollFlags,
@@ -31,15 +32,15 @@ pub(super) struct Gone;
 impl Peer {
     /// Takes the connection into the watch of `epoll`.
     pub fn new(
-        socket: UnixStream,
+        (socket, user): (UnixStream, User),
         hub: &Hub,
         queue_lines: usize,
         (epoll, token): (&Epoll, u64),
     ) -> nix::Result<Peer> {
         let interest = EpollFlags::EPOLLIN;
         epoll.add(&socket, EpollEvent::new(interest, token))?;
-        let session = Session::new(hub, queue_lines, is_privileged(&socket));
-        Ok(Peer { socket, session, interest, has_ended: false })
+        let session = Session::new(hub, queue_lines);
+        Ok(Peer { socket, user, session, interest, has_ended: false })
     }
 
     /// Whether it still has something older to read.
@@ -102,12 +103,4 @@ impl Peer {
         }
         Ok(false)
     }
-}
-
-/// Root, or the user that we run as.
-fn is_privileged(socket: &UnixStream) -> bool {
-    socket::getsockopt(socket, sockopt::PeerCredentials).is_ok_and(|credentials| {
-        let user = Uid::from_raw(credentials.uid());
-        user.is_root() || user == Uid::effective()
-    })
 }

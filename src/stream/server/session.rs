@@ -4,9 +4,7 @@ use super::StatsSource;
 use super::hub::{Content, Hub, Published};
 use super::subscription::Subscription;
 use crate::stream::limits::serving::{KEPT_OUTPUT_BYTES, KEPT_QUEUE_LINES};
-use crate::stream::wire::{
-    ErrorCode, ErrorLine, LineSplitter, LineTooLong, ReadingLine, Request, StatsLine, Watch, to_line,
-};
+use crate::stream::wire::{ErrorLine, LineSplitter, LineTooLong, ReadingLine, Request, Watch, to_line};
 use std::collections::VecDeque;
 use std::sync::Arc;
 
@@ -32,12 +30,10 @@ pub(super) struct Session {
     /// Wanted lines that were dropped since the last one it got.
     lost: u64,
     subscription: Subscription,
-    /// May change the instrument: root, or the daemon's own user.
-    privileged: bool,
 }
 
 impl Session {
-    pub fn new(hub: &Hub, queue_lines: usize, privileged: bool) -> Session {
+    pub fn new(hub: &Hub, queue_lines: usize) -> Session {
         Session {
             input: LineSplitter::default(),
             output: Vec::new(),
@@ -48,7 +44,6 @@ impl Session {
             tape_due: None,
             lost: 0,
             subscription: Subscription::default(),
-            privileged,
         }
     }
 
@@ -197,12 +192,9 @@ impl Session {
                 Ok(())
             }
             Request::Stats => {
-                let (clients, published, lost) = (hub.clients as u64, hub.published, hub.lost);
-                let stats = StatsLine { clients, published, lost, instrument: stats() };
-                self.output.extend(to_line(&stats));
+                self.output.extend(to_line(&hub.stats(stats())));
                 Ok(())
             }
-            Request::Calibrate | Request::Zero => Err(self.refuse_instrument()),
         });
         if let Err(refusal) = outcome {
             self.output.extend(to_line(&refusal));
@@ -224,16 +216,6 @@ impl Session {
             self.tape_due = if self.wants_raw() { hub.tape_header.clone() } else { None };
         }
         Ok(())
-    }
-
-    /// Where requests that change the instrument will be passed on to it.
-    fn refuse_instrument(&self) -> ErrorLine {
-        if self.privileged {
-            ErrorLine::new(ErrorCode::Unsupported, "this release cannot calibrate over the socket")
-        } else {
-            let message = "only root and the user that cermd runs as may change the instrument: try sudo";
-            ErrorLine::new(ErrorCode::Forbidden, message)
-        }
     }
 }
 

@@ -97,7 +97,7 @@ pub struct DischargeLine {
     pub channel: Option<String>,
     /// What it started through.
     pub through: Resistor,
-    /// It was held back, to look for a leak: no calibration.
+    /// It was held back: on its way (with a switch) to look for a leak, or before it to look for absorption: no calibration.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub held: bool,
     /// The second of two resistors was sunk by then; absent: at the start.
@@ -173,7 +173,7 @@ pub struct Entry {
     pub seq: u64,
     /// Whether its start is known.
     pub is_timed: bool,
-    /// Whether it was held back, to look for a leak.
+    /// Whether it was held back, to look for a leak or for absorption.
     pub is_held: bool,
     /// Its timings.
     pub record: Record,

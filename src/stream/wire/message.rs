@@ -270,10 +270,6 @@ pub enum ErrorCode {
     NoReading,
     /// Discharges of a raw stream were lost, because the client reads too slowly.
     Lost,
-    /// Only for root and the daemon's own user.
-    Forbidden,
-    /// Not possible in this version.
-    Unsupported,
     /// Too many clients.
     Busy,
     /// A code of a later minor protocol.

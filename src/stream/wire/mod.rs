@@ -18,6 +18,7 @@
 //! # Ok::<(), cermd::wire::UnreadableLine>(())
 //! ```
 
+mod achieved;
 mod message;
 mod request;
 mod split;
@@ -25,6 +26,7 @@ mod stats;
 
 pub use super::limits::{MAX_LINE_BYTES, PROTO_MAJOR, PROTO_MINOR};
 pub(crate) use super::line::to_line;
+pub use achieved::{ChannelStats, ReadingTally};
 pub use message::{
     ChannelInfo, ErrorCode, ErrorLine, ReadingLine, ServerMessage, StateLine, StatusName, Unit,
     UnreadableLine, VersionLine,

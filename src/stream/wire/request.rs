@@ -16,10 +16,6 @@ pub enum Request {
     Poll,
     /// Figures of the daemon.
     Stats,
-    /// Calibrate again; for root and the daemon's own user.
-    Calibrate,
-    /// Take the present resistance of a channel as a short circuit; for root and the daemon's own user.
-    Zero,
 }
 
 /// The subscription of one client. Each WATCH replaces the one before; a field left out has its default.
@@ -85,9 +81,6 @@ impl Request {
             "WATCH" => return Watch::read(fields).map(Request::Watch),
             "POLL" => Request::Poll,
             "STATS" => Request::Stats,
-            // The fields of what changes the instrument are judged where it is done.
-            "CALIBRATE" => return Ok(Request::Calibrate),
-            "ZERO" => return Ok(Request::Zero),
             _ => {
                 let message =
                     format!("no class \"{}\": it is one of \"WATCH\", \"POLL\", \"STATS\"", excerpt(class));
@@ -159,7 +152,6 @@ mod tests {
         assert_eq!(parse(r#"{"class":"WATCH"}"#), Ok(Request::Watch(Watch::default())));
         assert_eq!(parse(r#" {"class" : "POLL"} "#), Ok(Request::Poll));
         assert_eq!(parse(r#"{"class":"STATS"}"#), Ok(Request::Stats));
-        assert_eq!(parse(r#"{"class":"ZERO","channel":"thumb"}"#), Ok(Request::Zero));
     }
 
     #[test]
@@ -174,7 +166,6 @@ mod tests {
             Request::Watch(Watch { raw: true, ..Watch::default() }),
             Request::Poll,
             Request::Stats,
-            Request::Calibrate,
         ];
         for request in requests {
             let mut line = request.to_line();
@@ -212,6 +203,9 @@ mod tests {
             assert_eq!(code(text), ErrorCode::BadRequest, "{text}");
         }
         assert_eq!(code(r#"{"class":"watch"}"#), ErrorCode::UnknownClass);
+        // What changes the instrument is a matter of the configuration file, not of a request.
+        assert_eq!(code(r#"{"class":"CALIBRATE"}"#), ErrorCode::UnknownClass);
+        assert_eq!(code(r#"{"class":"ZERO","channel":"thumb"}"#), ErrorCode::UnknownClass);
         assert_eq!(Request::parse(Err(LineTooLong)).unwrap_err().code, ErrorCode::LineTooLong);
         let binary = Request::parse(Ok(&[b'{', 0xff, 0x00])).unwrap_err();
         assert_eq!((binary.code, binary.message.contains("UTF-8")), (ErrorCode::BadRequest, true));

@@ -1,5 +1,6 @@
 //! STATS: what the server and the instrument behind it have counted and learned.
 
+use super::ChannelStats;
 use crate::stream::line::{is_unknown, time, uncertainty, value};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
@@ -17,6 +18,9 @@ pub struct StatsLine {
     /// What the daemon tells.
     #[serde(flatten)]
     pub instrument: InstrumentStats,
+    /// What the last readings of each channel came to, by its id.
+    #[serde(default)]
+    pub channels: BTreeMap<String, ChannelStats>,
 }
 
 /// What the daemon tells of its instrument in STATS.
@@ -52,6 +56,9 @@ pub struct InstrumentStats {
     /// The resistance of a leak beside the sensors, ohm.
     #[serde(serialize_with = "uncertainty", skip_serializing_if = "is_unknown")]
     pub leak_ohm: Option<f64>,
+    /// What capacitors absorb: by how much discharges are longer after a rest at V_DD, percent of their time.
+    #[serde(default, serialize_with = "uncertainty", skip_serializing_if = "is_unknown")]
+    pub absorbed_percent: Option<f64>,
     /// Discharges that were tried again.
     pub retried: u64,
     /// Whether the latency offset has been found or was given.

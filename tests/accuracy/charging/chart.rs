@@ -3,7 +3,8 @@
 use super::bench::{Board, LONG_TAUS, NEIGHBOUR_OHM};
 use cermd::circuit::Chargers;
 use cermd::reading::Method;
-use plotters::prelude::*;
+use cermd::report::axis::{Axis, plain, seconds};
+use cermd::report::plot::{Mark, Plot, Point, Series};
 
 const CHART: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/docs/charging.svg");
 const R_OHM: f64 = 5000.0;
@@ -35,35 +36,23 @@ pub fn curves() -> Vec<Curve> {
     [Method::Tpcm, Method::Tcdic].map(both).into_iter().flatten().collect()
 }
 
-/// On a background of its own, so that it is legible on a dark page, too.
 pub fn write(curves: &[Curve]) {
-    let area = SVGBackend::new(CHART, (760, 420)).into_drawing_area();
-    area.fill(&WHITE).unwrap();
-    let mut chart = ChartBuilder::on(&area)
-        .margin(14)
-        .x_label_area_size(44)
-        .y_label_area_size(64)
-        .caption(
-            "What a charge remembers: 5 kohm after a short circuit (simulated, board pi4)",
-            ("sans-serif", 17),
-        )
-        .build_cartesian_2d((0.3..12.0).log_scale(), (UNSEEN..30.0).log_scale())
-        .unwrap();
-    let label = |value: &f64| format!("{value}");
-    let mut mesh = chart.configure_mesh();
-    mesh.x_desc("length of a charge / ms")
-        .y_desc("error / u")
-        .x_label_formatter(&label)
-        .y_label_formatter(&label);
-    mesh.axis_desc_style(("sans-serif", 15)).label_style(("sans-serif", 13)).draw().unwrap();
-    chart.draw_series(LineSeries::new([(0.3, super::SHARE), (12.0, super::SHARE)], BLACK.mix(0.5))).unwrap();
-    let colours = [RGBColor(0, 140, 90), RGBColor(120, 120, 120), RED, RGBColor(0, 114, 178)];
-    for ((name, points), colour) in curves.iter().zip(colours) {
-        let line = LineSeries::new(points.clone(), colour.stroke_width(2)).point_size(3);
-        let drawn = chart.draw_series(line).unwrap().label(name);
-        drawn.legend(move |(x, y)| PathElement::new([(x, y), (x + 22, y)], colour.stroke_width(3)));
+    let line = |name: &str, line: &str, points: &[(f64, f64)]| Series {
+        name: name.to_owned(),
+        line: line.to_owned(),
+        mark: None,
+        points: points.iter().map(|(ms, error)| Point::new(1e-3 * ms, *error, String::new())).collect(),
+        is_stairs: false,
+    };
+    let mut series = vec![line("allowed", "i6 thin dots0", &[(0.3, super::SHARE), (12.0, super::SHARE)])];
+    for (((name, points), ink), mark) in curves.iter().zip(["i3", "i0", "i4", "i2"]).zip(Mark::ROUND) {
+        series.push(Series {
+            mark: Some((mark, format!("{ink} full"))),
+            ..line(name, &format!("{ink} series"), points)
+        });
     }
-    let mut legend = chart.configure_series_labels();
-    legend.position(SeriesLabelPosition::UpperRight).background_style(WHITE).border_style(BLACK.mix(0.3));
-    legend.label_font(("sans-serif", 14)).draw().unwrap();
+    let title = "What a charge remembers: 5 kohm after a short circuit, board pi4, simulated".to_owned();
+    let x = Axis { label: "length of a charge".to_owned(), from: 0.3e-3, to: 12e-3, write: seconds };
+    let y = Axis { label: "error / u".to_owned(), from: UNSEEN, to: 30.0, write: plain };
+    std::fs::write(CHART, Plot { title, x, y, series }.alone()).unwrap();
 }

@@ -80,6 +80,15 @@ impl Daemon {
         }
     }
 
+    pub fn pid(&self) -> u32 {
+        self.child.as_ref().unwrap().id()
+    }
+
+    /// SIGHUP.
+    pub fn reload(&self) {
+        kill(Pid::from_raw(self.pid() as i32), Signal::SIGHUP).unwrap();
+    }
+
     pub fn path(&self, name: &str) -> PathBuf {
         self.folder.path().join(name)
     }
@@ -121,7 +130,12 @@ impl Drop for Daemon {
 /// `cermctl` without a daemon, in an environment that is always the same.
 pub fn ctl(arguments: &[&str]) -> Command {
     let mut command = Command::new(env!("CARGO_BIN_EXE_cermctl"));
-    command.args(arguments).env_remove("CERMD_SOCKET").env("LC_ALL", "C").timeout(PATIENCE);
+    command
+        .args(arguments)
+        .env_remove("CERMD_SOCKET")
+        .env_remove("COLUMNS")
+        .env("LC_ALL", "C")
+        .timeout(PATIENCE);
     command
 }
 

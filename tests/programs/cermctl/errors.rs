@@ -31,21 +31,49 @@ fn no_permission() {
     mode(daemon.folder.path().to_owned(), 0o755);
     // Of the group only: closed to the owner, and to others.
     mode(daemon.socket(), 0o060);
-    let mut command = std::process::Command::new(env!("CARGO_BIN_EXE_cermctl"));
-    command.arg("get").env("CERMD_SOCKET", daemon.socket());
-    if nix::unistd::geteuid().is_root() {
-        // Root may do everything; nobody (65534 on every distribution) may not.
-        command.uid(65534).gid(65534);
+    let refused = || {
+        let mut command = std::process::Command::new(env!("CARGO_BIN_EXE_cermctl"));
+        command.arg("get").env("CERMD_SOCKET", daemon.socket());
+        if nix::unistd::geteuid().is_root() {
+            // Root may do everything; nobody (65534 on every distribution) may not.
+            command.uid(65534).gid(65534);
+        }
+        let output = command.output().unwrap();
+        assert_eq!(output.status.code(), Some(1));
+        String::from_utf8(output.stderr).unwrap()
+    };
+    let is_refusal =
+        |said: &str, hint: &str| said.starts_with("cermctl: no permission for ") && said.ends_with(hint);
+    let mut gid = nix::unistd::getegid().as_raw();
+    if gid == 0 {
+        let said = refused();
+        let hint = "it belongs to root: try sudo, or run cermd by its unit, as a user of its own\n";
+        assert!(is_refusal(&said, hint), "{said}");
+        // Of a number that is nobody's; as root it may be given away.
+        gid = 54321;
+        std::os::unix::fs::chown(daemon.socket(), None, Some(gid)).unwrap();
     }
-    let output = command.output().unwrap();
-    let complaint = String::from_utf8(output.stderr).unwrap();
-    let group = nix::unistd::Group::from_gid(nix::unistd::getegid()).unwrap().unwrap().name;
+    let group = nix::unistd::Group::from_gid(gid.into()).unwrap();
+    let group = group.map_or_else(|| gid.to_string(), |group| group.name);
+    let said = refused();
     let hint = format!("it is open to group {group}: sudo usermod -aG {group} $USER, then log in again\n");
-    assert!(
-        complaint.starts_with("cermctl: no permission for ") && complaint.ends_with(&hint),
-        "{complaint}"
-    );
-    assert_eq!(output.status.code(), Some(1));
+    assert!(is_refusal(&said, &hint), "{said}");
+}
+
+#[test]
+fn help_that_cannot_be_written_is_a_failure() {
+    let status = |program: &str, argument: &str, to: &str| {
+        let to = fs::File::options().write(true).open(to).unwrap();
+        let mut command = std::process::Command::new(program);
+        command.arg(argument).stdout(to).stderr(std::process::Stdio::null()).status().unwrap().code()
+    };
+    for program in [env!("CARGO_BIN_EXE_cermctl"), env!("CARGO_BIN_EXE_cermd")] {
+        for argument in ["--help", "--version"] {
+            assert_eq!(status(program, argument, "/dev/full"), Some(1), "{program} {argument}");
+            assert_eq!(status(program, argument, "/dev/null"), Some(0), "{program} {argument}");
+        }
+        assert_eq!(status(program, "--no-such-thing", "/dev/null"), Some(2), "{program}");
+    }
 }
 
 #[test]
@@ -64,7 +92,7 @@ fn no_such_file() {
     let output = format!("{name}/missing/file");
     insta::assert_snapshot!(failure(&mut daemon.ctl(&["record", "-o", &output]), &name), @"cermctl: DIR/missing/file: No such file or directory (os error 2); is the path right, and is its directory there?");
     insta::assert_snapshot!(failure(&mut ctl(&["estimate", "--method", "cerm", &output]), &name), @"cermctl: DIR/missing/file: No such file or directory (os error 2); is the path right, and is its directory there?");
-    insta::assert_snapshot!(failure(&mut ctl(&["demo", "--scene", &format!("{output}.toml")]), &name), @"cermctl: --scene: cannot read DIR/missing/file.toml: No such file or directory (os error 2)");
+    insta::assert_snapshot!(failure(&mut ctl(&["demo", "--scene", &format!("{output}.toml")]), &name), @"cermctl: --scene: cannot read DIR/missing/file.toml: No such file or directory (os error 2); is the path right?");
     insta::assert_snapshot!(failure(&mut ctl(&["demo", "--scene", "pi9"]), &name), @r#"cermctl: --scene: there is no built-in scene "pi9"; there are ideal, fpga-paper, pi-zero, pi4, pi5"#);
 }
 
@@ -108,7 +136,7 @@ fn usage_is_explained_by_the_parser() {
         &["estimate", "--method", "cerm", "--offset", "8", "-"],
         &["estimate", "--method", "cerm", "--offset", "5 s", "-"],
         &["estimate", "--method", "cerm", "--offset=-1 ms", "-"],
-        &["check"],
+        &["watch", "--unit", "stone"],
     ] {
         let assert = ctl(arguments).assert().code(2);
         let complaint = String::from_utf8(assert.get_output().stderr.clone()).unwrap();

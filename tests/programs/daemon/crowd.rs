@@ -3,14 +3,17 @@
 //! How many clients a machine serves before one of them falls behind is a figure of that machine (`cargo bench --bench
 //! fanout`). What holds on any machine, however busy: each client can account for every reading.
 
-use super::process::{Home, config};
-use crate::waiting::{PATIENCE, until};
+use super::process::{Daemon, Home, config};
+use crate::waiting::{PATIENCE, until, until_so};
 use nix::errno::Errno;
 use nix::poll::{PollFd, PollFlags, PollTimeout, poll};
 use serde_json::Value;
 use std::io::{ErrorKind, Read};
 use std::os::fd::AsFd;
 use std::os::unix::net::UnixStream;
+use std::os::unix::process::CommandExt;
+use std::process::{Command, Stdio};
+use std::time::Duration;
 
 const CLIENTS: usize = 500;
 /// More than the daemon and the kernel keep for a client that does not read (1024 lines and some tens).
@@ -114,4 +117,57 @@ fn every_client_accounts_for_every_reading() {
         account.lost
     );
     assert!(memory_kib < MEMORY_KIB, "{memory_kib} KiB");
+}
+
+/// Clients that come and go ten times a second would fill the log otherwise.
+#[test]
+fn too_few_descriptors_are_told_once() {
+    const DESCRIPTORS: usize = 40;
+    let home = Home::new(&config(&["thumb"], "offset = \"8 us\""));
+    let daemon = home.start();
+    let mut first = home.connect();
+    first.next_of("READING");
+    let pid = daemon.pid().to_string();
+    let limited = Command::new("prlimit").args(["--pid", &pid, &format!("--nofile={DESCRIPTORS}")]).status();
+    assert!(limited.unwrap().success());
+    let mut waiting: Vec<UnixStream> =
+        (0..DESCRIPTORS).map(|_| UnixStream::connect(home.socket()).unwrap()).collect();
+    home.wait_for_log("no further clients for now");
+    // Each of these leaves a descriptor for one more, and the next is one too many again.
+    for _ in 0..15 {
+        std::thread::sleep(Duration::from_millis(100));
+        waiting.remove(0);
+        waiting.push(UnixStream::connect(home.socket()).unwrap());
+    }
+    first.next_of("READING");
+    assert_eq!(home.log().matches("no further clients").count(), 1, "{}", home.log());
+}
+
+/// As root only, for whom alone there are other users: what the limits say of them is tested beside the limits.
+#[test]
+fn a_crowd_of_one_user_does_not_shut_out_root() {
+    if !nix::unistd::Uid::effective().is_root() {
+        println!("skipped: only root can be another user");
+        return;
+    }
+    const NOBODY: u32 = 65534;
+    let home = Home::new(config(&["thumb"], "offset = \"8 us\"").set("server.mode", "0666"));
+    std::fs::set_permissions(home.path(), std::os::unix::fs::PermissionsExt::from_mode(0o755)).unwrap();
+    // 32 clients in all.
+    let mut limited = Command::new("sh");
+    limited.args(["-c", "ulimit -n 96 && exec \"$0\" --config \"$1\""]);
+    limited.arg(env!("CARGO_BIN_EXE_cermd")).arg(home.config()).current_dir(home.path());
+    let _daemon = Daemon::spawn(&mut limited);
+    home.connect().next_of("READING");
+    let mut crowd: Vec<_> = (0..10)
+        .map(|_| Command::new(env!("CARGO_BIN_EXE_cermctl")))
+        .map(|mut watch| {
+            watch.args(["watch", "--socket"]).arg(home.socket()).uid(NOBODY).gid(NOBODY);
+            Daemon::spawn(watch.stdout(Stdio::null()).stderr(Stdio::null()))
+        })
+        .collect();
+    until_so("two of ten to be refused", || {
+        crowd.iter_mut().map(Daemon::has_ended).filter(|&has| has).count() == 2
+    });
+    home.connect().next_of("READING");
 }

@@ -115,6 +115,10 @@ impl Daemon {
         kill(Pid::from_raw(self.pid() as i32), signal).unwrap();
     }
 
+    pub fn has_ended(&mut self) -> bool {
+        self.0.try_wait().unwrap().is_some()
+    }
+
     /// Waits for its end.
     pub fn end(mut self) -> ExitStatus {
         until("the end of the daemon", || self.0.try_wait().unwrap())

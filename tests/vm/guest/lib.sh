@@ -69,7 +69,8 @@ until_true() {
 }
 
 # stat NAME: a number, word or flag of the daemon's STATS.
-stat() { cermctl stats --json | sed -n "s/.*\"$1\":\"*\([^,\"}]*\).*/\1/p"; }
+# The first of that name: each channel has counters, too.
+stat() { cermctl stats --json | grep -o "\"$1\":\"*[^,\"}]*" | head -n 1 | sed 's/.*:"*//'; }
 
 offset_known() { [ "$(stat offset_known)" = true ]; }
 

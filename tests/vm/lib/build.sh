@@ -57,7 +57,11 @@ build_rust() {
     printf '#!/bin/sh\nPATH=%s:$PATH LD_LIBRARY_PATH=%s exec %s-gcc-12 --sysroot=%s "$@"\n' \
         "$cache/tree/cross/usr/bin" "$cache/tree/cross/usr/lib/x86_64-linux-gnu" $cross "$cache/tree/cross" >"$bin/linker"
     chmod +x "$bin"/*
+    printf '#!/bin/sh\nLD_LIBRARY_PATH=%s exec %s-ar "$@"\n' "$cache/tree/cross/usr/lib/x86_64-linux-gnu" "$cache/tree/cross/usr/bin/$cross" >"$bin/ar"
+    chmod +x "$bin/ar"
+    # One crate has C in it.
     RUSTC=$bin/rustc CARGO_TARGET_AARCH64_UNKNOWN_LINUX_GNU_LINKER=$bin/linker \
+        CC_aarch64_unknown_linux_gnu=$bin/linker AR_aarch64_unknown_linux_gnu=$bin/ar \
         cargo build --quiet --locked --release --bins --example contract --manifest-path "$root_of_crate/Cargo.toml" \
         --target $target --target-dir "$cache/build/target"
 }

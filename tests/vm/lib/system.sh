@@ -35,6 +35,6 @@ system_units() {
     mkdir -p "$units/multi-user.target.wants"
     ln -s ../guest-tests.service "$units/multi-user.target.wants"
     cp "$root_of_crate"/systemd/*.{service,socket} "$units" 2>/dev/null || true
-    cp "$root_of_crate"/systemd/cermd-sysusers.conf "$1/usr/lib/sysusers.d/cermd.conf"
+    cp "$root_of_crate"/systemd/cermd.sysusers "$1/usr/lib/sysusers.d/cermd.conf"
     cp "$root_of_crate"/udev/*.rules "$1/usr/lib/udev/rules.d" 2>/dev/null || true
 }

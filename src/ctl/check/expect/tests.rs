@@ -18,8 +18,9 @@ fn hardware(kind: &str, measure: &str) -> Config {
 }
 
 /// Of the readings of a board: the root mean square of errors and of what is stated, ohm, and how many came in a second.
-fn seen(scene: &Scene, settings: &Settings, r_ohm: f64, seed: u64) -> [f64; 3] {
-    let scene = scene.clone().with_sensors(vec![Sensor::Constant(Ohm(r_ohm))]).unwrap();
+pub fn seen(scene: &Scene, settings: &Settings, r_ohm: f64, seed: u64) -> [f64; 3] {
+    let sensor = Sensor::Constant(Ohm(settings.channels[0].as_read(r_ohm)));
+    let scene = scene.clone().with_sensors(vec![sensor]).unwrap();
     let pins = SimPins::new(&scene, Some(crate::seed::seed(seed)));
     let mut instrument = Instrument::new(pins, settings.clone());
     let (mut errors, mut us, mut first, mut last) = (Vec::new(), Vec::new(), None, Nanos::ZERO);

@@ -5,7 +5,7 @@ use super::{
     line_named,
 };
 use crate::pins::MAX_CHANNELS;
-use crate::pins::limits::{LATEST_MOVE, MOST_BRANCHES, MOST_EVENTS};
+use crate::pins::limits::{LATEST, LATEST_MOVE, MOST_BRANCHES, MOST_EVENTS};
 use crate::pins::sim::sensor::Sensor;
 use crate::units::{Quantity, Seconds, Volt};
 use std::fmt::Display;
@@ -15,6 +15,8 @@ struct Range(fn(f64) -> bool, &'static str);
 
 const POSITIVE: Range = Range(|value| value > 0.0 && value.is_finite(), "has to be above 0");
 const NOT_NEGATIVE: Range = Range(|value| value >= 0.0 && value.is_finite(), "must not be negative");
+/// Seconds.
+const LATE: Range = Range(|value| (0.0..=LATEST).contains(&value), "has to be from 0 s to 1 s");
 const PROBABILITY: Range =
     Range(|value| (0.0..=1.0).contains(&value), "is a probability: write a number from 0 to 1");
 
@@ -64,7 +66,8 @@ fn together<A, B>(table: &str, keys: &str, one: Option<A>, other: Option<B>) -> 
 fn tail(table: &str, probability: Option<f64>, mean: Option<Seconds>) -> Result<(), String> {
     together(table, "tail-probability and tail-mean", probability, mean)?;
     all(PROBABILITY, table, &[("tail-probability", &probability)])?;
-    all(POSITIVE, table, &[("tail-mean", &mean)])
+    all(POSITIVE, table, &[("tail-mean", &mean)])?;
+    all(LATE, table, &[("tail-mean", &mean)])
 }
 
 impl Threshold {
@@ -172,8 +175,8 @@ impl Scene {
     fn check_clock(&self) -> Result<(), String> {
         let Some(period) = self.clock_period else { return Ok(()) };
         let ns = period.0 * 1e9;
-        let is_whole = ns >= 0.999 && (ns - ns.round()).abs() <= 1e-6;
-        demand(is_whole, "clock-period", "has to be a whole number of nanoseconds, at least 1")?;
+        let is_whole = (0.999..=LATEST * 1e9).contains(&ns) && (ns - ns.round()).abs() <= 1e-6;
+        demand(is_whole, "clock-period", "has to be a whole number of nanoseconds, from 1 ns to 1 s")?;
         let is_alone =
             (self.calls.is_none() && self.stamps.is_none()) && (self.wake.is_none() && self.sleep.is_none());
         let otherwise = "excludes calls, stamps, wake and sleep: with a common clock nothing else is late";
@@ -183,25 +186,26 @@ impl Scene {
     fn check_latencies(&self) -> Result<(), String> {
         for (key, delay) in [("stamps", self.stamps), ("wake", self.wake), ("sleep", self.sleep)] {
             if let Some(delay) = delay {
-                all(NOT_NEGATIVE, key, &[("mean", &delay.mean), ("jitter", &delay.jitter)])?;
+                all(LATE, key, &[("mean", &delay.mean), ("jitter", &delay.jitter)])?;
                 tail(key, delay.tail_probability, delay.tail_mean)?;
             }
         }
         if let Some(calls) = &self.calls {
             let values: &[Row] =
                 &[("fixed", &calls.fixed), ("per-line", &calls.per_line), ("jitter", &calls.jitter)];
-            all(NOT_NEGATIVE, "calls", values)?;
+            all(LATE, "calls", values)?;
             tail("calls", calls.tail_probability, calls.tail_mean)?;
             together("calls", "asleep-after and wakes-in", calls.asleep_after, calls.wakes_in)?;
             let values: &[Row] = &[("asleep-after", &calls.asleep_after), ("wakes-in", &calls.wakes_in)];
             all(POSITIVE, "calls", values)?;
+            all(LATE, "calls", &values[1..])?;
             let is_ordered =
                 calls.moves_at.is_none_or(|[from, to]| 0.0 <= from && from <= to && to <= LATEST_MOVE);
             let otherwise = format!("is [from, to] in slots, with 0 <= from <= to <= {LATEST_MOVE}");
             demand(is_ordered, "calls.moves-at", otherwise)?;
         }
         let ReadsScene { clock, levels, arm } = &self.reads;
-        all(NOT_NEGATIVE, "reads", &[("clock", clock), ("levels", levels), ("arm", arm)])
+        all(LATE, "reads", &[("clock", clock), ("levels", levels), ("arm", arm)])
     }
 
     fn check_effects(&self) -> Result<(), String> {
@@ -211,12 +215,13 @@ impl Scene {
         all(PROBABILITY, "events", &[("lost", &events.lost), ("coalesced", &events.coalesced)])?;
         together("events", "coalesced and bounce", events.coalesced, events.bounce)?;
         all(POSITIVE, "events", &[("bounce", &events.bounce)])?;
-        all(NOT_NEGATIVE, "events", &[("b-later", &events.b_later)])?;
+        all(LATE, "events", &[("bounce", &events.bounce), ("b-later", &events.b_later)])?;
         let keys = "deep-sleep-after and deep-sleep-late";
         together("events", keys, events.deep_sleep_after, events.deep_sleep_late)?;
         let sleeps: &[Row] =
             &[("deep-sleep-after", &events.deep_sleep_after), ("deep-sleep-late", &events.deep_sleep_late)];
         all(POSITIVE, "events", sleeps)?;
+        all(LATE, "events", &sleeps[1..])?;
         if let Some(NoiseScene { voltage, bandwidth }) = &self.noise {
             all(POSITIVE, "noise", &[("voltage", voltage), ("bandwidth", bandwidth)])?;
         }

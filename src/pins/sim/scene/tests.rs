@@ -68,13 +68,20 @@ fn errors_name_the_key_and_the_remedy() {
             "[calls]\nfixed = \"1 us\"\nper-line = \"1 us\"\nwakes-in = \"2 us\"",
             "calls: asleep-after and wakes-in",
         ),
-        ("[stamps]\nmean = \"-1 us\"", "stamps.mean: must not be negative"),
+        ("[stamps]\nmean = \"-1 us\"", "stamps.mean: has to be from 0 s to 1 s"),
+        // A thread that sleeps for ever cannot be stopped.
+        ("[stamps]\nmean = \"1 us\"\njitter = \"1e30 s\"", "stamps.jitter: has to be from 0 s to 1 s"),
+        ("[sleep]\nmean = \"1.1 s\"", "sleep.mean: has to be"),
+        ("[wake]\nmean = \"1 us\"\ntail-probability = 0.1\ntail-mean = \"1e9 s\"", "wake.tail-mean: has to"),
+        ("[calls]\nfixed = \"1e30 s\"\nper-line = \"1 us\"", "calls.fixed: has to be"),
+        ("[reads]\nlevels = \"1e30 s\"", "reads.levels: has to be"),
+        ("[events]\ncoalesced = 0.1\nbounce = \"1e30 s\"", "events.bounce: has to be"),
         ("[calls]\nfixed = \"1 us\"\nper-line = \"1 us\"\nmoves-at = [0.7, 0.2]", "calls.moves-at"),
         (
             "[calls]\nfixed = \"1 us\"\nper-line = \"1 us\"\nmoves-at = [0.0, 101.0]",
             "calls.moves-at: is [from, to] in slots",
         ),
-        ("[events]\nb-later = \"-1 us\"", "events.b-later: must not be negative"),
+        ("[events]\nb-later = \"-1 us\"", "events.b-later: has to be from 0 s to 1 s"),
         (
             "[events]\ndeep-sleep-late = \"1 us\"",
             "events: deep-sleep-after and deep-sleep-late belong together",
@@ -94,6 +101,8 @@ fn errors_name_the_key_and_the_remedy() {
     assert!(many.contains("circuit.absorption.c: can have at most 6 branches"), "{many}");
     let clock = error(&format!("clock-period = \"20 ns\"\n{IDEAL}\n[wake]\nmean = \"1 us\""));
     assert!(clock.contains("clock-period: excludes"), "{clock}");
+    let clock = error(&format!("clock-period = \"1e30 s\"\n{IDEAL}"));
+    assert!(clock.contains("clock-period: has to be a whole number"), "{clock}");
 }
 
 #[test]

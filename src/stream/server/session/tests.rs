@@ -20,7 +20,7 @@ fn hub() -> Hub {
 }
 
 fn session(hub: &Hub) -> Session {
-    Session::new(hub, LINES, false)
+    Session::new(hub, LINES)
 }
 
 /// As the server does it.
@@ -57,16 +57,6 @@ fn answers(session: &mut Session, hub: &Hub, request: &str) -> String {
     session.receive(request.as_bytes());
     send(hub, session, usize::MAX, &mut stream);
     String::from_utf8(stream).unwrap()
-}
-
-#[test]
-fn the_instrument_is_for_the_privileged() {
-    let hub = hub();
-    for request in ["{\"class\":\"CALIBRATE\"}\n", "{\"class\":\"ZERO\",\"channel\":\"thumb\"}\n"] {
-        let [mut other, mut owner] = [false, true].map(|privileged| Session::new(&hub, LINES, privileged));
-        assert!(answers(&mut other, &hub, request).contains("\"code\":\"forbidden\""));
-        assert!(answers(&mut owner, &hub, request).contains("\"code\":\"unsupported\""));
-    }
 }
 
 #[test]
@@ -165,7 +155,7 @@ proptest! {
         lines in 1usize..9,
     ) {
         let mut hub = hub();
-        let mut session = Session::new(&hub, lines, false);
+        let mut session = Session::new(&hub, lines);
         let (mut stream, mut published) = (Vec::new(), 0);
         for (readings, room) in steps {
             for _ in 0..readings {

@@ -2,6 +2,7 @@
 
 use super::*;
 use crate::reading::{Branch, Fault, Measured, MeasuredForce, Method, Suspect};
+use crate::stream::wire::ChannelStats;
 use crate::stream::wire::{InstrumentStats, to_line};
 use crate::units::Nanos;
 
@@ -110,7 +111,13 @@ fn stats_are_read_back() {
         offset_ns: Some(8012.3),
         ..InstrumentStats::default()
     };
-    let stats = StatsLine { clients: 1, published: 7, lost: 0, instrument };
+    let stats = StatsLine {
+        clients: 1,
+        published: 7,
+        lost: 0,
+        channels: [("thumb".to_owned(), ChannelStats::default())].into(),
+        instrument,
+    };
     let text = line(&stats);
     assert!(
         text.starts_with("{\"class\":\"STATS\",\"clients\":1,\"published\":7,\"lost\":0,\"backend\""),

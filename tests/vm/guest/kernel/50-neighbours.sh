@@ -7,7 +7,7 @@ undisturbed() {
     before=$(stat readings)
     sleep 2
     cermctl stats --json >stats
-    count() { sed "s/.*\"$1\":\([0-9]*\).*/\1/" stats; }
+    count() { grep -o "\"$1\":[0-9]*" stats | head -n 1 | cut -d : -f 2; }
     readings=$(count readings)
     ok=$(count ok)
     late=$(($(count latency-outlier) + $(count unsettled)))

@@ -1,4 +1,6 @@
 # The unit, the rule and the service under a real systemd.
+# FAILS TODAY: after a kill it serves after 1.4 s, not within 1 s: with its sandbox a start takes 0.54 s here, not 0.34 s, and the
+# cleaner as much longer.
 . /test/lib.sh
 outputs=/sys/kernel/debug/gpio-cermd/outputs
 export CERMD_SOCKET=/run/cermd/cermd.sock
@@ -9,13 +11,17 @@ until_served() {
     until_true 100 serves || { journal; fail "$1: it does not serve"; }
     ms=$((($(date +%s%N) - from) / 1000000))
     echo "$1: serves after $ms ms"
-    [ $ms -le "$2" ] || fail "$1: that is too late"
+    # The rest is tested all the same.
+    [ $ms -le "$2" ] || late="$late $1 ($ms ms)"
 }
+late=
 now() { from=$(date +%s%N); }
 journal() { journalctl --unit=cermd --output=cat --no-pager | tail -n 30; }
 lines_are_safe() { [ "$(cat $outputs)" = 0 ] || fail "$1: lines $(cat $outputs) drive"; }
 
 systemd-analyze verify --man=no /usr/lib/systemd/system/cermd.service
+# Exposure in tenths.
+systemd-analyze security --offline=true --threshold=15 --no-pager /usr/lib/systemd/system/cermd.service | tail -n 1
 systemd-sysusers
 grep '^gpio:' /etc/group
 grep '^cermd:' /etc/group
@@ -24,7 +30,7 @@ udevadm trigger --action=add
 udevadm settle
 stat_of() { /usr/bin/stat -c '%U %G %a' "$1"; }
 [ "$(stat_of "/dev/$(chip)")" = "root gpio 660" ] || fail "the rule: $(stat_of "/dev/$(chip)")"
-[ "$(stat_of /dev/cpu_dma_latency)" = "root gpio 660" ] || fail "the rule: $(stat_of /dev/cpu_dma_latency)"
+[ "$(stat_of /dev/cpu_dma_latency)" = "cermd root 600" ] || fail "the rule: $(stat_of /dev/cpu_dma_latency)"
 systemctl is-active "dev-$(chip).device"
 
 mkdir -p /etc/cermd
@@ -89,9 +95,21 @@ hang "$(property MainPID)" cermd-measure &
 barked "hung" 5
 wait $! || fail "the thread was not ended"
 
+echo "killed, and its configuration is another one by then"
+sed -i 's/cermd-rc/another-chip/' /etc/cermd/cermd.toml
+until_true 100 sh -c "[ \"\$(cat $outputs)\" != 0 ]" || fail "no line drives"
+now
+systemctl kill --signal=KILL --kill-whom=main cermd
+until_true 20 sh -c '[ "$(systemctl show --value --property=SubState cermd)" = auto-restart ]' || fail "not ended"
+lines_are_safe "killed beside another configuration"
+write_configuration /etc/cermd/cermd.toml
+until_served "killed beside another configuration" 3000
+journal | grep 'every line is an input'
+
 systemctl stop cermd
 lines_are_safe "stopped"
 [ "$(property Result)" = success ] || fail "it ended with $(property Result)"
 [ ! -e /run/cermd/cermd.sock ] || fail "the socket is still there"
 systemctl --failed --no-legend --plain
 journal
+[ -z "$late" ] || fail "too late:$late"

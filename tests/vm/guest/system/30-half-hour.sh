@@ -14,7 +14,8 @@ systemctl start cermd
 pid=$(systemctl show --value --property=MainPID cermd)
 rss() { sed -n 's/^VmRSS:[^0-9]*\([0-9]*\) kB/\1/p' "/proc/$pid/status"; }
 until_true 2000 offset_known || fail "no offset is known"
-field() { sed "s/.*\"$1\":\([^,}]*\).*/\1/" stats; }
+# The first of that name: each channel has counters, too.
+field() { grep -o "\"$1\":[^,}]*" stats | head -n 1 | cut -d : -f 2; }
 for minute in $(seq 0 30); do
     cermctl stats --json >stats
     echo "$minute $(rss) $(field offset_ns) $(field offset_u_ns) $(field readings) $(field ok)"

@@ -1,0 +1,89 @@
+"""What is known of a sensor at an instant."""
+
+from __future__ import annotations
+
+import time
+from dataclasses import dataclass, field
+from datetime import datetime, timezone
+from typing import Any, Mapping, Optional
+
+
+@dataclass(frozen=True)
+class Reading:
+    """One reading. What is unknown is None; uncertainties are 1 sigma."""
+
+    channel: str
+    #: "ok": there is a number. "open": above ohms_min. "short": below ohms_max. "fault": see fault.
+    status: str
+    #: Counts the readings of the instrument.
+    seq: int
+    #: When it was measured, on the clock of time.monotonic_ns().
+    monotonic_ns: int
+    ohms: Optional[float] = None
+    ohms_u: Optional[float] = None
+    newtons: Optional[float] = None
+    #: All of the force's uncertainty.
+    newtons_u: Optional[float] = None
+    #: That of the readout alone: how well two readings of one sensor can be told apart.
+    newtons_repeat_u: Optional[float] = None
+    ohms_min: Optional[float] = None
+    ohms_max: Optional[float] = None
+    newtons_min: Optional[float] = None
+    newtons_max: Optional[float] = None
+    #: Why there is no number: "missed-edge" and its like.
+    fault: Optional[str] = None
+    #: What on the board a fault looks like, for people.
+    hint: Optional[str] = None
+    #: The sensor changed while it was read; the uncertainty contains that.
+    moving: bool = False
+    #: The uncertainty is still a wide prior.
+    settling: bool = False
+    #: The force is outside those of the calibration.
+    extrapolated: bool = False
+    #: Readings that were missed since the one before.
+    lost: int = 0
+    #: Everything that the daemon said, also what this release does not know.
+    raw: Mapping[str, Any] = field(default_factory=dict, repr=False, compare=False)
+
+    @property
+    def is_ok(self) -> bool:
+        """Whether there is a number."""
+        return self.status == "ok"
+
+    @property
+    def time(self) -> datetime:
+        """When it was measured, to the microsecond, UTC."""
+        text = str(self.raw["time"]).rstrip("Z")
+        whole, _, fraction = text.partition(".")
+        instant = datetime.strptime(whole, "%Y-%m-%dT%H:%M:%S")
+        return instant.replace(microsecond=int((fraction + "000000")[:6]), tzinfo=timezone.utc)
+
+    def age(self) -> float:
+        """Seconds since it was measured; of a daemon on this machine."""
+        return (time.monotonic_ns() - self.monotonic_ns) * 1e-9
+
+    @classmethod
+    def of(cls, message: Mapping[str, Any]) -> Reading:
+        """From a READING of the stream."""
+        return cls(
+            channel=message["channel"],
+            status=message["status"],
+            seq=message["seq"],
+            monotonic_ns=message["t_mono_ns"],
+            ohms=message.get("r_ohm"),
+            ohms_u=message.get("r_u_ohm"),
+            newtons=message.get("f_n"),
+            newtons_u=message.get("f_u_n"),
+            newtons_repeat_u=message.get("f_repeat_u_n"),
+            ohms_min=message.get("r_min_ohm"),
+            ohms_max=message.get("r_max_ohm"),
+            newtons_min=message.get("f_min_n"),
+            newtons_max=message.get("f_max_n"),
+            fault=message.get("fault"),
+            hint=message.get("hint"),
+            moving=message.get("moving", False),
+            settling=message.get("settling", False),
+            extrapolated=message.get("extrapolated", False),
+            lost=message.get("lost", 0),
+            raw=message,
+        )

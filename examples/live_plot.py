@@ -1,0 +1,41 @@
+#!/usr/bin/env python3
+"""A live plot of a channel with its uncertainty: live_plot.py [CHANNEL]. Needs clients/python and matplotlib."""
+
+import sys
+from collections import deque
+
+import matplotlib.pyplot as plt
+from matplotlib.animation import FuncAnimation
+
+import cermd
+
+SECONDS, MAX_HZ = 30, 50
+channel = sys.argv[1] if len(sys.argv) > 1 else "thumb"
+stream = cermd.readings(channel, max_hz=MAX_HZ)
+points = deque(maxlen=SECONDS * MAX_HZ)
+figure, axes = plt.subplots()
+# Until a force is seen.
+unit = "ohm"
+
+
+def draw(_frame):
+    global unit
+    while (reading := stream.get(timeout=0.0)) is not None:
+        unit = "N" if "f_n" in reading.raw or "f_max_n" in reading.raw or "f_min_n" in reading.raw else unit
+        # A state is a gap, not a zero.
+        value, u = (reading.newtons, reading.newtons_u) if reading.newtons is not None else (reading.ohms, reading.ohms_u)
+        points.append((reading.monotonic_ns * 1e-9, float("nan") if value is None else value, u or 0.0))
+    if not points:
+        return
+    times = [at - points[-1][0] for at, _, _ in points]
+    values = [value for _, value, _ in points]
+    axes.clear()
+    axes.plot(times, values)
+    low, high = ([value + sign * u for _, value, u in points] for sign in (-1, 1))
+    axes.fill_between(times, low, high, alpha=0.3, label="1 sigma")
+    axes.set(xlabel="s", ylabel=f"{channel}, {unit}", xlim=(-SECONDS, 0))
+    axes.legend(loc="upper left")
+
+
+animation = FuncAnimation(figure, draw, interval=100, cache_frame_data=False)
+plt.show()

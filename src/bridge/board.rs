@@ -1,0 +1,126 @@
+//! What is known now: the last word on each channel, for as long as it is fresh.
+
+use super::feed::Heard;
+use crate::stream::wire::{ChannelInfo, ReadingLine, StatsLine, VersionLine};
+use crate::units::Nanos;
+use nix::sys::time::TimeValLike;
+use nix::time::{ClockId, clock_gettime};
+use std::collections::BTreeMap;
+use std::time::Duration;
+
+/// The last word. Its size is that of the daemon's list of channels.
+#[derive(Debug)]
+pub struct Board {
+    /// A reading is fresh for so long.
+    patience: Nanos,
+    version: Option<VersionLine>,
+    stats: Option<StatsLine>,
+    readings: BTreeMap<String, ReadingLine>,
+}
+
+impl Board {
+    pub fn new(patience: Duration) -> Board {
+        Board::empty(Nanos::from_seconds(patience.as_secs_f64()))
+    }
+
+    fn empty(patience: Nanos) -> Board {
+        Board { patience, version: None, stats: None, readings: BTreeMap::new() }
+    }
+
+    pub fn hear(&mut self, heard: &Heard) {
+        match heard {
+            Heard::Up(version) => {
+                self.readings.retain(|id, _| version.channels.iter().any(|channel| channel.id == *id));
+                self.version = Some(version.clone());
+            }
+            Heard::Reading(reading, _) => {
+                // Of no other channels, however many ids a daemon may send.
+                if self.channels().any(|(channel, _)| channel.id == reading.channel) {
+                    self.readings.insert(reading.channel.clone(), (**reading).clone());
+                }
+            }
+            Heard::Stats(stats, _) => self.stats = Some((**stats).clone()),
+            Heard::Down => *self = Board::empty(self.patience),
+            Heard::Nothing => {}
+        }
+    }
+
+    /// The daemon that is there.
+    pub fn version(&self) -> Option<&VersionLine> {
+        self.version.as_ref()
+    }
+
+    /// What it has counted.
+    pub fn stats(&self) -> Option<&StatsLine> {
+        self.stats.as_ref()
+    }
+
+    /// Every channel in the order of the configuration, with its last reading.
+    fn channels(&self) -> impl Iterator<Item = (&ChannelInfo, Option<&ReadingLine>)> {
+        let channels = self.version.iter().flat_map(|version| &version.channels);
+        channels.map(|channel| (channel, self.readings.get(&channel.id)))
+    }
+
+    /// Every channel, with its last reading if that is fresh. `now`: `CLOCK_MONOTONIC`.
+    pub fn fresh(&self, now: Nanos) -> impl Iterator<Item = (&ChannelInfo, Option<&ReadingLine>)> {
+        // By the instant of the measurement, not by that of its arrival: this process may have been asleep.
+        let is_fresh = move |reading: &&ReadingLine| now - Nanos(reading.t_mono_ns) <= self.patience;
+        self.channels().map(move |(channel, reading)| (channel, reading.filter(is_fresh)))
+    }
+}
+
+/// `CLOCK_MONOTONIC`, the clock of `t_mono_ns`: the daemon runs on this machine. It cannot fail.
+pub fn now() -> Nanos {
+    clock_gettime(ClockId::CLOCK_MONOTONIC).map_or(Nanos::ZERO, |time| Nanos(time.num_nanoseconds()))
+}
+
+#[cfg(test)]
+pub(super) mod tests {
+    use super::*;
+    use crate::stream::wire::{StateLine, StatusName, Unit};
+
+    pub fn up(ids: &[&str]) -> Heard {
+        let channel = |id: &&str| ChannelInfo { id: (*id).to_owned(), unit: Unit::Newton };
+        let channels = ids.iter().map(channel).collect();
+        Heard::Up(VersionLine { channels, release: "1.2.3".to_owned(), ..VersionLine::new(&[]) })
+    }
+
+    pub fn reading(id: &str, t_mono_ns: i64, state: StateLine) -> Heard {
+        let time = "2026-11-21T03:40:00.5Z".to_owned();
+        let line =
+            ReadingLine { channel: id.to_owned(), seq: 1, time, t_mono_ns, state, ..ReadingLine::default() };
+        let text = serde_json::to_string(&line).unwrap();
+        Heard::Reading(Box::new(line), text)
+    }
+
+    pub fn ok(r_ohm: f64) -> StateLine {
+        StateLine { status: StatusName::Ok, r_ohm: Some(r_ohm), r_u_ohm: Some(1.2), ..StateLine::default() }
+    }
+
+    fn told(board: &Board, now: i64) -> Vec<(&str, Option<f64>)> {
+        board
+            .fresh(Nanos(now))
+            .map(|(channel, reading)| (&*channel.id, reading.and_then(|reading| reading.state.r_ohm)))
+            .collect()
+    }
+
+    #[test]
+    fn a_reading_is_told_while_it_is_fresh_and_its_daemon_there() {
+        let mut board = Board::new(Duration::from_nanos(10));
+        board.hear(&reading("thumb", 100, ok(1.0)));
+        assert!(told(&board, 100).is_empty(), "of a channel that nobody has announced");
+        board.hear(&up(&["thumb", "index"]));
+        board.hear(&reading("thumb", 100, ok(1.0)));
+        board.hear(&reading("index", 105, ok(2.0)));
+        assert_eq!(told(&board, 110), [("thumb", Some(1.0)), ("index", Some(2.0))]);
+        assert_eq!(told(&board, 111), [("thumb", None), ("index", Some(2.0))]);
+        board.hear(&up(&["index"]));
+        assert_eq!(told(&board, 111), [("index", Some(2.0))]);
+        board.hear(&Heard::Down);
+        assert!(told(&board, 111).is_empty() && board.version().is_none());
+        board.hear(&up(&["index"]));
+        assert_eq!(told(&board, 111), [("index", None)], "of before the outage");
+        board.hear(&reading("index", 112, ok(3.0)));
+        assert_eq!(told(&board, 122), [("index", Some(3.0))], "the patience is that of before");
+    }
+}

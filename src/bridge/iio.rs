@@ -1,0 +1,173 @@
+//! Industrial I/O: the protocol of iiod 0.x on TCP, so that libiio's programs and bindings read the channels as those of a
+//! device. <https://analogdevicesinc.github.io/libiio/>
+//!
+//! Each channel is `resistanceN`, and `forceN` where it has a force. Values are whole thousandths (`scale`). A channel
+//! without a number has none here either: its attributes are an error (ENODATA), its `status` says why, and a buffer has no
+//! row then, which the `timestamp` shows.
+
+mod context;
+mod rows;
+mod session;
+
+use super::board::{Board, now};
+use super::feed::{Feed, Heard};
+use super::limits::{ACCEPT_PAUSE, IIO_CLIENTS, IIO_READINGS, LOOK_AROUND, PAGE_PATIENCE, STACK_BYTES};
+use super::{BridgeError, Source, Wish};
+use crate::stream::wire::ReadingLine;
+use crate::units::Nanos;
+use nix::poll::{PollFd, PollFlags, PollTimeout, poll};
+use session::Session;
+use std::io;
+use std::net::{SocketAddr, TcpListener, TcpStream};
+use std::os::fd::AsFd;
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::mpsc::{Receiver, SyncSender, TrySendError, sync_channel};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::time::Duration;
+
+/// What the sessions share.
+#[derive(Debug)]
+pub struct Shared {
+    board: Board,
+    /// A reading that is older is no row.
+    patience: Nanos,
+    /// Buffers that are open. A slow one loses readings, which its timestamps show.
+    buffers: Vec<SyncSender<Arc<ReadingLine>>>,
+}
+
+type Hub = Arc<Mutex<Shared>>;
+
+fn lock(hub: &Mutex<Shared>) -> MutexGuard<'_, Shared> {
+    hub.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+impl Shared {
+    fn new(patience: Duration) -> Shared {
+        let board = Board::new(patience);
+        Shared { board, patience: Nanos::from_seconds(patience.as_secs_f64()), buffers: Vec::new() }
+    }
+
+    fn hear(&mut self, heard: &Heard) {
+        self.board.hear(heard);
+        if let Heard::Reading(reading, _) = heard {
+            // A daemon that was asleep may say first what it had measured before.
+            if now() - Nanos(reading.t_mono_ns) > self.patience {
+                return;
+            }
+            let reading: Arc<ReadingLine> = Arc::new((**reading).clone());
+            self.buffers.retain(|buffer| {
+                !matches!(buffer.try_send(Arc::clone(&reading)), Err(TrySendError::Disconnected(_)))
+            });
+        }
+    }
+
+    fn open(&mut self) -> Receiver<Arc<ReadingLine>> {
+        let (buffer, readings) = sync_channel(IIO_READINGS);
+        self.buffers.push(buffer);
+        readings
+    }
+}
+
+/// Serves until somebody wants the end.
+///
+/// # Errors
+/// The address is not to be had.
+pub fn run(source: Source, address: SocketAddr, wish: Wish<'_>) -> Result<(), BridgeError> {
+    let failed = |error| BridgeError::Listen { address, error };
+    let listener = TcpListener::bind(address).map_err(failed)?;
+    listener.set_nonblocking(true).map_err(failed)?;
+    let bound = listener.local_addr().unwrap_or(address);
+    log::info!("serving ip:{bound}");
+    if !bound.ip().is_loopback() {
+        log::warn!("whoever reaches {bound} over the network may read: the protocol has no password");
+    }
+    let hub: Hub = Arc::new(Mutex::new(Shared::new(source.patience)));
+    std::thread::scope(|scope| {
+        scope.spawn(|| {
+            let mut feed = Feed::new(source.socket, None);
+            while !wish() {
+                let heard = feed.next();
+                lock(&hub).hear(&heard);
+            }
+        });
+        accept(&listener, &hub, wish);
+    });
+    Ok(())
+}
+
+fn accept(listener: &TcpListener, hub: &Hub, wish: Wish<'_>) {
+    let clients = Arc::new(AtomicUsize::new(0));
+    while !wish() {
+        match listener.accept() {
+            Ok((socket, _)) => {
+                if clients.load(Ordering::Relaxed) < IIO_CLIENTS {
+                    serve(socket, hub, &clients);
+                }
+            }
+            Err(error) if error.kind() == io::ErrorKind::WouldBlock => {
+                let mut ready = [PollFd::new(listener.as_fd(), PollFlags::POLLIN)];
+                // A signal wakes it, and the wish is looked at.
+                let _ = poll(&mut ready, PollTimeout::try_from(LOOK_AROUND).unwrap_or(PollTimeout::MAX));
+            }
+            Err(_) => std::thread::sleep(ACCEPT_PAUSE),
+        }
+    }
+}
+
+/// A client in a thread of its own, until it leaves.
+fn serve(socket: TcpStream, hub: &Hub, clients: &Arc<AtomicUsize>) {
+    let place = Place::new(clients);
+    let hub = Arc::clone(hub);
+    let spawned = std::thread::Builder::new().stack_size(STACK_BYTES).spawn(move || {
+        // Whoever breaks off has gone, which is his right.
+        let _ = prepare(&socket).and_then(|()| Session::new(socket, hub)?.run());
+        drop(place);
+    });
+    if spawned.is_err() {
+        std::thread::sleep(ACCEPT_PAUSE);
+    }
+}
+
+fn prepare(socket: &TcpStream) -> io::Result<()> {
+    socket.set_nonblocking(false)?;
+    socket.set_nodelay(true)?;
+    socket.set_write_timeout(Some(PAGE_PATIENCE))?;
+    // A client may be silent for hours; one whose machine is gone must not keep its place.
+    nix::sys::socket::setsockopt(socket, nix::sys::socket::sockopt::KeepAlive, &true).map_err(io::Error::from)
+}
+
+/// One of so many clients.
+struct Place(Arc<AtomicUsize>);
+
+impl Place {
+    fn new(clients: &Arc<AtomicUsize>) -> Place {
+        clients.fetch_add(1, Ordering::Relaxed);
+        Place(Arc::clone(clients))
+    }
+}
+
+impl Drop for Place {
+    fn drop(&mut self) {
+        self.0.fetch_sub(1, Ordering::Relaxed);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::bridge::board::tests::{ok, reading, up};
+
+    #[test]
+    fn a_buffer_gets_what_is_fresh() {
+        let mut shared = Shared::new(Duration::from_secs(10));
+        shared.hear(&up(&["thumb"]));
+        let buffer = shared.open();
+        shared.hear(&reading("thumb", now().0 - 11_000_000_000, ok(1.0)));
+        shared.hear(&reading("thumb", now().0, ok(2.0)));
+        let heard: Vec<_> = buffer.try_iter().map(|reading| reading.state.r_ohm).collect();
+        assert_eq!(heard, [Some(2.0)]);
+        drop(buffer);
+        shared.hear(&reading("thumb", now().0, ok(3.0)));
+        assert!(shared.buffers.is_empty());
+    }
+}

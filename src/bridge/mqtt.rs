@@ -1,0 +1,247 @@
+//! MQTT: each channel as a topic of a broker, announced so that Home Assistant shows it without being configured.
+//!
+//! Below `cermd/ID`: `availability` (retained; the broker says "offline" when this process ends without a word),
+//! `channel/CHANNEL` with the numbers or the state of its readings, and `instrument` with the figures of the daemon. Nothing
+//! else is retained: whoever subscribes gets what is measured from then on.
+
+mod discovery;
+mod link;
+mod report;
+
+pub use link::{Broker, Login};
+
+use super::board::now;
+use super::feed::{Feed, Heard};
+use super::limits::MAX_HZ;
+use super::{BridgeError, Source, Wish};
+use crate::stream::wire::{ReadingLine, StateLine, StatsLine, VersionLine};
+use crate::units::Nanos;
+use link::{Link, Message, State};
+use report::{Reporter, Rules};
+use serde::Serialize;
+use std::collections::BTreeMap;
+use std::time::Duration;
+
+/// Who this board is, and when it speaks.
+#[derive(Debug, Clone)]
+pub struct Options {
+    /// What the board is called on the broker: one name for one board. Letters, digits, "-" and "_" only.
+    pub id: String,
+    /// The first level of Home Assistant's topics; `None`: nothing is announced.
+    pub discovery: Option<String>,
+    /// How much a resistance must change to be told before `every`, in units of its uncertainty.
+    pub change: f64,
+    /// The longest silence of a channel that is read.
+    pub every: Duration,
+    /// The shortest time between two reports of a channel whose state stays.
+    pub at_least: Duration,
+}
+
+/// Publishes until somebody wants the end.
+///
+/// # Errors
+/// The file of a certificate or a password cannot be read, or the system refuses a thread.
+pub fn run(source: Source, broker: Broker, options: Options, wish: Wish<'_>) -> Result<(), BridgeError> {
+    let patience = Nanos::from_seconds(source.patience.as_secs_f64());
+    let mut feed = Feed::new(source.socket, Some(MAX_HZ));
+    let mut teller = Teller::new(options, patience);
+    let will = Message::retained(teller.topics.availability(), OFFLINE);
+    let mut link = Link::start(broker, &teller.options.id, will, teller.topics.births())?;
+    while !wish() {
+        let heard = feed.next();
+        match link.state() {
+            State::Up { is_new } => {
+                if is_new {
+                    link.publish_all(teller.introduction());
+                }
+                for message in teller.tell(&heard, now()) {
+                    let channel = message.channel.clone();
+                    if let (false, Some(channel)) = (link.publish(message), channel) {
+                        // The broker is slow: what it has not taken was not told.
+                        teller.forget(&channel);
+                    }
+                }
+            }
+            State::Down => teller.note(&heard),
+        }
+    }
+    link.end(Message::retained(teller.topics.availability(), OFFLINE));
+    Ok(())
+}
+
+const ONLINE: &str = "online";
+const OFFLINE: &str = "offline";
+
+/// The names of the topics of one board.
+#[derive(Debug, Clone)]
+struct Topics {
+    id: String,
+    discovery: Option<String>,
+}
+
+impl Topics {
+    fn availability(&self) -> String {
+        format!("cermd/{}/availability", self.id)
+    }
+
+    fn instrument(&self) -> String {
+        format!("cermd/{}/instrument", self.id)
+    }
+
+    /// A channel may be called anything, but "/", "+" and "#" mean something in a topic: percent-encoded as in an address.
+    fn channel(&self, channel: &str) -> String {
+        let encoded = channel.bytes().map(|byte| match byte {
+            b'-' | b'_' | b'.' => char::from(byte).to_string(),
+            _ if byte.is_ascii_alphanumeric() => char::from(byte).to_string(),
+            _ => format!("%{byte:02X}"),
+        });
+        format!("cermd/{}/channel/{}", self.id, encoded.collect::<String>())
+    }
+
+    fn device(&self) -> Option<String> {
+        self.discovery.as_ref().map(|prefix| format!("{prefix}/device/{}/config", self.id))
+    }
+
+    /// Where Home Assistant says that it has started.
+    fn births(&self) -> Option<String> {
+        self.discovery.as_ref().map(|prefix| format!("{prefix}/status"))
+    }
+}
+
+/// What is known, and what of it has been told.
+#[derive(Debug)]
+struct Teller {
+    options: Options,
+    topics: Topics,
+    /// A reading that is older is not told.
+    patience: Nanos,
+    version: Option<VersionLine>,
+    /// Of the figures before: readings, and the time of the daemon, s.
+    counted: Option<(u64, f64)>,
+    reporters: BTreeMap<String, Reporter>,
+}
+
+impl Teller {
+    fn new(options: Options, patience: Nanos) -> Teller {
+        let topics = Topics { id: options.id.clone(), discovery: options.discovery.clone() };
+        Teller { options, topics, patience, version: None, counted: None, reporters: BTreeMap::new() }
+    }
+
+    /// What somebody must hear who has heard nothing yet. From now on everything is news.
+    fn introduction(&mut self) -> Vec<Message> {
+        self.reporters.clear();
+        let state = if self.version.is_some() { ONLINE } else { OFFLINE };
+        let device = self.topics.device().zip(self.version.as_ref()).map(|(topic, version)| {
+            Message::retained(
+                topic,
+                &discovery::device(&self.topics, version, self.options.every).to_string(),
+            )
+        });
+        device.into_iter().chain([Message::retained(self.topics.availability(), state)]).collect()
+    }
+
+    /// Remembers who is there, while there is nobody to tell.
+    fn note(&mut self, heard: &Heard) {
+        match heard {
+            Heard::Up(version) => self.version = Some(version.clone()),
+            Heard::Down => (self.version, self.counted) = (None, None),
+            _ => {}
+        }
+    }
+
+    /// What there is to tell of what was heard.
+    fn tell(&mut self, heard: &Heard, now: Nanos) -> Vec<Message> {
+        let gone = match heard {
+            Heard::Up(version) => self.gone(version),
+            _ => Vec::new(),
+        };
+        self.note(heard);
+        match heard {
+            Heard::Up(_) => gone.into_iter().chain(self.introduction()).collect(),
+            Heard::Down => self.introduction(),
+            Heard::Reading(reading, _) => self.report(reading, now).into_iter().collect(),
+            Heard::Stats(stats, _) => vec![self.figures(stats)],
+            Heard::Nothing => Vec::new(),
+        }
+    }
+
+    /// The entities of channels that are no more, taken back.
+    fn gone(&self, version: &VersionLine) -> Vec<Message> {
+        let (Some(topic), Some(before)) = (self.topics.device(), &self.version) else { return Vec::new() };
+        let device = discovery::device_without(&self.topics, version, before, self.options.every);
+        device.map(|device| Message::retained(topic, &device.to_string())).into_iter().collect()
+    }
+
+    fn report(&mut self, reading: &ReadingLine, now: Nanos) -> Option<Message> {
+        let version = self.version.as_ref()?;
+        // Of no other channels, however many ids a daemon may send.
+        if now - Nanos(reading.t_mono_ns) > self.patience
+            || !version.channels.iter().any(|channel| channel.id == reading.channel)
+        {
+            return None;
+        }
+        let Options { change, every, at_least, .. } = self.options;
+        let [every, at_least] = [every, at_least].map(|time| Nanos::from_seconds(time.as_secs_f64()));
+        let rules = Rules { change, every, at_least };
+        let reporter = self.reporters.entry(reading.channel.clone()).or_default();
+        reporter.is_news(&reading.state, Nanos(reading.t_mono_ns), &rules).then(|| {
+            let payload = json(&Payload { time: &reading.time, state: &reading.state, hint: &reading.hint });
+            let topic = self.topics.channel(&reading.channel);
+            Message { channel: Some(reading.channel.clone()), ..Message::passing(topic, &payload) }
+        })
+    }
+
+    fn forget(&mut self, channel: &str) {
+        self.reporters.remove(channel);
+    }
+
+    fn figures(&mut self, stats: &StatsLine) -> Message {
+        let of = &stats.instrument;
+        let before = self.counted.replace((of.readings, of.uptime_s));
+        let rate_hz = before.and_then(|(readings, uptime_s)| {
+            let (count, seconds) = (of.readings.checked_sub(readings)?, of.uptime_s - uptime_s);
+            (seconds > 0.0).then(|| crate::units::rounded(count as f64 / seconds, 3))
+        });
+        let figures = Figures {
+            rate_hz,
+            gpio_works: of.gpio_works,
+            uptime_s: of.uptime_s.round(),
+            offset_us: of.offset_ns.map(|ns| crate::units::rounded(ns * 1e-3, 4)),
+            pin_ohm: of.r_o_ohm,
+            hint: of.hint.as_deref(),
+        };
+        Message::passing(self.topics.instrument(), &json(&figures))
+    }
+}
+
+fn json(payload: &impl Serialize) -> String {
+    // Texts and finite numbers always serialise.
+    serde_json::to_string(payload).unwrap_or_default()
+}
+
+/// A reading as it is published: the names of READING.
+#[derive(Serialize)]
+struct Payload<'a> {
+    time: &'a str,
+    #[serde(flatten)]
+    state: &'a StateLine,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    hint: &'a Option<String>,
+}
+
+#[derive(Serialize)]
+struct Figures<'a> {
+    #[serde(skip_serializing_if = "Option::is_none")]
+    rate_hz: Option<f64>,
+    gpio_works: bool,
+    uptime_s: f64,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    offset_us: Option<f64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pin_ohm: Option<f64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    hint: Option<&'a str>,
+}
+
+#[cfg(test)]
+mod tests;

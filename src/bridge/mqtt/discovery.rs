@@ -1,0 +1,120 @@
+//! What Home Assistant is told about a board: one device with its entities.
+//! <https://www.home-assistant.io/integrations/mqtt/#device-discovery-payload>
+
+use super::Topics;
+use crate::bridge::limits::SILENCES;
+use crate::stream::wire::{ChannelInfo, StatusName, Unit, VersionLine};
+use serde_json::{Map, Value, json};
+use std::time::Duration;
+
+/// The device with an entity for each number and state. `every`: the longest silence of a channel that is read.
+pub fn device(topics: &Topics, version: &VersionLine, every: Duration) -> Value {
+    let mut entities = Map::new();
+    for channel in &version.channels {
+        of_channel(topics, channel, every, &mut entities);
+    }
+    of_instrument(topics, every, &mut entities);
+    json!({
+        "dev": {"ids": [format!("cermd-{}", topics.id)], "name": topics.id, "mf": "cermd", "sw": version.release},
+        "o": {"name": "cermd", "sw": version.release},
+        "availability_topic": topics.availability(),
+        "cmps": entities,
+    })
+}
+
+/// The same, and what takes back the entities of channels that there were before; `None`: there are none of these.
+pub fn device_without(
+    topics: &Topics,
+    version: &VersionLine,
+    before: &VersionLine,
+    every: Duration,
+) -> Option<Value> {
+    let (mut device, before) = (device(topics, version, every), device(topics, before, every));
+    let (entities, before) = (device["cmps"].as_object_mut()?, before["cmps"].as_object()?);
+    let gone: Vec<_> = before.iter().filter(|(key, _)| !entities.contains_key(*key)).collect();
+    // An entity with nothing but its platform is removed.
+    entities.extend(gone.iter().map(|(key, entity)| ((*key).clone(), json!({"p": entity["p"]}))));
+    (!gone.is_empty()).then_some(device)
+}
+
+fn of_channel(topics: &Topics, channel: &ChannelInfo, every: Duration, entities: &mut Map<String, Value>) {
+    let id = &channel.id;
+    // Of each number: what it is, its unit and the digits that are shown, its keys in the payload.
+    let force = ("force", "N", 3, "f_n", ["f_u_n", "f_repeat_u_n", "f_min_n", "f_max_n"]);
+    let resistance = ("resistance", "\u{3a9}", 1, "r_ohm", ["r_u_ohm", "r_min_ohm", "r_max_ohm", "method"]);
+    let numbers = match channel.unit {
+        Unit::Newton => vec![force, resistance],
+        Unit::Ohm => vec![resistance],
+    };
+    for (name, unit, digits, key, attributes) in numbers {
+        let more = json!({
+            "unit_of_measurement": unit, "state_class": "measurement", "suggested_display_precision": digits,
+            // No number is no number: unknown, not the last one and not 0.
+            "value_template": template(key),
+        });
+        let attributes: Vec<&str> =
+            attributes.into_iter().chain(["moving", "settling", "extrapolated"]).collect();
+        add(topics, id, name, every, more, &attributes, entities);
+    }
+    let options = [StatusName::Ok, StatusName::Open, StatusName::Short, StatusName::Fault];
+    let more = json!({
+        "device_class": "enum", "options": options, "entity_category": "diagnostic",
+        "value_template": template("status"),
+    });
+    add(topics, id, "status", every, more, &["fault", "hint"], entities);
+}
+
+fn template(key: &str) -> String {
+    format!("{{{{ value_json.{key} if value_json.{key} is defined else None }}}}")
+}
+
+fn add(
+    topics: &Topics,
+    channel: &str,
+    name: &str,
+    every: Duration,
+    more: Value,
+    attributes: &[&str],
+    entities: &mut Map<String, Value>,
+) {
+    let topic = topics.channel(channel);
+    let kept: Vec<_> = attributes.iter().map(|name| format!("'{name}'")).collect();
+    let mut entity = json!({
+        "p": "sensor", "name": format!("{channel} {name}"), "state_topic": topic,
+        "unique_id": format!("cermd-{}-{channel}-{name}", topics.id),
+        "expire_after": (every * SILENCES).as_secs_f64().ceil() as u64,
+        "json_attributes_topic": topic,
+        "json_attributes_template": format!(
+            "{{{{ dict(value_json.items() | selectattr(0, 'in', [{}])) | tojson }}}}", kept.join(", ")
+        ),
+    });
+    merge(&mut entity, more);
+    entities.insert(format!("{channel}_{name}"), entity);
+}
+
+fn of_instrument(topics: &Topics, every: Duration, entities: &mut Map<String, Value>) {
+    let rate = json!({
+        "p": "sensor", "name": "Readings", "unit_of_measurement": "Hz", "device_class": "frequency",
+        "state_class": "measurement", "value_template": template("rate_hz"),
+        "json_attributes_topic": topics.instrument(),
+    });
+    let trouble = json!({
+        "p": "binary_sensor", "name": "GPIO", "device_class": "problem",
+        "value_template": "{{ 'OFF' if value_json.gpio_works else 'ON' }}",
+    });
+    // The two names are no channel's: those end in what they measure.
+    for (key, mut entity) in [("rate", rate), ("gpio", trouble)] {
+        let more = json!({
+            "unique_id": format!("cermd-{}-{key}", topics.id), "state_topic": topics.instrument(),
+            "entity_category": "diagnostic", "expire_after": (every * SILENCES).as_secs_f64().ceil() as u64,
+        });
+        merge(&mut entity, more);
+        entities.insert(key.to_owned(), entity);
+    }
+}
+
+fn merge(entity: &mut Value, more: Value) {
+    if let (Value::Object(entity), Value::Object(more)) = (entity, more) {
+        entity.extend(more);
+    }
+}

@@ -1,0 +1,45 @@
+//! Prometheus: a page of metrics for its scrapes.
+
+mod page;
+
+use super::board::{Board, now};
+use super::feed::Feed;
+use super::http::{self, Answer, Body, Handler, Request};
+use super::limits::MAX_HZ;
+use super::{BridgeError, Source, Wish};
+use page::Format;
+use std::net::SocketAddr;
+use std::sync::{Arc, Mutex, PoisonError};
+
+/// Where the page is.
+const PATH: &str = "/metrics";
+
+/// Serves the page until somebody wants the end. `names`: as in [`http::serve`].
+///
+/// # Errors
+/// The address is not to be had.
+pub fn run(source: Source, address: SocketAddr, names: &[String], wish: Wish<'_>) -> Result<(), BridgeError> {
+    let listener = http::listen(address)?;
+    let board = Arc::new(Mutex::new(Board::new(source.patience)));
+    let told = Arc::clone(&board);
+    let handler: Handler = Arc::new(move |request: &Request| match &*request.path {
+        PATH => answer(&told.lock().unwrap_or_else(PoisonError::into_inner), Format::of(&request.accept)),
+        _ => Answer::not_found(PATH),
+    });
+    std::thread::scope(|scope| {
+        scope.spawn(|| {
+            let mut feed = Feed::new(source.socket, Some(MAX_HZ));
+            while !wish() {
+                let heard = feed.next();
+                board.lock().unwrap_or_else(PoisonError::into_inner).hear(&heard);
+            }
+        });
+        http::serve(&listener, names, &handler, wish);
+    });
+    Ok(())
+}
+
+fn answer(board: &Board, format: Format) -> Answer {
+    let body = Body::Whole(page::render(board, now(), format).into_bytes());
+    Answer { status: "200 OK", content_type: format.content_type(), headers: "", body }
+}

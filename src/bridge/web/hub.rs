@@ -1,0 +1,151 @@
+//! From one feed to many pages.
+
+use crate::bridge::feed::Heard;
+use crate::bridge::limits::{PAGE_EVENTS, PAGES, STILL_THERE};
+use crate::units::Nanos;
+use std::sync::mpsc::{Receiver, RecvTimeoutError, SyncSender, sync_channel};
+use std::sync::{Arc, Weak};
+use std::time::Duration;
+
+/// An event as it is sent.
+type Event = Arc<[u8]>;
+
+/// The pages that listen, and what a new one must know.
+#[derive(Debug)]
+pub struct Hub {
+    /// A reading that is older is not told.
+    patience: Nanos,
+    /// The daemon, or that there is none.
+    daemon: Event,
+    stats: Option<Event>,
+    pages: Vec<Page>,
+}
+
+/// One that listens, for as long as its [`Listener`] is there.
+#[derive(Debug)]
+struct Page {
+    events: SyncSender<Event>,
+    presence: Weak<()>,
+}
+
+/// The end of a page.
+#[derive(Debug)]
+pub struct Listener {
+    events: Receiver<Event>,
+    /// Kept: its place is taken for as long as this is there.
+    _presence: Arc<()>,
+}
+
+impl Listener {
+    /// The next event, or after a while a comment, by which whoever has gone without a word is found; `None`: it was sent
+    /// away.
+    pub fn next(&self) -> Option<Vec<u8>> {
+        match self.events.recv_timeout(STILL_THERE) {
+            Ok(event) => Some(event.to_vec()),
+            Err(RecvTimeoutError::Timeout) => Some(b":\n\n".to_vec()),
+            Err(RecvTimeoutError::Disconnected) => None,
+        }
+    }
+}
+
+impl Hub {
+    pub fn new(patience: Duration) -> Hub {
+        let patience = Nanos::from_seconds(patience.as_secs_f64());
+        Hub { patience, daemon: event("down", "{}"), stats: None, pages: Vec::new() }
+    }
+
+    /// A page more; `None`: there are too many.
+    pub fn join(&mut self) -> Option<Listener> {
+        // Where no daemon is, nothing is sent that would show who has gone.
+        self.pages.retain(|page| page.presence.strong_count() > 0);
+        if self.pages.len() >= PAGES {
+            return None;
+        }
+        let (page, events) = sync_channel(PAGE_EVENTS);
+        let first = [Some(&self.daemon), self.stats.as_ref()];
+        first.into_iter().flatten().try_for_each(|event| page.try_send(Arc::clone(event))).ok()?;
+        let presence = Arc::new(());
+        self.pages.push(Page { events: page, presence: Arc::downgrade(&presence) });
+        Some(Listener { events, _presence: presence })
+    }
+
+    pub fn hear(&mut self, heard: &Heard, now: Nanos) {
+        match heard {
+            Heard::Up(version) => {
+                let patience_s = self.patience.as_seconds();
+                let text = serde_json::json!({
+                    "release": version.release, "channels": version.channels, "patience_s": patience_s,
+                });
+                (self.daemon, self.stats) = (event("up", &text.to_string()), None);
+                self.send(&Arc::clone(&self.daemon));
+            }
+            Heard::Down => {
+                (self.daemon, self.stats) = (event("down", "{}"), None);
+                self.send(&Arc::clone(&self.daemon));
+            }
+            Heard::Stats(_, line) => {
+                let stats = event("stats", line);
+                self.send(&stats);
+                self.stats = Some(stats);
+            }
+            Heard::Reading(reading, line) if now - Nanos(reading.t_mono_ns) <= self.patience => {
+                self.send(&event("reading", line));
+            }
+            Heard::Reading(..) | Heard::Nothing => {}
+        }
+    }
+
+    /// A page that does not keep up is sent away: it comes again by itself, and knows then that it has missed something.
+    fn send(&mut self, event: &Event) {
+        self.pages.retain(|page| page.events.try_send(Arc::clone(event)).is_ok());
+    }
+}
+
+/// `data` is one line: that of a message.
+fn event(name: &str, data: &str) -> Event {
+    format!("event: {name}\ndata: {data}\n\n").into_bytes().into()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::bridge::board::tests::{ok, reading, up};
+
+    fn said(listener: &Listener) -> Vec<String> {
+        listener.events.try_iter().map(|event| String::from_utf8_lossy(&event).into_owned()).collect()
+    }
+
+    #[test]
+    fn a_page_hears_what_is_so_and_then_what_comes() {
+        let mut hub = Hub::new(Duration::from_nanos(10));
+        let early = hub.join().unwrap();
+        assert_eq!(said(&early), ["event: down\ndata: {}\n\n"]);
+        hub.hear(&up(&["thumb"]), Nanos(0));
+        hub.hear(&reading("thumb", 0, ok(1.0)), Nanos(10));
+        hub.hear(&reading("thumb", 0, ok(2.0)), Nanos(11));
+        let told = said(&early);
+        assert!(told.len() == 2 && told[0].starts_with("event: up\n"), "{told:?}");
+        assert!(
+            told[1].starts_with("event: reading\ndata: {\"class\":\"READING\"") && told[1].ends_with("}\n\n")
+        );
+        let late = hub.join().unwrap();
+        assert_eq!(said(&late), told[..1], "no reading of before it came");
+        hub.hear(&Heard::Down, Nanos(12));
+        assert_eq!(said(&late), ["event: down\ndata: {}\n\n"]);
+    }
+
+    #[test]
+    fn a_page_that_sleeps_is_sent_away_and_places_come_free() {
+        let mut hub = Hub::new(Duration::from_secs(1));
+        hub.hear(&up(&["thumb"]), Nanos(0));
+        let asleep = hub.join().unwrap();
+        for _ in 0..2 * PAGE_EVENTS {
+            hub.hear(&reading("thumb", 0, ok(1.0)), Nanos(0));
+        }
+        assert_eq!((said(&asleep).len(), hub.pages.len()), (PAGE_EVENTS, 0));
+        let pages: Vec<_> = (0..PAGES).map(|_| hub.join().unwrap()).collect();
+        assert!(hub.join().is_none());
+        drop(pages);
+        assert!(hub.join().is_some());
+    }
+}

@@ -1,0 +1,281 @@
+//! Which cells a sweep has: the front of every method and circuit, and maps of where they fail.
+
+use super::cell::Cell;
+use super::change::{Change, Effect};
+use super::limits::{
+    AVERAGES, CAPACITORS, EFFECT_OHM, FRONT_OHM, JITTERS_S, LEAKAGES_OHM, LEAST_INSTRUMENTS, LONGEST_MEAN,
+    MAP_OHM, MOST_DISCHARGES, OFFSET_ERRORS_S, PAPER_OHM, PAPER_READINGS, SETTLING_OHM, SPEEDS,
+};
+use crate::circuit::Kind;
+use crate::config::{ChannelTable, Config, Measure, Mock, backend};
+use crate::pins::sim::{Scene, SceneError};
+use crate::reading::Method;
+use crate::units::{Nanos, Ohm, Seconds};
+use std::path::PathBuf;
+
+/// The scene of the paper, which is read as the paper says.
+const PAPER: &str = "fpga-paper";
+
+/// What maps are made of unless methods are named: that of the paper, what it is compared with, and what users have.
+const MAPPED: [(Kind, Method); 4] = [
+    (Kind::TwoCapacitor, Method::Tracked),
+    (Kind::OneCapacitor, Method::Tracked),
+    (Kind::TwoCapacitor, Method::Cerm),
+    (Kind::OneCapacitor, Method::Tpcm),
+];
+
+/// What is swept; what is absent is chosen.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Sweep {
+    /// The name of the scene.
+    pub name: String,
+    /// The board.
+    pub scene: Scene,
+    /// How the board is read; absent: as somebody would who knows its parts, in every wiring that it has.
+    pub config: Option<Config>,
+    /// Only these; empty: all that a circuit allows.
+    pub methods: Vec<Method>,
+    /// Only these; empty: all that the scene has.
+    pub kinds: Vec<Kind>,
+    /// Resistances, ohm; empty: a few over the range.
+    pub r_ohm: Vec<f64>,
+    /// Means over these; [`Nanos::ZERO`]: each reading. Empty: both.
+    pub averages: Vec<Nanos>,
+    /// How many of each; absent: as many as there is time for.
+    pub instruments: Option<u64>,
+    /// Of the first of them.
+    pub seed: u64,
+}
+
+/// How many instruments, and readings of each.
+type Counts = (u64, usize);
+
+impl Sweep {
+    /// Error against time: methods, wirings, resistances and means.
+    ///
+    /// # Errors
+    /// The scene has not what a wiring needs.
+    pub fn front(&self) -> Result<Vec<Cell>, SceneError> {
+        let mut cells = if self.is_papers() && self.is_whole() { self.paper()? } else { Vec::new() };
+        for (kind, method) in self.ways() {
+            let averages = if self.averages.is_empty() { &AVERAGES[..] } else { &self.averages };
+            for (average, r_ohm) in
+                averages.iter().flat_map(|average| self.resistances(&FRONT_OHM).map(move |r| (average, r)))
+            {
+                let cell = self.cell(kind, method, *average, r_ohm, None, counts(*average))?;
+                if !self.averages.is_empty() || is_worthwhile(&cell) {
+                    cells.push(cell);
+                }
+            }
+        }
+        Ok(cells)
+    }
+
+    /// Where methods fail, what errors are made of, and how they settle after the start.
+    ///
+    /// # Errors
+    /// As [`front`](Sweep::front).
+    pub fn maps(&self) -> Result<Vec<Cell>, SceneError> {
+        let mut cells = Vec::new();
+        let each =
+            |of: &[f64], change: fn(f64) -> Change| of.iter().map(|value| change(*value)).collect::<Vec<_>>();
+        let mut maps = each(&JITTERS_S, |s| Change::Jitter(Seconds(s)));
+        maps.extend(each(&CAPACITORS, Change::Capacitor));
+        maps.extend(each(&LEAKAGES_OHM, |ohm| Change::Leakage(Ohm(ohm))));
+        maps.extend(each(&SPEEDS, Change::Speed));
+        let offsets = each(&OFFSET_ERRORS_S, |s| Change::OffsetError(Seconds(s)));
+        let effects: Vec<Change> = Effect::of(&self.scene).map(Change::Without).collect();
+        for (kind, method) in self.ways() {
+            let mut add = |changes: &[Change], usual: &[f64], counts: Counts| {
+                for (change, r_ohm) in
+                    changes.iter().flat_map(|change| self.resistances(usual).map(move |r| (change, r)))
+                {
+                    cells.push(self.cell(kind, method, Nanos::ZERO, r_ohm, Some(*change), counts)?);
+                }
+                Ok::<(), SceneError>(())
+            };
+            if MAPPED.contains(&(kind, method)) || !self.methods.is_empty() {
+                add(&maps, &MAP_OHM, (8, 25))?;
+            }
+            if method.needs_offset() && self.scene.stamps.is_some() {
+                add(&offsets, &MAP_OHM, (8, 25))?;
+            }
+            add(&effects, &EFFECT_OHM, (20, 30))?;
+            add(&[Change::SinceStart], &SETTLING_OHM, (20, usize::MAX))?;
+        }
+        Ok(cells)
+    }
+
+    /// The resistors, methods and counts of the paper, with section IV's circuits.
+    fn paper(&self) -> Result<Vec<Cell>, SceneError> {
+        let ways = [
+            (Kind::OneCapacitor, Method::Tpcm),
+            (Kind::TwoCapacitor, Method::Tcdic),
+            (Kind::TwoCapacitor, Method::Cerm),
+        ];
+        let each = ways.into_iter().flat_map(|way| PAPER_OHM.map(|r_ohm| (way, r_ohm)));
+        each.map(|((kind, method), r_ohm)| {
+            self.cell(kind, method, Nanos::ZERO, r_ohm, None, (10, PAPER_READINGS))
+        })
+        .collect()
+    }
+
+    /// Whether it is of the board of the paper, whose figures take their time.
+    pub fn is_papers(&self) -> bool {
+        self.name == PAPER
+    }
+
+    /// Whether nothing is left out.
+    pub fn is_whole(&self) -> bool {
+        self.methods.is_empty() && self.kinds.is_empty() && self.r_ohm.is_empty() && self.averages.is_empty()
+    }
+
+    fn resistances<'a>(&'a self, usual: &'a [f64]) -> impl Iterator<Item = f64> + 'a {
+        let given = if self.r_ohm.is_empty() { usual } else { &self.r_ohm };
+        given.iter().copied()
+    }
+
+    /// Each wiring with its methods.
+    fn ways(&self) -> Vec<(Kind, Method)> {
+        let has = |kind: &Kind| match &self.config {
+            Some(config) => config.circuit.kind() == *kind,
+            None => self.scene.clone().with_kind(*kind).is_ok(),
+        };
+        let is_wanted = |kind: &Kind| self.kinds.is_empty() || self.kinds.contains(kind);
+        let kinds = Kind::ALL.into_iter().filter(has).filter(is_wanted);
+        let of = |kind| Method::on(kind).map(move |method| (kind, method));
+        let is_asked =
+            |(_, method): &(Kind, Method)| self.methods.is_empty() || self.methods.contains(method);
+        kinds.flat_map(of).filter(is_asked).collect()
+    }
+
+    fn cell(
+        &self,
+        kind: Kind,
+        method: Method,
+        average: Nanos,
+        r_ohm: f64,
+        change: Option<Change>,
+        (instruments, readings): Counts,
+    ) -> Result<Cell, SceneError> {
+        let scene = self.scene.clone().with_kind(kind)?;
+        let mut config = self.config.clone().unwrap_or_else(|| config_of(&self.name, &scene));
+        config.measure.method = Some(method);
+        config.measure.average = Some(average).filter(|average| *average > Nanos::ZERO);
+        let (name, seed) = (self.name.clone(), self.seed);
+        let one = Cell { name, scene, config, r_ohm, change, seed, instruments: 1, readings };
+        let most = (MOST_DISCHARGES / one.cost()) as u64;
+        let instruments = self.instruments.unwrap_or(instruments.min(most.max(LEAST_INSTRUMENTS)));
+        Ok(Cell { instruments, ..one })
+    }
+}
+
+/// Whether a mean is one of several readings, and there is time for it.
+fn is_worthwhile(cell: &Cell) -> bool {
+    let Some(average) = cell.config.average() else { return true };
+    let [fastest, usual] = cell.config.cycle(Seconds(0.0)).map(|cycle| average.as_seconds() / cycle.0);
+    let several = if cell.config.is_tracked() { fastest } else { usual };
+    several >= 2.0 && fastest <= LONGEST_MEAN
+}
+
+/// The longer a mean, the fewer there is time for.
+fn counts(average: Nanos) -> Counts {
+    match average.as_seconds() {
+        s if s <= 0.0 => (30, 40),
+        s if s <= 0.02 => (20, 30),
+        s if s <= 0.2 => (20, 8),
+        s if s <= 2.0 => (40, 2),
+        _ => (20, 1),
+    }
+}
+
+/// What somebody would write who knows the parts of a board, its one channel being commissioned.
+fn config_of(name: &str, scene: &Scene) -> Config {
+    let channel = ChannelTable {
+        id: "x".to_owned(),
+        sink: None,
+        zero_ohm: Some(0.0),
+        scale: Some(1.0),
+        every: 1,
+        force: None,
+    };
+    let resolution = scene.clock_period.map(Nanos::from);
+    // Section IV and V: 2^13 cycles of charge, T_L = 616 cycles, the switch where node A crosses.
+    let measure = if name == PAPER {
+        Measure {
+            charge_time: Some(Nanos(163_840)),
+            settle_time: Some(Nanos::ZERO),
+            t_l: Some(Nanos(12_320)),
+            switch_fraction: Some(1.0),
+            ..Measure::default()
+        }
+    } else {
+        Measure::default()
+    };
+    Config {
+        circuit: backend::circuit_of(scene),
+        gpio: Default::default(),
+        measure: Measure { resolution, ..measure },
+        channels: vec![channel],
+        realtime: Default::default(),
+        server: Default::default(),
+        mock: Some(Mock { scene: name.to_owned(), seed: None }),
+        base: PathBuf::new(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn sweep(name: &str) -> Sweep {
+        let scene = Scene::builtin(name).unwrap();
+        Sweep {
+            name: name.to_owned(),
+            seed: scene.seed,
+            scene,
+            config: None,
+            methods: Vec::new(),
+            kinds: Vec::new(),
+            r_ohm: Vec::new(),
+            averages: Vec::new(),
+            instruments: None,
+        }
+    }
+
+    #[test]
+    fn every_cell_of_every_board_can_be_run_and_is_another_question() {
+        for name in Scene::builtin_names() {
+            let sweep = sweep(name);
+            let cells = [sweep.front().unwrap(), sweep.maps().unwrap()].concat();
+            let asked: Vec<_> = cells.iter().flat_map(Cell::asked).collect();
+            for (index, row) in asked.iter().enumerate() {
+                let other = asked[..index].iter().find(|other| other.is_same_cell(row));
+                assert!(other.is_none(), "{row:?}");
+            }
+            for cell in &cells {
+                cell.check().unwrap();
+                // So that an unlimited number of readings comes to its end.
+                assert!(cell.readings < 1000 || cell.change == Some(Change::SinceStart), "{cell}");
+            }
+        }
+    }
+
+    #[test]
+    fn what_is_asked_for_is_all_that_is_swept() {
+        let only = Sweep {
+            methods: vec![Method::Tracked, Method::Qerm],
+            kinds: vec![Kind::OneCapacitor, Kind::SeriesCalibration],
+            r_ohm: vec![470.0],
+            averages: vec![Nanos::ZERO],
+            instruments: Some(7),
+            ..sweep("fpga-paper")
+        };
+        let cells = only.front().unwrap();
+        let names: Vec<String> = cells.iter().map(ToString::to_string).collect();
+        assert_eq!(names, ["tracked, one-capacitor, 470 ohm", "qerm, series-calibration, 470 ohm"]);
+        assert!(cells.iter().all(|cell| cell.instruments == 7));
+        let whole = sweep("fpga-paper").front().unwrap();
+        assert_eq!(whole.iter().filter(|cell| cell.readings == PAPER_READINGS).count(), 3 * PAPER_OHM.len());
+    }
+}

@@ -1,0 +1,148 @@
+//! `cermctl characterize`: error against time, and where methods fail, as a table and a report in a folder.
+
+mod live;
+mod remaining;
+mod tape;
+
+use super::check::expect;
+use super::interrupt::Interrupt;
+use super::progress::Progress;
+use super::{CtlError, print};
+use crate::characterize::cell::Cell;
+use crate::characterize::folder::Folder;
+use crate::characterize::run;
+use crate::characterize::sweep::Sweep;
+use crate::characterize::table::{POINTS, Provenance, Row, Source};
+use crate::config::{Backend, Config};
+use crate::ctl::cli::Characterize;
+use crate::files::{self, SETTINGS_BYTES};
+use crate::pins::sim::Scene;
+use crate::report;
+use jiff::Timestamp;
+use remaining::Remaining;
+use std::path::{Path, PathBuf};
+
+/// Characterises what was asked for.
+pub fn run(arguments: &Characterize) -> Result<(), CtlError> {
+    let config = arguments.config.as_deref().map(usable).transpose()?;
+    let measured = match (&arguments.tape, config) {
+        (Some(tape), _) => tape::run(arguments, tape),
+        (None, Some(config)) if arguments.scene.is_none() && config.gpio.backend != Backend::Mock => {
+            live::run(arguments, &config)
+        }
+        (None, config) => simulated(arguments, config),
+    };
+    let (rows, provenance) = measured?;
+    report::write(&arguments.out, &rows, &provenance)?;
+    let named = |name: &str| arguments.out.join(name).display().to_string();
+    let (points, page) = (named(POINTS), named(report::PAGE));
+    let Provenance { source, board, .. } = provenance;
+    print(&format!("{page}: open it in a browser\n{points}: {} points, {source}, {board}\n", rows.len()))
+}
+
+/// The rows of a folder, and where they come from.
+type Table = (Vec<Row>, Provenance);
+
+/// A configuration that can be run.
+fn usable(path: &Path) -> Result<Config, CtlError> {
+    let config = Config::load(path)?;
+    let findings = config.check();
+    if findings.has_errors() {
+        return Err(CtlError::Said(format!("{}:\n{}", path.display(), findings.errors())));
+    }
+    Ok(config)
+}
+
+fn simulated(arguments: &Characterize, config: Option<Config>) -> Result<Table, CtlError> {
+    let mock = config.as_ref().and_then(|config| config.mock.clone());
+    let (name, folder) = match (&arguments.scene, &config) {
+        (None, Some(config)) => (mock.as_ref().map(|mock| mock.scene.clone()), config.base.clone()),
+        (scene, _) => (scene.clone(), PathBuf::new()),
+    };
+    let name = name.unwrap_or_else(|| "pi4".to_owned());
+    let scene = Scene::named(&name, &folder)?;
+    // The scene of a configuration has its own parts, whatever the configuration says of them.
+    let scene = match &config {
+        Some(config) if arguments.scene.is_some() || mock.is_none() => {
+            let kind = config.circuit.kind();
+            let unfit =
+                || CtlError::Said(format!("--scene: {name} cannot have the {kind} circuit of --config"));
+            expect::built(scene, &config.circuit).ok_or_else(unfit)?
+        }
+        _ => scene,
+    };
+    let given = arguments
+        .config
+        .as_ref()
+        .map(|path| files::read_text(path, SETTINGS_BYTES).map_err(CtlError::file(path)));
+    let text = given.transpose()?.unwrap_or_default() + &Scene::text_of(&name, &folder)?;
+    let name = Path::new(&name).file_stem().map_or(name.clone(), |stem| stem.to_string_lossy().into_owned());
+    let seed = arguments.seed.or(mock.and_then(|mock| mock.seed)).unwrap_or(scene.seed);
+    let sweep = Sweep {
+        name,
+        scene,
+        config: config.map(alone),
+        methods: arguments.method.clone(),
+        kinds: arguments.circuit.iter().map(|wiring| (*wiring).into()).collect(),
+        r_ohm: arguments.r.clone(),
+        averages: arguments.average.clone(),
+        instruments: arguments.instruments,
+        seed,
+    };
+    let mut cells = sweep.front()?;
+    if arguments.maps || sweep.is_whole() && !sweep.is_papers() {
+        cells.extend(sweep.maps()?);
+    }
+    if cells.is_empty() {
+        return Err(CtlError::said("--method: none of these works on these circuits"));
+    }
+    for cell in &cells {
+        cell.check().map_err(CtlError::Said)?;
+    }
+    let provenance = provenance(Source::Simulated, sweep.name.clone(), Some(text), Some(seed));
+    Ok((measure(&arguments.out, &provenance, &cells)?, provenance))
+}
+
+/// Measures the cells that are not in the folder yet.
+fn measure(out: &Path, provenance: &Provenance, cells: &[Cell]) -> Result<Vec<Row>, CtlError> {
+    let interrupt = Interrupt::new()?;
+    let mut folder = Folder::open(out, provenance)?;
+    let missing: Vec<Cell> = cells.iter().filter(|cell| !folder.has(&cell.asked())).cloned().collect();
+    let costs = missing.iter().map(Cell::cost).collect();
+    let (mut progress, mut remaining) = (Progress::new(), Remaining::new(cells.len() - missing.len(), costs));
+    run::run(&missing, &|| interrupt.is_set(), |index, rows| {
+        remaining.done(index);
+        progress.show(|| format!("{}, {}", remaining.in_words(), missing[index]));
+        folder.add(rows).map_err(CtlError::from)
+    })?;
+    drop(progress);
+    let asked: Vec<Row> = cells.iter().flat_map(Cell::asked).collect();
+    folder.sort(&asked)?;
+    if !folder.has(&asked) {
+        let done = cells.iter().filter(|cell| folder.has(&cell.asked())).count();
+        return Err(CtlError::Said(format!(
+            "stopped: {done} of {} points are in {}; the same command goes on from there",
+            cells.len(),
+            out.display()
+        )));
+    }
+    Ok(folder.rows)
+}
+
+/// With its first channel only, which is commissioned: simulated pins are alike.
+fn alone(mut config: Config) -> Config {
+    config.channels.truncate(1);
+    config.channels.iter_mut().for_each(|channel| (channel.zero_ohm, channel.scale) = (Some(0.0), Some(1.0)));
+    config
+}
+
+/// Of what is begun now by this command.
+fn provenance(source: Source, board: String, text: Option<String>, seed: Option<u64>) -> Provenance {
+    let words = std::env::args().skip(1).map(|word| {
+        let is_plain = |c: char| c.is_alphanumeric() || "-_./=,".contains(c);
+        if word.chars().all(is_plain) { word } else { format!("'{}'", word.replace('\'', "'\\''")) }
+    });
+    let command = std::iter::once("cermctl".to_owned()).chain(words).collect::<Vec<_>>().join(" ");
+    let date = Timestamp::now().strftime("%Y-%m-%dT%H:%M:%SZ").to_string();
+    Provenance { source, board, text, seed, version: env!("CARGO_PKG_VERSION").to_owned(), date, command }
+}

@@ -1,0 +1,126 @@
+//! A tape with a known resistor on each channel: what strangers send is judged as what is measured here.
+//!
+//! A tape does not tell when a discharge was asked for, so of the time of a reading only the whole and its discharge are known.
+//! Means are those of blocks of the estimates as they came.
+
+use super::{Table, provenance};
+use crate::characterize::figures::{blocks, filled};
+use crate::characterize::folder::Folder;
+use crate::characterize::limits::{AVERAGES, WARM};
+use crate::characterize::table::{Row, Source};
+use crate::characterize::watch::{Found, told};
+use crate::ctl::CtlError;
+use crate::ctl::cli::Characterize;
+use crate::ctl::replay::Replay;
+use crate::reading::Method;
+use crate::stream::tape::{Entry, Header, Reader};
+use crate::units::{Nanos, rounded};
+use std::fs::File;
+use std::io::BufReader;
+use std::path::Path;
+
+/// A mean is over so many readings at least, and there are so many of it.
+const BLOCKS: usize = 4;
+
+/// Writes the rows of a tape.
+pub fn run(arguments: &Characterize, path: &Path) -> Result<Table, CtlError> {
+    let wrong = |why: &dyn std::fmt::Display| CtlError::Said(format!("{}: {why}", path.display()));
+    let file = File::open(path).map_err(CtlError::file(path))?;
+    let tape = Reader::open(BufReader::new(file)).map_err(|error| wrong(&error))?;
+    let header = tape.header().clone();
+    let mut entries = Vec::new();
+    for entry in tape {
+        match entry {
+            Err(error) if error.is_cut => eprintln!("cermctl: {}: cut off in its last line", path.display()),
+            entry => entries.push(entry.map_err(|error| wrong(&error))?),
+        }
+    }
+    let name = path.file_stem().unwrap_or_default().to_string_lossy();
+    let mut rows = Vec::new();
+    for (channel, r_ohm) in known(&header, &arguments.truth)? {
+        for method in methods(&header, &arguments.method) {
+            let found = replayed(&header, &entries, method, channel, r_ohm).map_err(|why| wrong(&why))?;
+            let kind = header.circuit.kind;
+            let r_c_ohm = [header.circuit.r_c1_ohm, header.circuit.r_c2_ohm];
+            let row = Row::asked(Source::Tape, &name, kind, r_c_ohm, method, r_ohm);
+            rows.extend(rows_of(row, &found, &entries, channel));
+        }
+    }
+    if rows.iter().all(|row| row.rms_ohm.is_none()) {
+        return Err(wrong(&"no number comes out of it; `cermctl estimate --method tcdic` says why"));
+    }
+    let provenance = provenance(Source::Tape, name.into_owned(), None, None);
+    let mut folder = Folder::open(&arguments.out, &provenance)?;
+    let new: Vec<Row> = rows.iter().filter(|row| !folder.has(std::slice::from_ref(row))).cloned().collect();
+    folder.add(new)?;
+    folder.sort(&rows)?;
+    Ok((folder.rows, provenance))
+}
+
+/// The channels by their place, with their resistors.
+fn known(header: &Header, truth: &[(String, f64)]) -> Result<Vec<(usize, f64)>, CtlError> {
+    let ids: Vec<String> = header.channels.iter().map(|channel| channel.id.clone()).collect();
+    let place = |id: &String| ids.iter().position(|known| known == id);
+    let of =
+        |(id, r_ohm): &(String, f64)| Ok((place(id).ok_or_else(|| CtlError::no_channel(id, &ids))?, *r_ohm));
+    truth.iter().map(of).collect()
+}
+
+/// As asked for, or all that work on the circuit.
+fn methods(header: &Header, asked: &[Method]) -> Vec<Method> {
+    if asked.is_empty() { Method::on(header.circuit.kind).collect() } else { asked.to_vec() }
+}
+
+fn replayed(
+    header: &Header,
+    entries: &[Entry],
+    method: Method,
+    channel: usize,
+    r_ohm: f64,
+) -> Result<Found, String> {
+    let mut replay = Replay::new(header, method, None)?;
+    let mut found = Found::default();
+    for entry in entries {
+        // Where d is needed and the tape does not tell it, this method has nothing to say.
+        let Ok(reading) = replay.read(entry) else { return Ok(Found::default()) };
+        found.told.extend(
+            reading.filter(|reading| reading.channel == channel).map(|reading| told(&reading, r_ohm, None)),
+        );
+    }
+    // As an instrument is watched, where the tape is long enough.
+    let settled = found.told.first().map(|first| first.at + WARM);
+    let is_long = found.told.last().zip(settled).is_some_and(|(last, settled)| last.at > settled + WARM);
+    if is_long {
+        found.told.retain(|told| Some(told.at) >= settled);
+    }
+    Ok(found)
+}
+
+/// Single readings, and means over as long as the tape allows.
+fn rows_of(row: Row, found: &Found, entries: &[Entry], channel: usize) -> Vec<Row> {
+    if found.told.is_empty() {
+        return Vec::new();
+    }
+    let timed = |row: Row, length: Option<f64>| Row { published_s: length, ..row };
+    let of_sensor = || entries.iter().filter(|entry| entry.record.through.channel() == Some(channel));
+    let discharges: Vec<f64> = of_sensor()
+        .filter_map(|entry| entry.record.crossings().into_iter().flatten().reduce(f64::max))
+        .collect();
+    let discharge_ns = discharges.iter().sum::<f64>() / discharges.len().max(1) as f64;
+    let [first, last] = [found.told[0].at, found.told[found.told.len() - 1].at];
+    let whole_s = (last - first).as_seconds();
+    let each_s = whole_s / (found.told.len() as f64 - 1.0).max(1.0);
+    let is_timed = entries.iter().all(|entry| entry.is_timed) && whole_s > 0.0;
+    let single = filled(row.clone(), std::slice::from_ref(found), false);
+    let single = timed(single, is_timed.then(|| rounded(each_s, 6)));
+    let mut rows = vec![Row { discharge_s: Some(rounded(discharge_ns * 1e-9, 6)), ..single }];
+    for average in AVERAGES {
+        let length_s = average.as_seconds();
+        if is_timed && length_s > BLOCKS as f64 * each_s && length_s * BLOCKS as f64 <= whole_s {
+            let means = blocks(found, Nanos::from_seconds(length_s));
+            let row = Row { average_s: Some(length_s), ..row.clone() };
+            rows.push(timed(filled(row, &[means], false), Some(length_s)));
+        }
+    }
+    rows
+}

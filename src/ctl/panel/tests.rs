@@ -1,0 +1,98 @@
+//! States in words, and lines that fit.
+
+use super::*;
+use crate::stream::wire::ServerMessage;
+
+fn reading(at_ms: i64, rest: &str) -> ReadingLine {
+    let line = format!(
+        r#"{{"class":"READING","channel":"thumb","seq":1,"time":"2026-11-21T03:40:00.123456789Z","t_mono_ns":{},{rest},"lost":0}}"#,
+        at_ms * 1_000_000
+    );
+    match ServerMessage::parse(line.as_bytes()).unwrap() {
+        ServerMessage::Reading(reading) => *reading,
+        other => panic!("{other:?}"),
+    }
+}
+
+const FULL: &str = r#""status":"ok","r_ohm":1334.6,"r_u_ohm":2.5,"f_n":10.0,"f_u_n":0.02"#;
+const HALF: &str = r#""status":"ok","r_ohm":2669.2,"r_u_ohm":2.5,"f_n":5.0,"f_u_n":0.01"#;
+const BEYOND: &str = r#""status":"ok","r_ohm":889.8,"r_u_ohm":2.5,"f_n":15.0,"f_u_n":1.3,"f_repeat_u_n":0.042,"extrapolated":true"#;
+const MOVING: &str =
+    r#""status":"ok","r_ohm":889.8,"r_u_ohm":32.0,"f_n":15.0,"f_u_n":1.4,"extrapolated":true,"moving":true"#;
+const SETTLING: &str = r#""status":"ok","r_ohm":2669.2,"r_u_ohm":74,"settling":true"#;
+const OPEN: &str = r#""status":"open","r_min_ohm":63000.0,"f_max_n":0.21"#;
+const FAULT: &str = r#""status":"fault","fault":"missed-edge""#;
+
+const HINTED: &str = r#""status":"fault","fault":"no-calibration","hint":"nothing falls in a discharge through Rc1; look at the wire""#;
+
+fn panel(readings: &[(i64, &str)]) -> Panel {
+    let info = ChannelInfo { id: "thumb".to_owned(), unit: Unit::Newton };
+    let mut panel = Panel::new([info].iter(), ForceUnit::Newton, true);
+    readings.iter().for_each(|(at_ms, rest)| panel.feed(&reading(*at_ms, rest)));
+    panel
+}
+
+#[test]
+fn each_state_has_its_words() {
+    let plain = |rest| panel(&[(0, rest)]).plain("thumb").unwrap();
+    let is = |line: String, text: &str| assert_eq!(line, text);
+    is(plain(HALF), "03:40:00.123  thumb  5.000 ± 0.010 N  2669.2 ± 2.5 ohm  ok");
+    is(plain(OPEN), "03:40:00.123  thumb  < 0.210 N  > 63000 ohm  open");
+    is(plain(BEYOND), "03:40:00.123  thumb  15.0 ± 1.3 N  889.8 ± 2.5 ohm  extrapolated");
+    is(plain(MOVING), "03:40:00.123  thumb  15.0 ± 1.4 N  890 ± 32 ohm  moving");
+    is(plain(SETTLING), "03:40:00.123  thumb  2669 ± 74 ohm  settling");
+    is(plain(FAULT), "03:40:00.123  thumb  missed-edge  fault");
+    is(
+        plain(HINTED),
+        "03:40:00.123  thumb  no-calibration  fault  nothing falls in a discharge through Rc1; look at the wire",
+    );
+    is(
+        panel(&[(0, OPEN), (100, OPEN), (200, OPEN)]).plain("thumb").unwrap(),
+        "03:40:00.123  thumb  < 0.210 N  > 63000 ohm  open  10.0/s",
+    );
+}
+
+#[test]
+fn the_history_repeats_silence_and_leaves_faults_blank() {
+    let panel = panel(&[(0, OPEN), (1000, FULL), (3000, FAULT), (4000, HALF)]);
+    assert_eq!(panel.rows[0].slots(5_000_000_000, 5), [Some(0.0), Some(1.0), Some(1.0), None, Some(0.5)]);
+    // The first reading is past.
+    assert_eq!(panel.rows[0].slots(4_000_000_000, 4), [Some(1.0), Some(1.0), None, Some(0.5)]);
+}
+
+#[test]
+fn every_number_stays_where_there_is_little_room() {
+    let lines = |rest, width| {
+        let lines = panel(&[(0, rest), (100, rest)]).lines(width);
+        lines.iter().map(|line| console::strip_ansi_codes(line).into_owned()).collect::<Vec<_>>()
+    };
+    let [wide] = &lines(HALF, 80)[..] else { panic!() };
+    assert!(wide.contains("▌·") && wide.contains(" 10 N  ok") && wide.ends_with("10.0/s"), "{wide}");
+    let [one] = &lines(HALF, 64)[..] else { panic!() };
+    assert!(!one.contains('█') && one.ends_with("10.0/s"), "{one}");
+    let narrow = lines(HALF, 40);
+    assert_eq!(narrow, [" thumb   5.000 ± 0.010 N  ok      ", "        2669.2 ± 2.5 ohm   10.0/s"]);
+    assert!(lines(BEYOND, 90)[0].contains("extrapo."));
+    let hinted = lines(HINTED, 100);
+    assert!(hinted[0].contains("no-calibration") && hinted[0].contains("fault"), "{hinted:?}");
+    assert!(hinted[1].trim_start().starts_with("nothing falls in a discharge"), "{hinted:?}");
+}
+
+#[test]
+fn forces_are_shown_in_the_unit_that_is_wanted() {
+    let info = ChannelInfo { id: "thumb".to_owned(), unit: Unit::Newton };
+    for (unit, plain, scale) in [
+        (ForceUnit::Gram, "509.9 ± 1.0 g", "1000 g"),
+        (ForceUnit::Kilogram, "0.5099 ± 0.0010 kg", "1 kg"),
+        (ForceUnit::Pound, "1.1240 ± 0.0022 lbf", "2 lbf"),
+    ] {
+        let mut panel = Panel::new([&info].into_iter(), unit, true);
+        panel.feed(&reading(0, HALF));
+        assert!(
+            panel.plain("thumb").unwrap().contains(&format!("  {plain}  ")),
+            "{:?}",
+            panel.plain("thumb")
+        );
+        assert!(panel.lines(100)[0].contains(scale) && panel.history(10.0, 80)[0].contains(scale));
+    }
+}

@@ -1,0 +1,77 @@
+//! What rare discharges beside the usual ones have shown: the median of those that are remembered, and how much of it may be noise.
+
+use crate::estimate::limits::LOOK_SURPRISE;
+use crate::estimate::scatter::median;
+use crate::units::Nanos;
+use std::f64::consts::FRAC_PI_2;
+
+/// Looks so far, the last `N` of them with what they have shown.
+#[derive(Debug, Clone, Copy)]
+pub struct Looks<const N: usize> {
+    shown: [f64; N],
+    taken: usize,
+    /// Those that came to nothing.
+    failed: usize,
+    median: f64,
+    /// Of the last one alone.
+    variance: f64,
+    /// The last one disagrees with those before it: a spike, or news.
+    is_surprised: bool,
+    last: Option<Nanos>,
+}
+
+impl<const N: usize> Default for Looks<N> {
+    fn default() -> Looks<N> {
+        Looks {
+            shown: [0.0; N],
+            taken: 0,
+            failed: 0,
+            median: 0.0,
+            variance: 0.0,
+            is_surprised: false,
+            last: None,
+        }
+    }
+}
+
+impl<const N: usize> Looks<N> {
+    /// Whether another one is due: `first` of them follow each other, and then there is one in every so long.
+    pub fn is_due(&self, now: Nanos, first: usize, every: Nanos) -> bool {
+        let is_old = self.last.is_none_or(|last| now - last >= every);
+        let is_first = self.taken < first && self.failed < first;
+        is_first || self.is_surprised || is_old
+    }
+
+    /// Takes one, whether it told something or not: what it showed, and the variance of that.
+    pub fn add(&mut self, shown: Option<[f64; 2]>, now: Nanos) {
+        self.last = Some(now);
+        self.is_surprised = false;
+        let Some([shown, variance]) = shown.filter(|[shown, _]| shown.is_finite()) else {
+            self.failed += 1;
+            return;
+        };
+        self.shown[self.taken % N] = shown;
+        self.variance = variance;
+        self.taken += 1;
+        // A spike is none, so it is not the mean.
+        let mut remembered = self.shown;
+        self.median = median(&mut remembered[..self.taken.min(N)]);
+        self.is_surprised = (shown - self.median).abs() > LOOK_SURPRISE * variance.sqrt();
+    }
+
+    /// How many have told something.
+    pub fn taken(&self) -> usize {
+        self.taken
+    }
+
+    /// What they show, 0 before the first.
+    pub fn median(&self) -> f64 {
+        self.median
+    }
+
+    /// 1 sigma of that by noise.
+    pub fn sigma(&self) -> f64 {
+        // The variance of a median is pi/2 times that of the mean.
+        (self.variance * FRAC_PI_2 / self.taken.min(N) as f64).sqrt()
+    }
+}

@@ -1,0 +1,201 @@
+//! How the crossings of one calibration resistor scatter, and which of them are no noise.
+
+use super::{Covariance, Gate};
+use crate::estimate::limits::{
+    BEYOND_NOISE, FAR_OF, GATE_WIDEST, LATE_NS, NEVER_SO_LATE, NOISE_MEMORY, NOISE_WARM_UP, OFTEN_LATE,
+    OUTLIERS_OF_A_STEP, SHORTEST_THIRD, TOO_MANY_LATE,
+};
+use crate::estimate::scatter::{MEDIAN_DEVIATION, median};
+use crate::reading::Fault;
+
+/// The spread of the crossings of one calibration resistor.
+#[derive(Debug, Clone)]
+pub struct Spread {
+    warm_up: [[f64; 2]; NOISE_WARM_UP],
+    seen: usize,
+    /// Of the times: what their noise goes by.
+    pub time: [f64; 2],
+    /// Of the times less what was expected.
+    mean: [f64; 2],
+    last: [f64; 2],
+    /// Whether node B was waited for in the last one.
+    last_had_b: bool,
+    sum: Covariance,
+    /// Of A alone, and of both.
+    weight: [f64; 2],
+    gate: Gate,
+    outliers_in_row: u32,
+    /// The share of discharges that are so far off that no gate would let them in.
+    far: f64,
+    /// The last one that was refused.
+    refused: [f64; 2],
+}
+
+impl Spread {
+    pub const NEW: Spread = Spread {
+        warm_up: [[0.0; 2]; NOISE_WARM_UP],
+        seen: 0,
+        time: [0.0; 2],
+        mean: [0.0; 2],
+        last: [0.0; 2],
+        last_had_b: true,
+        sum: Covariance { aa: 0.0, bb: 0.0, ab: 0.0 },
+        weight: [0.0; 2],
+        gate: Gate::new(BEYOND_NOISE),
+        outliers_in_row: 0,
+        far: 0.0,
+        refused: [0.0; 2],
+    };
+
+    /// `seen`: the nodes that were waited for, of those that there are. Only discharges in which all were begin it.
+    pub fn add(
+        &mut self,
+        away: [f64; 2],
+        times: [f64; 2],
+        [all, has_b]: [bool; 2],
+        quantisation: f64,
+    ) -> Result<(), Fault> {
+        if self.seen < NOISE_WARM_UP {
+            if all {
+                self.warm_up[self.seen] = away;
+                self.seen += 1;
+                if self.seen == NOISE_WARM_UP {
+                    self.begin(quantisation);
+                }
+            }
+            return Ok(());
+        }
+        let sigmas = self.sigmas(away, self.mean, has_b, quantisation);
+        let is_often_late = self.is_often_late();
+        let away_ns = [0, 1]
+            .map(|node: usize| if all || node == 0 { (away[node] - self.mean[node]).abs() } else { 0.0 });
+        self.tell_far(sigmas > GATE_WIDEST * BEYOND_NOISE && away_ns[0].max(away_ns[1]) > LATE_NS);
+        if !self.gate.admits(sigmas) {
+            // A step is where the next ones are, too; late stamps are anywhere.
+            let is_alike = self.sigmas(away, self.refused, has_b, quantisation) <= self.gate.sigma();
+            let least = if is_alike || !is_often_late { OUTLIERS_OF_A_STEP } else { NEVER_SO_LATE };
+            self.refused = away;
+            self.outliers_in_row += 1;
+            if self.outliers_in_row < least {
+                return Err(Fault::LatencyOutlier);
+            }
+            (self.mean, self.last, self.far) = (away, away, 0.0);
+        }
+        self.outliers_in_row = 0;
+        self.learn(away, times, has_b);
+        Ok(())
+    }
+
+    pub fn tell_far(&mut self, is_far: bool) {
+        self.far += (f64::from(u8::from(is_far)) - self.far) / FAR_OF;
+    }
+
+    pub fn is_often_late(&self) -> bool {
+        self.far > OFTEN_LATE
+    }
+
+    /// Differences of successive discharges; those of B, and with B, only where both have waited for it.
+    fn learn(&mut self, away: [f64; 2], times: [f64; 2], has_b: bool) {
+        let step = [away[0] - self.last[0], away[1] - self.last[1]];
+        self.sum.aa += step[0] * step[0];
+        self.weight[0] += 1.0;
+        if has_b && self.last_had_b {
+            self.sum.bb += step[1] * step[1];
+            self.sum.ab += step[0] * step[1];
+            self.weight[1] += 1.0;
+        }
+        let keep = 1.0 - 1.0 / NOISE_MEMORY;
+        if self.weight[0] > NOISE_MEMORY {
+            self.sum.aa *= keep;
+            self.weight[0] *= keep;
+        }
+        if self.weight[1] > NOISE_MEMORY {
+            (self.sum.bb, self.sum.ab) = (keep * self.sum.bb, keep * self.sum.ab);
+            self.weight[1] *= keep;
+        }
+        for node in 0..if has_b { 2 } else { 1 } {
+            self.mean[node] += (away[node] - self.mean[node]) / NOISE_WARM_UP as f64;
+            (self.last[node], self.time[node]) = (away[node], times[node]);
+        }
+        self.last_had_b = has_b;
+    }
+
+    /// From now on something else is expected, namely what comes.
+    pub fn expect_what_comes(&mut self) {
+        (self.mean, self.last) = ([0.0; 2], [0.0; 2]);
+    }
+
+    /// After the warm-up: differences that are outliers by the median of their absolute values are left out.
+    fn begin(&mut self, quantisation: f64) {
+        // Less than a count does not show.
+        let resolution_ns = (12.0 * quantisation).sqrt();
+        let mut limit = [0.0; 2];
+        for (node, limit) in limit.iter_mut().enumerate() {
+            let mut steps = [0.0; NOISE_WARM_UP - 1];
+            for (step, pair) in steps.iter_mut().zip(self.warm_up.windows(2)) {
+                *step = (pair[1][node] - pair[0][node]).abs();
+            }
+            *limit = BEYOND_NOISE * (median(&mut steps) / MEDIAN_DEVIATION).max(1.0);
+        }
+        // Where many have a late stamp steps tell nothing, but the shortest interval of a third of them does.
+        let thirds = [0, 1].map(|node| shortest_third(&mut self.warm_up.map(|pair| pair[node])));
+        let is_late = |node: usize| {
+            let ((middle, sigma), (too_many, away)) = (thirds[node], TOO_MANY_LATE);
+            let beyond = (away * sigma.max(resolution_ns)).max(LATE_NS);
+            self.warm_up.iter().filter(|pair| (pair[node] - middle).abs() > beyond).count() >= too_many
+        };
+        if is_late(0) || is_late(1) {
+            (self.far, self.weight) = (1.0, [5.0; 2]);
+            let [a, b] = thirds.map(|(_, sigma)| 2.0 * self.weight[0] * sigma * sigma);
+            self.sum = Covariance { aa: a, bb: b, ab: 0.0 };
+            (self.mean, self.last) = (thirds.map(|third| third.0), thirds.map(|third| third.0));
+            self.time = self.mean;
+            return;
+        }
+        for pair in self.warm_up.windows(2) {
+            let step = [pair[1][0] - pair[0][0], pair[1][1] - pair[0][1]];
+            if step[0].abs() <= limit[0] && step[1].abs() <= limit[1] {
+                self.sum.add_outer(step);
+                self.weight = self.weight.map(|weight| weight + 1.0);
+            }
+        }
+        for node in 0..2 {
+            self.mean[node] = median(&mut self.warm_up.map(|pair| pair[node]));
+            self.last[node] = self.mean[node];
+        }
+        self.time = self.mean;
+    }
+
+    /// How far the farther node is from the running mean, or another place.
+    fn sigmas(&self, away: [f64; 2], from: [f64; 2], has_b: bool, quantisation: f64) -> f64 {
+        let variance = self.covariance().at_least(quantisation);
+        // The running mean has a variance of its own: 1/(2 x 16 - 1) of a single time's.
+        let of = |node: usize| (away[node] - from[node]).abs() / (1.04 * variance.node(node)).sqrt();
+        if has_b { of(0).max(of(1)) } else { of(0) }
+    }
+
+    /// Half the mean square of successive differences, which has two degrees of freedom for three of them. With few of
+    /// them, as much more as makes 2 sigma the 95 % limit of Student's distribution (to 2 % from 8 degrees on).
+    pub fn covariance(&self) -> Covariance {
+        let [a, b] =
+            [0, 1].map(|node| 0.5 * (1.0 + 1.3 / self.freedom(node)).powi(2) / self.weight[node].max(1.0));
+        Covariance { aa: a * self.sum.aa, bb: b * self.sum.bb, ab: b * self.sum.ab }
+    }
+
+    pub fn is_known(&self) -> bool {
+        self.seen == NOISE_WARM_UP
+    }
+
+    pub fn freedom(&self, node: usize) -> f64 {
+        (self.weight[node] * 2.0 / 3.0).max(1.0)
+    }
+}
+
+/// The middle of the shortest interval that has a third of the values, and the sigma of normal ones that have it so short:
+/// what lies outside of it may be anything.
+fn shortest_third(values: &mut [f64]) -> (f64, f64) {
+    values.sort_unstable_by(f64::total_cmp);
+    let shortest = values.windows(values.len() / 3 + 1).map(|part| [part[0], part[part.len() - 1]]);
+    let [low, high] = shortest.min_by(|a, b| (a[1] - a[0]).total_cmp(&(b[1] - b[0]))).unwrap_or_default();
+    ((low + high) / 2.0, (high - low) / SHORTEST_THIRD)
+}

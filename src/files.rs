@@ -1,0 +1,82 @@
+//! The text of a file that a configuration names, in bounded time and memory whatever somebody has put in its place.
+//!
+//! For: reading a file without trust in its path. Must not know: what is in it.
+
+use nix::fcntl::OFlag;
+use std::fs::{self, File};
+use std::io::{self, ErrorKind, Read};
+use std::os::unix::fs::OpenOptionsExt;
+use std::path::Path;
+
+/// A configuration or a scene, bytes: a hundred times what anybody has typed.
+pub const SETTINGS_BYTES: u64 = 1 << 20;
+/// A table or a recorded course of values, bytes: a day at 20 values a second.
+pub const TABLE_BYTES: u64 = 64 << 20;
+
+/// The text of a regular file of at most so many bytes. A pipe is not waited for, a device not opened.
+///
+/// # Errors
+/// It cannot be read ([`hint`] says what to do), is no regular file ([`ErrorKind::InvalidInput`]), longer
+/// ([`ErrorKind::FileTooLarge`]), or no UTF-8 ([`ErrorKind::InvalidData`]).
+pub fn read_text(path: &Path, most_bytes: u64) -> io::Result<String> {
+    // A device may do something as soon as it is opened.
+    regular(&fs::metadata(path)?)?;
+    // It may have been replaced since.
+    let flags = OFlag::O_NONBLOCK | OFlag::O_NOCTTY;
+    let file = File::options().read(true).custom_flags(flags.bits()).open(path)?;
+    regular(&file.metadata()?)?;
+    let mut text = String::new();
+    // Not by the size that the file has now: it may grow.
+    let bytes = file.take(most_bytes + 1).read_to_string(&mut text)?;
+    if bytes as u64 > most_bytes {
+        let message = format!("it has more than {} MiB", most_bytes >> 20);
+        return Err(io::Error::new(ErrorKind::FileTooLarge, message));
+    }
+    Ok(text)
+}
+
+fn regular(metadata: &fs::Metadata) -> io::Result<()> {
+    let refusal = || io::Error::new(ErrorKind::InvalidInput, "it is no regular file");
+    metadata.is_file().then_some(()).ok_or_else(refusal)
+}
+
+/// What to do about an error of [`read_text`].
+pub fn hint(error: &io::Error) -> &'static str {
+    match error.kind() {
+        ErrorKind::NotFound => "is the path right?",
+        ErrorKind::PermissionDenied => "run as a user that may read it, or make it readable",
+        ErrorKind::InvalidData => "it must be UTF-8 text",
+        ErrorKind::InvalidInput => "name a file, not a pipe, a device or a folder",
+        ErrorKind::FileTooLarge => "is it the right file?",
+        _ => "is the disk in order?",
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use nix::sys::stat::Mode;
+
+    #[test]
+    fn a_file_of_the_greatest_size_is_read_and_nothing_else() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("f");
+        let kind = |most| read_text(&path, most).unwrap_err().kind();
+        assert_eq!(kind(3), ErrorKind::NotFound);
+        fs::write(&path, "abc").unwrap();
+        assert_eq!(read_text(&path, 3).unwrap(), "abc");
+        assert_eq!(kind(2), ErrorKind::FileTooLarge);
+        fs::write(&path, [0xff]).unwrap();
+        assert_eq!(kind(3), ErrorKind::InvalidData);
+        fs::remove_file(&path).unwrap();
+        // With a writer that never writes, and without one.
+        nix::unistd::mkfifo(&path, Mode::S_IRWXU).unwrap();
+        assert_eq!(kind(3), ErrorKind::InvalidInput);
+        let _writer = File::options().read(true).write(true).open(&path).unwrap();
+        assert_eq!(kind(3), ErrorKind::InvalidInput);
+        for odd in ["/dev/zero", "/dev/tty", "/", "/dev/stdin"] {
+            let error = read_text(Path::new(odd), 3).unwrap_err();
+            assert!(odd != "/dev/zero" || error.kind() == ErrorKind::InvalidInput, "{odd}: {error}");
+        }
+    }
+}

@@ -1,0 +1,47 @@
+//! Discharges beside the others, now and then, which look for what is wrong with the circuit.
+
+use super::{Cycle, Step};
+use crate::estimate::limits::UNKNOWN_JITTER_NS;
+use crate::instrument::discharge::Outcome;
+use crate::units::Nanos;
+
+/// What a discharge beside the others looks for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Look {
+    /// A leak: it is held on its way.
+    Leak,
+    /// What capacitors absorb: it comes after a rest at V_DD.
+    Absorption,
+}
+
+impl Cycle {
+    /// Another length than an ordinary discharge through R_2 has. One that came to nothing tells nothing.
+    pub(super) fn held_done(&mut self, look: Look, outcome: &Outcome, now: Nanos) {
+        self.step = Step::Start;
+        let usual = self.estimator.calibration().map(|(_, c2)| c2);
+        // The two discharges have their own noise each.
+        let noise = usual.and_then(|usual| self.estimator.noise().covariance(usual));
+        let variance = 2.0 * noise.map_or(UNKNOWN_JITTER_NS * UNKNOWN_JITTER_NS, |noise| noise.aa);
+        let found = outcome.result.ok().zip(usual);
+        match look {
+            Look::Leak => {
+                let lost = found.and_then(|(record, usual)| {
+                    let switch = record.switch?;
+                    Some((usual[0] + (switch.on_ns - switch.at_ns) - record.a_ns?, variance))
+                });
+                self.leak.add(lost, self.settings.r_ohm()[1], now);
+                self.estimator.set_leak(&self.leak);
+                if self.leak.has_changed() {
+                    self.estimator.begin_anew();
+                }
+            }
+            Look::Absorption => {
+                let longer = found.and_then(|(record, usual)| {
+                    Some([(record.a_ns? - usual[0]) / usual[0], variance / usual[0].powi(2)])
+                });
+                self.absorption.add(longer, now);
+                self.estimator.set_absorption(&self.absorption);
+            }
+        }
+    }
+}

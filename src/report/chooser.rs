@@ -1,0 +1,74 @@
+//! The chooser: which setting gives the error that can be borne, or the rate that is needed; a form, its data, no answer of its own.
+
+use super::front::priced;
+use super::setting::Setting;
+use crate::characterize::table::Row;
+use serde::Serialize;
+
+/// One measured row, as the script of the page reads it; absent: unknown.
+#[derive(Debug, Serialize)]
+struct Choice {
+    name: String,
+    method: &'static str,
+    kind: &'static str,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    average_s: Option<f64>,
+    /// Times the capacitors of the scene.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    size: Option<f64>,
+    r_ohm: f64,
+    seconds: f64,
+    error_ohm: f64,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    u_ohm: Option<f64>,
+}
+
+const FORM: &str = r#"<form id="chooser">
+<p><label for="want-r">Resistance</label> <select id="want-r"></select></p>
+<p><label for="want-error">Error that can be borne, 1 sigma, ohm</label> <input id="want-error" inputmode="decimal" autocomplete="off" size="8"></p>
+<p><label for="want-rate">Readings a second that are needed</label> <input id="want-rate" inputmode="decimal" autocomplete="off" size="8"></p>
+</form>
+<p id="chosen" role="status"></p>
+<noscript><p>The chooser needs scripts; the figures above and points.csv have the same numbers.</p></noscript>
+"#;
+
+/// The form with its data.
+///
+/// # Errors
+/// Never, as far as numbers are finite.
+pub fn html(rows: &[Row]) -> Result<String, serde_json::Error> {
+    let priced = priced(rows);
+    let settings = Setting::all(priced.iter().map(|priced| Setting::of(priced.row)));
+    let choice = |setting: Setting, priced: &super::front::Priced| Choice {
+        name: setting.name(&settings),
+        method: setting.method.as_str(),
+        kind: setting.kind.as_str(),
+        average_s: priced.row.average_s,
+        size: priced.row.vary_value,
+        r_ohm: priced.row.r_ohm,
+        seconds: priced.seconds,
+        error_ohm: priced.error,
+        u_ohm: priced.row.u_ohm,
+    };
+    let choices: Vec<Choice> = priced.iter().map(|priced| choice(Setting::of(priced.row), priced)).collect();
+    // Nothing in it may end the element that it stands in.
+    let data = serde_json::to_string(&choices)?.replace("</", "<\\/");
+    Ok(format!("{FORM}<script type=\"application/json\" id=\"choices\">{data}</script>\n"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::fixture;
+    use super::*;
+
+    #[test]
+    fn every_measured_point_can_be_chosen() {
+        let rows = fixture::rows();
+        let html = html(&rows).unwrap();
+        let data = html.split("id=\"choices\">").nth(1).unwrap().split("</script>").next().unwrap();
+        let choices: Vec<serde_json::Value> = serde_json::from_str(data).unwrap();
+        assert_eq!(choices.len(), priced(&rows).len());
+        assert_eq!(choices[0]["method"], "tpcm");
+        assert!(choices[0].get("average_s").is_none(), "absent means unknown or none, never null");
+    }
+}

@@ -1,0 +1,171 @@
+//! From a table of measured points to figures and one page.
+//!
+//! For: `report.html`, self-contained, and each of its figures as a file, from [`Row`]s and where they come from. Must not know:
+//! how points were measured, pins, the instrument.
+
+#[doc(hidden)]
+pub mod axis;
+mod chooser;
+mod effects;
+#[cfg(test)]
+mod fixture;
+mod front;
+mod heat;
+mod maps;
+mod page;
+mod paper;
+#[doc(hidden)]
+pub mod plot;
+mod rivals;
+mod setting;
+mod svg;
+
+use crate::characterize::table::{Provenance, Row};
+use page::Section;
+use plot::Width;
+use std::io;
+use std::path::{Path, PathBuf};
+
+/// The name of the page in the folder of a sweep.
+pub const PAGE: &str = "report.html";
+/// The folder of the figures there.
+pub const FIGURES: &str = "figures";
+
+/// Why there is no report.
+#[derive(Debug, thiserror::Error)]
+pub enum ReportError {
+    /// A file or a folder cannot be written.
+    #[error("{path}: {error}; is there room, and may this user write there?")]
+    Write {
+        /// Which.
+        path: PathBuf,
+        /// What the system says.
+        error: io::Error,
+    },
+    /// A number that is none, which no row should have.
+    #[error("the data of the chooser: {0}")]
+    Data(#[from] serde_json::Error),
+}
+
+/// What is drawn.
+enum Drawing {
+    Plot(plot::Plot),
+    Heat(heat::Heat),
+}
+
+impl Drawing {
+    fn draw(&self, width: Width) -> (svg::Svg, svg::At) {
+        match self {
+            Drawing::Plot(plot) => plot.draw(width),
+            Drawing::Heat(heat) => heat.draw(width),
+        }
+    }
+}
+
+/// A picture, and what is said below it.
+struct Figure {
+    /// Of its file, without the ending.
+    name: String,
+    drawing: Drawing,
+    text: String,
+}
+
+const FRONT: &str = "<p>Each point is measured: the root mean square error of what is published, against the time for each published reading, charges, \
+calibration and calls included. Down and to the left is better. The broad line is the front: nothing measured is both faster and more accurate. \
+A bar is 1 sigma of a point of few readings, if these have nothing in common. \
+Hollow, dashed, in the colour and shape of a full line: the same with capacitors of other \
+sizes. Thin and broken, black: what no estimator from such discharges can beat (Cram\u{e9}r-Rao), were all time spent on charges and discharges of the sensor. Grey: what one would take instead, \
+computed from data sheets.</p>
+<p>What \"no ADC\" buys, where an ADC is better: no converter, no bus and no driver; one GPIO line for each further sensor; a calibration that is followed by \
+itself; and a stated uncertainty, or the reason why there is none, with every reading.</p>\n";
+const CHOOSE: &str = "<p>Type the error that you can bear, the rate that you need, or both. Answers are measured points, nothing between.</p>\n";
+const PAPER: &str = "<p>The set-up of section IV, on the scene <code>fpga-paper</code>.</p>\n";
+const MAPS: &str = "<p>Colours that all eyes see alike; every cell says its numbers when it is pointed at, or by the arrow keys.</p>\n";
+
+fn sections(rows: &[Row], board: &str) -> Result<Vec<Section>, ReportError> {
+    let effects = [effects::budget, effects::times, effects::settling, effects::coverage];
+    let fronts = front::figures(rows, board);
+    let (rivals, chooser) =
+        if fronts.is_empty() { Default::default() } else { (page::rivals(), chooser::html(rows)?) };
+    let section = |id, heading, words: &str, figures, after| Section {
+        id,
+        heading,
+        words: words.to_owned(),
+        figures,
+        after,
+    };
+    Ok(vec![
+        section("front", "The front", FRONT, fronts, rivals),
+        section("choose", "Choose", CHOOSE, Vec::new(), chooser),
+        section("paper", "The paper's figures", PAPER, paper::figures(rows), paper::numbers::html(rows)),
+        section("fails", "Where methods fail", MAPS, maps::figures(rows, board), String::new()),
+        section(
+            "effects",
+            "What an error is made of",
+            "",
+            effects.iter().filter_map(|of| of(rows, board)).collect(),
+            String::new(),
+        ),
+    ])
+}
+
+fn put(path: PathBuf, text: &str) -> Result<(), ReportError> {
+    std::fs::write(&path, text).map_err(|error| ReportError::Write { path, error })
+}
+
+/// Writes [`PAGE`] and the folder [`FIGURES`] into a folder that is there.
+///
+/// # Errors
+/// If one of them cannot be written.
+pub fn write(folder: &Path, rows: &[Row], provenance: &Provenance) -> Result<(), ReportError> {
+    // A picture may be met without its page.
+    let board = format!("{}, {}", provenance.board, provenance.source);
+    let sections = sections(rows, &board)?;
+    let figures = folder.join(FIGURES);
+    std::fs::create_dir_all(&figures).map_err(|error| ReportError::Write { path: figures.clone(), error })?;
+    for figure in sections.iter().flat_map(|section| &section.figures) {
+        let (svg, size) = figure.drawing.draw(Width::Wide);
+        put(figures.join(format!("{}.svg", figure.name)), &svg.alone(size, &figure.text))?;
+    }
+    put(folder.join(PAGE), &page::html(&sections, provenance))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_report_has_its_page_and_every_figure_of_it_as_a_file() {
+        let folder = tempfile::tempdir().unwrap();
+        write(folder.path(), &fixture::rows(), &fixture::provenance()).unwrap();
+        let page = std::fs::read_to_string(folder.path().join(PAGE)).unwrap();
+        let figures: Vec<_> =
+            std::fs::read_dir(folder.path().join(FIGURES)).unwrap().map(|entry| entry.unwrap()).collect();
+        assert!(figures.len() >= 8, "{figures:?}");
+        for figure in &figures {
+            let name = figure.file_name().into_string().unwrap();
+            assert!(page.contains(&format!("href=\"figures/{name}\"")), "{name}");
+        }
+        assert!(page.contains("&lt;5 V") && !page.contains("<5 V"), "text of others is escaped");
+        // Nothing is fetched: links are followed by people only.
+        for fetching in [" src=\"", "@import", "url(", "fetch("] {
+            assert!(!page.contains(fetching), "{fetching}");
+        }
+        assert!(!page.contains("NaN") && !page.contains("inf"), "a number that is none");
+    }
+
+    #[test]
+    fn what_was_not_measured_is_left_out() {
+        let folder = tempfile::tempdir().unwrap();
+        write(folder.path(), &[], &fixture::provenance()).unwrap();
+        let page = std::fs::read_to_string(folder.path().join(PAGE)).unwrap();
+        assert!(!page.contains("<section"), "{page}");
+    }
+
+    #[test]
+    fn an_unwritable_folder_is_named() {
+        let error =
+            write(Path::new("/proc/no-such-folder"), &[], &fixture::provenance()).unwrap_err().to_string();
+        assert!(error.starts_with("/proc/no-such-folder/figures: "), "{error}");
+    }
+}

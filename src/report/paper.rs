@@ -1,0 +1,242 @@
+//! Figures 4 to 8 of the paper, ours beside what it prints; the table of its numbers is in [`numbers`].
+
+pub mod numbers;
+
+use super::axis::{Axis, Writer, ohms, percent, plain};
+use super::plot::{Mark, Plot, Point, Series};
+use super::{Drawing, Figure};
+use crate::characterize::table::Row;
+use crate::circuit::Kind;
+use crate::reading::Method;
+
+/// The name of the scene of section IV.
+const SCENE: &str = "fpga-paper";
+/// Of each resistance, in section IV: the largest error depends on how many there are.
+const READINGS: f64 = 500.0;
+/// The fit of section V, newton ohm.
+const ALPHA: f64 = 13_346.46;
+/// The paper's three, in its order.
+const METHODS: [Method; 3] = [Method::Tpcm, Method::Tcdic, Method::Cerm];
+
+/// Single readings of the paper's board on its own circuits, of each resistance about as many as in the paper.
+pub fn rows(rows: &[Row]) -> Vec<&Row> {
+    let own = |row: &&Row| {
+        let kind = if row.method == Method::Tpcm { Kind::OneCapacitor } else { Kind::TwoCapacitor };
+        let is_plain = row.vary.is_none() && row.average_s.is_none();
+        let each = row.readings as f64 / row.instruments.max(1) as f64;
+        let is_long = (0.5 * READINGS..=2.0 * READINGS).contains(&each);
+        row.scene == SCENE && is_plain && is_long && METHODS.contains(&row.method) && row.circuit == kind
+    };
+    rows.iter().filter(own).collect()
+}
+
+/// What the paper prints of a method: resistance, ohm, and the value.
+type Printed = &'static [(Method, f64, f64)];
+
+/// Eq. (28), ohm: all that section V prints.
+const MAE: Printed = &[
+    (Method::Tpcm, 100.0, 5.23),
+    (Method::Tcdic, 100.0, 1.94),
+    (Method::Cerm, 100.0, 0.88),
+    (Method::Cerm, 15_010.0, 6.2),
+    (Method::Tpcm, 16_200.0, 13.1),
+];
+
+fn ink(method: Method) -> String {
+    format!("i{}", Method::ALL.iter().position(|other| *other == method).unwrap_or(0))
+}
+
+fn measured(
+    rows: &[&Row],
+    method: Method,
+    value: impl Fn(&Row) -> Option<[f64; 2]>,
+    write: Writer,
+) -> Series {
+    let mut points: Vec<Point> = rows
+        .iter()
+        .filter(|row| row.method == method)
+        .filter_map(|row| value(row).map(|at| (row, at)))
+        .map(|(row, [x, y])| Point::new(x, y, format!("{method}, {}: ours {}", ohms(row.r_ohm), write(y))))
+        .collect();
+    points.sort_by(|a, b| a.x.total_cmp(&b.x));
+    let shape = Mark::ROUND[METHODS.iter().position(|other| *other == method).unwrap_or(0)];
+    let mark = Some((shape, format!("{} full", ink(method))));
+    Series {
+        name: method.to_string(),
+        line: format!("{} series", ink(method)),
+        mark,
+        points,
+        is_stairs: false,
+    }
+}
+
+fn printed(method: Method, points: &[[f64; 2]], write: Writer) -> Series {
+    let point = |at: &[f64; 2]| Point::new(at[0], at[1], format!("{method}, printed: {}", write(at[1])));
+    Series {
+        name: format!("{method}, printed"),
+        line: String::new(),
+        mark: Some((Mark::Cross, format!("{} hollow", ink(method)))),
+        points: points.iter().map(point).collect(),
+        is_stairs: false,
+    }
+}
+
+/// What a figure of the paper shows over resistance.
+struct Over {
+    name: &'static str,
+    title: &'static str,
+    label: &'static str,
+    methods: &'static [Method],
+    value: fn(&Row) -> Option<f64>,
+    printed: fn(f64, f64) -> f64,
+    write: Writer,
+    highest_ohm: f64,
+    text: &'static str,
+}
+
+const NOTHING: fn(f64, f64) -> f64 = |_, _| f64::NAN;
+
+const OVER: [Over; 4] = [
+    Over {
+        name: "paper-fig-4",
+        title: "Fig. 4: largest of the errors (28), low resistances",
+        label: "MAE",
+        methods: &METHODS,
+        value: |row| row.mae_ohm,
+        printed: |_, mae| mae,
+        write: ohms,
+        highest_ohm: 1500.0,
+        text: "Crosses: all values that the paper prints; its curves have no numbers.",
+    },
+    Over {
+        name: "paper-fig-5b",
+        title: "Fig. 5(b): uncertainty of a reading",
+        label: "standard deviation of readings",
+        methods: &METHODS,
+        value: |row| row.sd_ohm,
+        printed: NOTHING,
+        write: ohms,
+        highest_ohm: f64::INFINITY,
+        text: "The paper forces CERM's first line of (19) at all resistances here; ours is CERM as it chooses. Fig. 5(a), the uncertainty of inferred \
+               times, is not of readings and not in this table; its limits are sqrt(3) and 1 times that of T_c2A, by (21) and (23).",
+    },
+    Over {
+        name: "paper-fig-6a",
+        title: "Fig. 6(a): largest of the errors (28), full range",
+        label: "MAE",
+        methods: &[Method::Tpcm, Method::Cerm],
+        value: |row| row.mae_ohm,
+        printed: |_, mae| mae,
+        write: ohms,
+        highest_ohm: f64::INFINITY,
+        text: "Crosses: all values that the paper prints.",
+    },
+    Over {
+        name: "paper-fig-6b",
+        title: "Fig. 6(b): largest relative error (29)",
+        label: "MRE",
+        methods: &METHODS,
+        value: |row| row.mre_percent.map(|mre| 0.01 * mre),
+        printed: |r_ohm, mae| mae / r_ohm,
+        write: percent,
+        highest_ohm: f64::INFINITY,
+        text: "Crosses: the printed MAE over the resistance.",
+    },
+];
+
+fn over(over: &Over, rows: &[&Row]) -> Option<Figure> {
+    let value = |row: &Row| {
+        (over.value)(row).filter(|_| row.r_ohm <= over.highest_ohm).map(|value| [row.r_ohm, value])
+    };
+    let mut series: Vec<Series> =
+        over.methods.iter().map(|method| measured(rows, *method, value, over.write)).collect();
+    for method in over.methods {
+        let own = MAE.iter().filter(|(of, r_ohm, _)| of == method && *r_ohm <= over.highest_ohm);
+        let points: Vec<[f64; 2]> =
+            own.map(|(_, r_ohm, mae)| [*r_ohm, (over.printed)(*r_ohm, *mae)]).collect();
+        if points.iter().any(|point| point[1].is_finite()) {
+            series.push(printed(*method, &points, over.write));
+        }
+    }
+    series.retain(|series| !series.points.is_empty());
+    figure(over.name, over.title, ["resistance", over.label], [ohms, over.write], series, over.text)
+}
+
+/// Over two logarithmic axes, as all of the paper's are drawn here.
+fn figure(
+    name: &str,
+    title: &str,
+    labels: [&str; 2],
+    write: [Writer; 2],
+    series: Vec<Series>,
+    text: &str,
+) -> Option<Figure> {
+    let points = || series.iter().flat_map(|series| &series.points);
+    let mut x = Axis::decades(labels[0], write[0], points().map(|point| point.x))?;
+    let y = Axis::decades(labels[1], write[1], points().map(|point| point.y))?;
+    // The paper's resistances end short of two decades.
+    let most = points().map(|point| point.x).fold(0.0, f64::max);
+    x.to = x.to.min(most * 1.3);
+    let plot = Plot { title: title.to_owned(), x, y, series };
+    Some(Figure { name: name.to_owned(), drawing: Drawing::Plot(plot), text: text.to_owned() })
+}
+
+fn newtons(value: f64) -> String {
+    format!("{} N", plain(value))
+}
+
+/// Fig. 7 and 8: forces by eq. (1) with the paper's own fit.
+fn forces(rows: &[&Row]) -> Vec<Option<Figure>> {
+    let curve =
+        |r_ohm: f64| Point::new(ALPHA / r_ohm, r_ohm, format!("{}: {}", newtons(ALPHA / r_ohm), ohms(r_ohm)));
+    let fit = Series {
+        name: "13346.46 N ohm / F".to_owned(),
+        line: "i2 series".to_owned(),
+        mark: None,
+        points: [13_346.46, 445.0].map(curve).to_vec(),
+        is_stairs: false,
+    };
+    let pair = |(f, r_ohm): (f64, f64)| {
+        Point::new(f, r_ohm, format!("measured in the paper: {} at {}", ohms(r_ohm), newtons(f)))
+    };
+    let pairs = Series {
+        name: "printed pairs".to_owned(),
+        line: String::new(),
+        mark: Some((Mark::Cross, "i4 hollow".to_owned())),
+        points: [(1.20, 11_122.0), (6.06, 2200.0)].map(pair).to_vec(),
+        is_stairs: false,
+    };
+    let of_force = |row: &Row| row.mre_percent.map(|mre| [ALPHA / row.r_ohm, 0.01 * mre]);
+    let mut errors: Vec<Series> =
+        [Method::Cerm, Method::Tcdic].map(|method| measured(rows, method, of_force, percent)).to_vec();
+    let largest = [ALPHA / 100.0, 0.0088];
+    errors.push(printed(Method::Cerm, &[largest], percent));
+    errors.retain(|series| !series.points.is_empty());
+    vec![
+        figure(
+            "paper-fig-7",
+            "Fig. 7: resistance of the FSR 402 against force",
+            ["force", "resistance"],
+            [newtons, ohms],
+            vec![fit, pairs],
+            "The paper prints two of its 17 pairs of force and resistance; nothing of ours is in this figure.",
+        ),
+        figure(
+            "paper-fig-8",
+            "Fig. 8: largest relative error of a force",
+            ["force", "MRE"],
+            [newtons, percent],
+            errors,
+            "Ours are the errors of resistances, as forces by eq. (1): a small relative error is the same for both.",
+        ),
+    ]
+}
+
+/// All of them, where the table has the paper's board.
+pub fn figures(all: &[Row]) -> Vec<Figure> {
+    let rows = rows(all);
+    if rows.is_empty() {
+        return Vec::new();
+    }
+    OVER.iter().map(|one| over(one, &rows)).chain(forces(&rows)).flatten().collect()
+}

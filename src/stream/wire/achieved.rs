@@ -1,0 +1,171 @@
+//! What the readings of a channel come to: how often they came, how well they are known, and what else they were.
+
+use super::{ReadingLine, StatusName};
+use crate::reading::{Measured, Reading, Status};
+use crate::stream::line::{is_unknown, time, uncertainty};
+use serde::{Deserialize, Serialize};
+
+/// What the readings of a channel came to, over the last seconds.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
+pub struct ChannelStats {
+    /// From the first of them to the last, s.
+    #[serde(serialize_with = "time")]
+    pub span_s: f64,
+    /// Of every status.
+    pub readings: u64,
+    /// In a second; absent: there are not two.
+    #[serde(serialize_with = "time", skip_serializing_if = "is_unknown")]
+    pub rate_hz: Option<f64>,
+    /// Root mean square of `r_u_ohm` of the numbers that are neither moving nor settling, ohm.
+    #[serde(serialize_with = "uncertainty", skip_serializing_if = "is_unknown")]
+    pub r_u_ohm: Option<f64>,
+    /// The same of `f_u_n`, newton.
+    #[serde(serialize_with = "uncertainty", skip_serializing_if = "is_unknown")]
+    pub f_u_n: Option<f64>,
+    /// Numbers.
+    pub ok: u64,
+    /// Those of a sensor that changed while it was read.
+    pub moving: u64,
+    /// Those whose uncertainty was still a prior.
+    pub settling: u64,
+    /// Above what the deadline resolves.
+    pub open: u64,
+    /// Not to be told from a short circuit.
+    pub short: u64,
+    /// Without a number for another reason.
+    pub faults: u64,
+}
+
+/// Counts readings of a channel.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct ReadingTally {
+    counts: ChannelStats,
+    /// The first and the last instant, ns.
+    span_ns: Option<[i64; 2]>,
+    /// Of ohm and newton.
+    squares: [Squares; 2],
+}
+
+/// A sum of squares, and of how many.
+#[derive(Debug, Clone, Copy, Default)]
+struct Squares(f64, u64);
+
+impl Squares {
+    fn add(&mut self, value: Option<f64>) {
+        if let Some(value) = value {
+            *self = Squares(self.0 + value * value, self.1 + 1);
+        }
+    }
+
+    fn rms(self) -> Option<f64> {
+        (self.1 > 0).then(|| (self.0 / self.1 as f64).sqrt())
+    }
+}
+
+impl ReadingTally {
+    /// One more, as the instrument says it.
+    pub fn add(&mut self, reading: &Reading) {
+        let u = |value: Measured| value.u;
+        match reading.status {
+            Status::Ok { r_ohm, f_n, is_moving, is_settling, .. } => {
+                self.number([u(r_ohm), f_n.and_then(|f_n| f_n.u)], is_moving, is_settling);
+            }
+            Status::Open { .. } => self.counts.open += 1,
+            Status::Short { .. } => self.counts.short += 1,
+            Status::Fault(_) => self.counts.faults += 1,
+        }
+        self.stamp(reading.at.0);
+    }
+
+    /// One more, as a line of the stream says it.
+    pub fn add_line(&mut self, reading: &ReadingLine) {
+        let state = &reading.state;
+        match state.status {
+            StatusName::Ok => self.number([state.r_u_ohm, state.f_u_n], state.moving, state.settling),
+            StatusName::Open => self.counts.open += 1,
+            StatusName::Short => self.counts.short += 1,
+            StatusName::Fault => self.counts.faults += 1,
+        }
+        self.stamp(reading.t_mono_ns);
+    }
+
+    fn number(&mut self, u: [Option<f64>; 2], is_moving: bool, is_settling: bool) {
+        self.counts.ok += 1;
+        self.counts.moving += u64::from(is_moving);
+        self.counts.settling += u64::from(is_settling);
+        if !is_moving && !is_settling {
+            self.squares.iter_mut().zip(u).for_each(|(squares, u)| squares.add(u));
+        }
+    }
+
+    fn stamp(&mut self, at_ns: i64) {
+        self.counts.readings += 1;
+        self.span_ns.get_or_insert([at_ns; 2])[1] = at_ns;
+    }
+
+    /// From the first to the last, s.
+    pub fn span_s(&self) -> f64 {
+        self.span_ns.map_or(0.0, |[first, last]| last.saturating_sub(first) as f64 * 1e-9)
+    }
+
+    /// What they come to.
+    pub fn stats(&self) -> ChannelStats {
+        let (span_s, intervals) = (self.span_s(), self.counts.readings.saturating_sub(1));
+        let [r_u_ohm, f_u_n] = self.squares.map(Squares::rms);
+        let rate_hz = (span_s > 0.0).then(|| intervals as f64 / span_s);
+        ChannelStats { span_s, rate_hz, r_u_ohm, f_u_n, ..self.counts }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::reading::{Branch, Fault, Method};
+    use crate::units::Nanos;
+
+    #[test]
+    fn a_line_counts_as_its_reading_does() {
+        let ok = |u, is_moving| Status::Ok {
+            branch: Branch::Direct,
+            r_ohm: Measured { value: 1000.0, u: Some(u) },
+            f_n: Some(Measured { value: 13.0, u: Some(u / 100.0) }.into()),
+            is_moving,
+            is_settling: false,
+        };
+        let open = Status::Open { r_min_ohm: 6e4, f_max_n: None };
+        let statuses = [ok(3.0, false), ok(4.0, false), ok(90.0, true), open, Status::Fault(Fault::Pins)];
+        let (mut own, mut of_lines) = (ReadingTally::default(), ReadingTally::default());
+        for (at, status) in (0..).zip(statuses) {
+            let reading = Reading {
+                channel: 0,
+                seq: 1,
+                at: Nanos(at * 250_000_000),
+                status,
+                suspect: None,
+                method: Method::Tracked,
+                duration: Nanos::ZERO,
+            };
+            own.add(&reading);
+            of_lines.add_line(&ReadingLine::new(&reading, "thumb", String::new()));
+        }
+        let rms = (12.5f64).sqrt();
+        let wanted = ChannelStats {
+            span_s: 1.0,
+            readings: 5,
+            rate_hz: Some(4.0),
+            r_u_ohm: Some(rms),
+            f_u_n: Some(rms / 100.0),
+            ok: 3,
+            moving: 1,
+            open: 1,
+            faults: 1,
+            ..ChannelStats::default()
+        };
+        let close = |a: Option<f64>, b: Option<f64>| (a.unwrap() - b.unwrap()).abs() < 1e-12;
+        for stats in [own.stats(), of_lines.stats()] {
+            assert!(close(stats.r_u_ohm, wanted.r_u_ohm) && close(stats.f_u_n, wanted.f_u_n), "{stats:?}");
+            assert_eq!(ChannelStats { r_u_ohm: wanted.r_u_ohm, f_u_n: wanted.f_u_n, ..stats }, wanted);
+        }
+        assert_eq!(ReadingTally::default().stats(), ChannelStats::default());
+    }
+}

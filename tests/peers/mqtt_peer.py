@@ -1,0 +1,162 @@
+"""The bridge and Mosquitto: TLS, passwords, restarts, a dead network, kills."""
+
+import json
+import signal
+import socket
+import subprocess
+import time
+from datetime import datetime
+
+from bench import INDEX_OHM, Bench, check, free_port, memory_kib, until
+
+AVAILABILITY = "cermd/bench/availability"
+DEVICE = "homeassistant/device/bench/config"
+INDEX = "cermd/bench/channel/index"
+
+
+def openssl(bench, *arguments):
+    subprocess.run(["openssl", *arguments], cwd=bench.path, check=True, capture_output=True)
+
+
+def certificates(bench):
+    """An authority, a certificate of it for localhost, and another authority that has nothing to do with these."""
+    for name in ("ca", "other-ca"):
+        openssl(bench, "req", "-x509", "-newkey", "ec", "-pkeyopt", "ec_paramgen_curve:P-256", "-nodes", "-days", "2",
+                "-subj", f"/CN={name}", "-keyout", f"{name}.key", "-out", f"{name}.pem")  # fmt: skip
+    openssl(bench, "req", "-newkey", "ec", "-pkeyopt", "ec_paramgen_curve:P-256", "-nodes", "-subj", "/CN=localhost",
+            "-keyout", "broker.key", "-out", "broker.csr")  # fmt: skip
+    (bench.path / "san").write_text("subjectAltName=DNS:localhost\n")
+    openssl(bench, "x509", "-req", "-in", "broker.csr", "-CA", "ca.pem", "-CAkey", "ca.key", "-CAcreateserial",
+            "-days", "2", "-extfile", "san", "-out", "broker.pem")  # fmt: skip
+
+
+class Mosquitto:
+    def __init__(self, bench):
+        self.bench, self.port, self.tls_port = bench, free_port(), free_port()
+        (bench.path / "broker.conf").write_text(
+            f"user root\nper_listener_settings true\nlistener {self.port} 127.0.0.1\nallow_anonymous true\n"
+            f"listener {self.tls_port} 127.0.0.1\nallow_anonymous false\npassword_file passwords\n"
+            "cafile ca.pem\ncertfile broker.pem\nkeyfile broker.key\n"
+        )
+        (bench.path / "password").write_text("secret\n")
+        subprocess.run(["mosquitto_passwd", "-c", "-b", "passwords", "board", "secret"], cwd=bench.path, check=True)
+        self.process = None
+        self.start()
+
+    def start(self):
+        self.process = self.bench.spawn("mosquitto.log", "mosquitto", "-c", "broker.conf")
+        until("a broker that listens", self.listens)
+        self.listener = self.bench.spawn(
+            "heard", "mosquitto_sub", "-p", self.port, "-t", "#", "-F", "%U %r %t %p", "-i", f"ear-{time.monotonic_ns()}"
+        )
+
+    def listens(self):
+        with socket.socket() as client:
+            return client.connect_ex(("127.0.0.1", self.port)) == 0
+
+    def stop(self):
+        for process in (self.listener, self.process):
+            process.kill()
+            process.wait()
+
+    def heard(self):
+        """Everything so far: (time, retained, topic, payload)."""
+        lines = (line.split(" ", 3) for line in self.bench.log("heard").splitlines())
+        return [(float(at), retain == "1", topic, payload) for at, retain, topic, payload in (l for l in lines if len(l) == 4)]
+
+    def last(self, topic):
+        return next((entry for entry in reversed(self.heard()) if entry[2] == topic), None)
+
+    def availability(self):
+        entry = self.last(AVAILABILITY)
+        return entry and entry[3]
+
+
+def readings_since(broker, since):
+    return [json.loads(payload) for at, _, topic, payload in broker.heard() if topic == INDEX and at >= since]
+
+
+def taken_at(reading):
+    return datetime.fromisoformat(reading["time"][:26].rstrip("Z") + "+00:00").timestamp()
+
+
+with Bench() as bench:
+    certificates(bench)
+    broker = Mosquitto(bench)
+
+    def connect(*more):
+        return bench.cermctl("bridge", "mqtt", "--broker", "localhost", "--id", "bench", *more)
+
+    bridge = connect("--port", broker.port, "--every", "1 s")
+    until("the board to come online", lambda: broker.availability() == "online")
+    (_, retained, _, device), _ = until("the device", lambda: broker.last(DEVICE))
+    check("the device is announced", json.loads(device)["cmps"]["index_resistance"]["unit_of_measurement"] == "\u03a9")
+    ear = ["mosquitto_sub", "-p", str(broker.port), "-t", "#", "--retained-only", "-W", "2", "-F", "%t"]
+    kept = subprocess.run(ear, capture_output=True).stdout
+    check("only device and availability are retained", set(kept.decode().split()) == {DEVICE, AVAILABILITY}, kept)
+    reading, _ = until("a reading", lambda: next((r for r in readings_since(broker, 0) if "r_ohm" in r), None))
+    check("its value is that of the sensor", abs(reading["r_ohm"] - INDEX_OHM) < 0.02 * INDEX_OHM, reading["r_ohm"])
+    since = time.time()
+    time.sleep(5)
+    count = len(readings_since(broker, since))
+    check("a constant is told about once a second, not 25 times", 4 <= count <= 15, f"{count} in 5 s")
+
+    bench.kill_daemon()
+    _, took = until("offline", lambda: broker.availability() == "offline")
+    check("a killed daemon is offline at once", took < 1, f"after {took:.2f} s")
+    bench.start_daemon()
+    until("online", lambda: broker.availability() == "online")
+
+    bridge.kill()
+    _, took = until("the last will", lambda: broker.availability() == "offline")
+    check("a killed bridge is offline at once", took < 1, f"after {took:.2f} s")
+    bridge = connect("--port", broker.port, "--every", "1 s")
+    until("online", lambda: broker.availability() == "online")
+
+    broker.stop()
+    (bench.path / "heard").write_text("")
+    time.sleep(3)
+    back = time.time()
+    broker.start()
+    _, took = until("the board after a restart of the broker", lambda: broker.availability() == "online")
+    check("a broker that comes back is told everything", took < 5, f"after {took:.2f} s")
+    until("a reading", lambda: readings_since(broker, back))
+    check("the device too", broker.last(DEVICE) is not None)
+
+    # The network is dead: nothing is answered, nothing is refused.
+    before, warnings = memory_kib(bridge), bench.log().count("WARN")
+    stopped = time.time()
+    broker.process.send_signal(signal.SIGSTOP)
+    _, took = until("the bridge to notice", lambda: bench.log().count("WARN") > warnings)
+    time.sleep(5)
+    after = memory_kib(bridge)
+    check("a broker that hangs is noticed", took < 15, f"after {took:.1f} s: {bench.log().splitlines()[-1][-80:]}")
+    check("nothing piles up", after - before < 2_000, f"{before} -> {after} KiB")
+    woken = time.time()
+    broker.process.send_signal(signal.SIGCONT)
+    until("readings of now", lambda: any(taken_at(r) > woken for r in readings_since(broker, woken)))
+    # The broker reads first what its kernel took in before the bridge gave up: 10 s at the most.
+    late = [taken_at(r) - stopped for r in readings_since(broker, woken) if taken_at(r) < woken - 1]
+    check("what was measured after it was noticed is not told", max(late, default=0.0) <= took,
+          f"{len(late)} readings of the first {max(late, default=0.0):.1f} s")  # fmt: skip
+    bridge.send_signal(signal.SIGINT)
+    bridge.wait(10)
+    check("told to end, it says so", broker.availability() == "offline")
+
+    tls = ["--port", broker.tls_port, "--user", "board", "--password-file", "password"]
+    for what, arguments, words in [
+        ("a wrong authority is told", [*tls, "--ca", "other-ca.pem"], "does not vouch for this broker"),
+        ("so is TLS on the wrong port", ["--port", broker.port, "--ca", "ca.pem"], "is this its port for TLS?"),
+        ("so is no TLS where it is wanted", ["--port", broker.tls_port], "does it want TLS"),
+        ("so is a wrong password", ["--port", broker.tls_port, "--ca", "ca.pem", "--user", "board", "--password-file", "ca.pem"],
+         "look at --user and --password-file"),
+        ("so is nobody", ["--port", free_port()], "refused"),
+    ]:  # fmt: skip
+        log = f"log-{time.monotonic_ns()}"
+        attempt = bench.cermctl("bridge", "mqtt", "--broker", "localhost", "--id", "other", *arguments, log=log)
+        until(what, lambda: words in bench.log(log))
+        check(what, attempt.poll() is None, bench.log(log).strip().splitlines()[-1][-160:])
+        attempt.kill()
+    bridge = connect(*tls, "--ca", "ca.pem")
+    until("the board by TLS", lambda: broker.availability() == "online")
+    check("TLS and a password work", True)
