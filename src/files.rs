@@ -1,12 +1,14 @@
-//! The text of a file that a configuration names, in bounded time and memory whatever somebody has put in its place.
+//! The text of a file that a configuration names, in bounded time and memory whatever somebody has put in its place, and a new one
+//! that is there whole or not at all.
 //!
-//! For: reading a file without trust in its path. Must not know: what is in it.
+//! For: reading a file without trust in its path, replacing one. Must not know: what is in it.
 
 use nix::fcntl::OFlag;
-use std::fs::{self, File};
-use std::io::{self, ErrorKind, Read};
-use std::os::unix::fs::OpenOptionsExt;
+use std::fs::{self, File, Metadata, Permissions};
+use std::io::{self, ErrorKind, Read, Write};
+use std::os::unix::fs::{MetadataExt, OpenOptionsExt, PermissionsExt, chown};
 use std::path::Path;
+use tempfile::NamedTempFile;
 
 /// A configuration or a scene, bytes: a hundred times what anybody has typed.
 pub const SETTINGS_BYTES: u64 = 1 << 20;
@@ -35,9 +37,51 @@ pub fn read_text(path: &Path, most_bytes: u64) -> io::Result<String> {
     Ok(text)
 }
 
-fn regular(metadata: &fs::Metadata) -> io::Result<()> {
+fn regular(metadata: &Metadata) -> io::Result<()> {
     let refusal = || io::Error::new(ErrorKind::InvalidInput, "it is no regular file");
     metadata.is_file().then_some(()).ok_or_else(refusal)
+}
+
+/// A text on its way to a path: on the disk, under a name of its own in the same folder, which is gone unless it is persisted. It
+/// has the rights of a file like it, or those of any new file.
+///
+/// # Errors
+/// It cannot be written.
+pub fn beside(path: &Path, text: &str, like: Option<&Metadata>) -> io::Result<NamedTempFile> {
+    let mut new = tempfile::Builder::new()
+        .prefix(".cermd-")
+        .permissions(Permissions::from_mode(0o666))
+        .tempfile_in(folder_of(path))?;
+    new.write_all(text.as_bytes())?;
+    if let Some(like) = like {
+        // Only root can give files away; for others the file becomes their own, as with any editor.
+        let _ = chown(new.path(), Some(like.uid()), Some(like.gid()));
+        new.as_file().set_permissions(like.permissions())?;
+    }
+    new.as_file().sync_all()?;
+    Ok(new)
+}
+
+/// Puts a text in the place of a file, or where none was.
+///
+/// # Errors
+/// Then what was there is as it was.
+pub fn replace(path: &Path, text: &str) -> io::Result<()> {
+    let like = fs::metadata(path).ok();
+    beside(path, text, like.as_ref())?.persist(path)?;
+    sync_folder(path)
+}
+
+/// Waits until the names in the folder of this path are on the disk.
+///
+/// # Errors
+/// Nobody knows whether they are.
+pub fn sync_folder(path: &Path) -> io::Result<()> {
+    File::open(folder_of(path))?.sync_all()
+}
+
+fn folder_of(path: &Path) -> &Path {
+    path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."))
 }
 
 /// What to do about an error of [`read_text`].
@@ -56,6 +100,20 @@ pub fn hint(error: &io::Error) -> &'static str {
 mod tests {
     use super::*;
     use nix::sys::stat::Mode;
+
+    #[test]
+    fn a_file_is_replaced_whole_and_keeps_its_rights() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("f");
+        replace(&path, "a").unwrap();
+        let mode = || fs::metadata(&path).unwrap().mode() & 0o777;
+        assert_eq!(mode() & 0o600, 0o600);
+        fs::set_permissions(&path, Permissions::from_mode(0o640)).unwrap();
+        replace(&path, "b").unwrap();
+        assert_eq!((fs::read_to_string(&path).unwrap().as_str(), mode()), ("b", 0o640));
+        replace(&path.join("no"), "c").unwrap_err();
+        assert_eq!(fs::read_dir(&folder).unwrap().count(), 1, "only what was asked for");
+    }
 
     #[test]
     fn a_file_of_the_greatest_size_is_read_and_nothing_else() {

@@ -109,7 +109,7 @@ fn begin(path: &Path, provenance: &Provenance) -> Result<(), FolderError> {
         Ok(text) => text,
         Err(error) if error.kind() == io::ErrorKind::NotFound => {
             let text = serde_json::to_string_pretty(provenance).unwrap_or_default() + "\n";
-            return fs::write(path, text).map_err(failed(path));
+            return files::replace(path, &text).map_err(failed(path));
         }
         Err(error) => return Err(failed(path)(error)),
     };
@@ -121,15 +121,10 @@ fn begin(path: &Path, provenance: &Provenance) -> Result<(), FolderError> {
     }
 }
 
-/// Writes a table beside the old one and puts it in its place.
+/// Puts a table in the place of the old one.
 fn replace(path: &Path, rows: &[Row]) -> Result<(), FolderError> {
-    let beside = path.with_extension("csv.new");
     let text = table::text(rows, true).map_err(|error| failed(path)(error.into()))?;
-    fs::write(&beside, text).and_then(|()| fs::rename(&beside, path)).map_err(|error| {
-        // It may be half of a table: nobody misses it.
-        let _ = fs::remove_file(&beside);
-        failed(path)(error)
-    })
+    files::replace(path, &text).map_err(failed(path))
 }
 
 #[cfg(test)]

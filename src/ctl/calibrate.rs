@@ -2,7 +2,7 @@
 //!
 //! Nothing is changed before a yes.
 
-mod edit;
+pub mod edit;
 mod force;
 mod plot;
 mod tare;

@@ -7,11 +7,13 @@ use super::limits::{LOOK_AROUND, STARTED};
 use super::stream::Stream;
 use super::{CtlError, calibrate, check, get, print};
 use crate::ctl::cli::{self, CalibrateBy, Setup, Update, Zero};
+use crate::files;
 use crate::pins::chardev::{self, ChipListing};
 use crate::units::ForceUnit;
 use draft::{Answers, Key, MARK};
-use std::fs;
+use std::fs::{self, Permissions};
 use std::io::{self, ErrorKind};
+use std::os::unix::fs::PermissionsExt;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
@@ -103,20 +105,17 @@ fn write(path: &Path, text: &str) -> Result<(), CtlError> {
     if let Some(folder) = path.parent() {
         fs::create_dir_all(folder).map_err(CtlError::file(folder))?;
     }
-    match fs::read_to_string(path) {
+    let is_new = !path.exists();
+    match files::read_text(path, files::SETTINGS_BYTES) {
         Ok(old) if old.starts_with(MARK) => {}
         Ok(_) => drop(fs::copy(path, kept(path)).map_err(CtlError::file(&kept(path)))?),
         Err(error) if error.kind() == ErrorKind::NotFound => {}
         Err(error) => return Err(CtlError::file(path)(error)),
     }
-    let folder = path.parent().unwrap_or(Path::new("."));
-    let failed = CtlError::file(path);
-    let new = tempfile::Builder::new().prefix(".cermd-").tempfile_in(folder).map_err(&failed)?;
-    fs::write(new.path(), text).map_err(&failed)?;
-    let mode = std::os::unix::fs::PermissionsExt::from_mode(0o644);
-    fs::set_permissions(new.path(), mode).map_err(&failed)?;
-    new.persist(path).map_err(|error| failed(error.error))?;
-    Ok(())
+    files::replace(path, text).map_err(CtlError::file(path))?;
+    // The service is another user, whatever root's mask is.
+    let mode = Permissions::from_mode(0o644);
+    if is_new { fs::set_permissions(path, mode).map_err(CtlError::file(path)) } else { Ok(()) }
 }
 
 /// Everything that `cermctl check` tests, with the daemon out of the way.
@@ -189,7 +188,7 @@ fn zero(arguments: &Setup) -> Result<(), CtlError> {
 
 /// The service is stopped, and the configuration as it was before the first setup.
 fn undo(path: &Path) -> Result<(), CtlError> {
-    let is_ours = match fs::read_to_string(path) {
+    let is_ours = match files::read_text(path, files::SETTINGS_BYTES) {
         Ok(text) => text.starts_with(MARK),
         Err(error) if error.kind() == ErrorKind::NotFound => false,
         Err(error) => return Err(CtlError::file(path)(error)),

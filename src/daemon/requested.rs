@@ -1,13 +1,12 @@
 //! The lines that this daemon has asked for, kept where the service manager's cleaner finds them after a kill: the file of the
 //! configuration may be another one by then, or none.
 
-use crate::config::Backend;
-use crate::config::Config;
 use crate::config::backend::{self, OpenError};
+use crate::config::{Backend, Config};
 use crate::files;
 use crate::pins::chardev::Wiring;
 use serde::{Deserialize, Serialize};
-use std::io::{self, Write};
+use std::io;
 use std::path::{Path, PathBuf};
 
 /// In the runtime directory.
@@ -36,12 +35,8 @@ impl Requested {
     /// It cannot be written; nothing older is left there then.
     pub fn keep(&self, folder: &Path) -> io::Result<()> {
         let path = folder.join(NAME);
-        let write = || {
-            let mut file = tempfile::NamedTempFile::new_in(folder)?;
-            file.write_all(&serde_json::to_vec(self)?)?;
-            file.persist(&path).map_err(|error| error.error)
-        };
-        write().map(drop).inspect_err(|_| drop(std::fs::remove_file(&path)))
+        let text = serde_json::to_string(self)?;
+        files::replace(&path, &text).inspect_err(|_| drop(std::fs::remove_file(&path)))
     }
 
     /// What was asked for last; `None`: nobody has kept it.

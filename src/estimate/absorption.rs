@@ -7,9 +7,7 @@
 //! the network with branches of one time constant and of five decades show (docs/stability.md, "What capacitors remember").
 //! A charge that is always too short looks the same.
 
-use crate::estimate::limits::{
-    ABSORPTION_EVERY, ABSORPTION_FIRST, ABSORPTION_REMEMBERED, BY_ABSORPTION, LOOK_SHOWS,
-};
+use crate::estimate::limits::{ABSORPTION_EVERY, ABSORPTION_FIRST, ABSORPTION_REMEMBERED, BY_ABSORPTION};
 use crate::estimate::look::Looks;
 use crate::units::Nanos;
 
@@ -31,7 +29,7 @@ impl AbsorptionTest {
     /// By which share of their time discharges are longer after a rest, if that shows.
     pub fn share(&self) -> Option<f64> {
         let share = self.0.median().abs();
-        (self.0.taken() >= ABSORPTION_FIRST && share > LOOK_SHOWS * self.0.sigma()).then_some(share)
+        (self.0.taken() >= ABSORPTION_FIRST && share > self.0.gate()).then_some(share)
     }
 }
 

@@ -11,7 +11,7 @@
 #[cfg(doc)]
 use crate::estimate::limits::LEAK_HELD_AT;
 use crate::estimate::limits::{
-    GROSS_LEAK_SIEMENS, LEAK_EVERY, LEAK_FIRST, LEAK_HOLD, LEAK_REMEMBERED, LIKELY_LEAK_SIEMENS, LOOK_SHOWS,
+    GROSS_LEAK_SIEMENS, LEAK_EVERY, LEAK_FIRST, LEAK_HOLD, LEAK_REMEMBERED, LIKELY_LEAK_SIEMENS,
 };
 use crate::estimate::look::Looks;
 use crate::units::Nanos;
@@ -43,7 +43,7 @@ impl LeakTest {
     /// The leak, siemens, if there is one that shows; negative for what feeds the node.
     pub fn siemens(&self) -> Option<f64> {
         let leak = self.likely_siemens();
-        (self.is_known() && leak.abs() > self.gate()).then_some(leak)
+        (self.is_known() && leak.abs() > self.looks.gate()).then_some(leak)
     }
 
     /// Whether the leak has come, grown or gone since this last was so.
@@ -51,15 +51,11 @@ impl LeakTest {
         let leak = self.likely_siemens();
         // Of a defect nothing is measured, however it changes.
         let is_defect = leak.abs().min(self.before.abs()) > GROSS_LEAK_SIEMENS;
-        let has_changed = self.is_known() && !is_defect && (leak - self.before).abs() > self.gate();
+        let has_changed = self.is_known() && !is_defect && (leak - self.before).abs() > self.looks.gate();
         if has_changed {
             self.before = leak;
         }
         has_changed
-    }
-
-    fn gate(&self) -> f64 {
-        LOOK_SHOWS * self.looks.sigma()
     }
 
     /// Whether there has been a look.

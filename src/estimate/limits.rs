@@ -81,6 +81,8 @@ pub const NEVER_SO_LATE: u32 = 12;
 pub const TOO_MANY_LATE: (usize, f64) = (4, 20.0);
 /// How wide the shortest interval with 6 of 16 normal values is on average, in sigma.
 pub const SHORTEST_THIRD: f64 = 0.507;
+/// For how many differences of successive discharges such an interval stands: the 6 values in it have 5.
+pub const WEIGHT_OF_A_THIRD: f64 = 5.0;
 /// So many outliers in a row are a step: the mean starts anew.
 pub const OUTLIERS_OF_A_STEP: u32 = 3;
 /// Differences of successive discharges that are remembered, about.

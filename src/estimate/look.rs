@@ -1,6 +1,6 @@
 //! What rare discharges beside the usual ones have shown: the median of those that are remembered, and how much of it may be noise.
 
-use crate::estimate::limits::LOOK_SURPRISE;
+use crate::estimate::limits::{LOOK_SHOWS, LOOK_SURPRISE};
 use crate::estimate::scatter::median;
 use crate::units::Nanos;
 use std::f64::consts::FRAC_PI_2;
@@ -69,9 +69,9 @@ impl<const N: usize> Looks<N> {
         self.median
     }
 
-    /// 1 sigma of that by noise.
-    pub fn sigma(&self) -> f64 {
+    /// What shows beyond the noise of that.
+    pub fn gate(&self) -> f64 {
         // The variance of a median is pi/2 times that of the mean.
-        (self.variance * FRAC_PI_2 / self.taken.min(N) as f64).sqrt()
+        LOOK_SHOWS * (self.variance * FRAC_PI_2 / self.taken.min(N) as f64).sqrt()
     }
 }

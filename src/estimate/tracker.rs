@@ -213,7 +213,8 @@ impl Tracker {
         for record in rounds.iter().flatten() {
             self.advance(record.start);
             // One that the gate rejects is one less.
-            let used = record.ended(self.nodes).is_some_and(|times| self.correct(record, times).is_some());
+            let used = record.ended(self.nodes).zip(record.calibration_kind());
+            let used = used.is_some_and(|(times, kind)| self.correct(kind, record, times).is_ok());
             rejected += usize::from(!used);
         }
         rejected * MOST_REJECTED <= 3 * rounds.len()
@@ -237,19 +238,18 @@ impl Tracker {
         times: [Option<f64>; 2],
     ) -> Result<(), Fault> {
         self.advance(record.start);
-        if let Some(expected) = self.correct(record, times) {
-            // What the filter takes is no spike, whatever the spread says.
-            let _ = self.noise.add(kind, times, expected);
-            self.rejected_in_row = 0;
-            self.noise.tell_far(kind, false);
-            self.counts.used += 1;
-            return Ok(());
+        match self.correct(kind, record, times) {
+            Ok(expected) => {
+                // What the filter takes is no spike, whatever the spread says.
+                let _ = self.noise.add(kind, times, expected);
+                self.rejected_in_row = 0;
+                self.counts.used += 1;
+                return Ok(());
+            }
+            Err(beside_ns) => {
+                self.noise.tell_far(kind, beside_ns.iter().any(|ns| ns.abs() > LATE_NS));
+            }
         }
-        let route = self.route(kind, record);
-        let is_late = |node: usize| {
-            times[node].is_some_and(|ns| (ns - route.crossing(&self.state, node).ns).abs() > LATE_NS)
-        };
-        self.noise.tell_far(kind, is_late(0) || is_late(1));
         self.counts.rejected += 1;
         self.rejected_in_row += 1;
         if self.rejected_in_row < REJECTED_OF_A_STEP {
@@ -316,20 +316,26 @@ impl Tracker {
         Some((crossings, all))
     }
 
-    /// Kalman's correction by the crossings that were seen; where they were expected, if they are within the gate and have been
-    /// used.
-    fn correct(&mut self, record: &Record, times: [Option<f64>; 2]) -> Option<[f64; 2]> {
-        let kind = record.calibration_kind()?;
+    /// Kalman's correction by the crossings that were seen; where they were expected, ns.
+    ///
+    /// # Errors
+    /// By how much they are beside that, ns, if they are beyond the gate and have not been used.
+    fn correct(
+        &mut self,
+        kind: CalibrationKind,
+        record: &Record,
+        times: [Option<f64>; 2],
+    ) -> Result<[f64; 2], [f64; 2]> {
         let route = self.route(kind, record);
         let rows = [0, 1].map(|node| route.crossing(&self.state, node));
         let seen = times.map(|time| time.is_some());
         let innovation = [0, 1].map(|node: usize| times[node].map_or(0.0, |ns| ns - rows[node].ns));
         let (states, by_switch) = (rows.map(|row| row.by_state), rows.map(|row| row.by_switch));
-        let (crossings, noise) = self.noise_of(&route, &rows, expected_ns(record))?;
-        let gain = Gain::new(&self.covariance, &states, &noise, seen)?;
+        let (crossings, noise) = self.noise_of(&route, &rows, expected_ns(record)).ok_or(innovation)?;
+        let gain = Gain::new(&self.covariance, &states, &noise, seen).ok_or(innovation)?;
         let count = seen.iter().filter(|seen| **seen).count();
         if gain.normalised(innovation) > INNOVATION_GATE * INNOVATION_GATE * count as f64 {
-            return None;
+            return Err(innovation);
         }
         self.learn_misfit(kind, &gain, innovation, seen);
         self.learn_walk(kind, &gain, &states, innovation);
@@ -339,7 +345,7 @@ impl Tracker {
         }
         self.covariance = gain.posterior(&self.covariance);
         self.last = (gain.of, states);
-        Some(rows.map(|row| row.ns))
+        Ok(rows.map(|row| row.ns))
     }
 
     /// What an error that all switches have in common does to an estimate that depends on the state and on its own switch as given,

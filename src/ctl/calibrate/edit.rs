@@ -11,11 +11,8 @@ use crate::sensor::{Force, Law};
 use crate::units::{Newton, NewtonOhm, rounded, to_places};
 use jiff::Timestamp;
 use nix::sys::signal::SigSet;
-use std::fs::{self, File, Metadata};
-use std::io::Write;
-use std::os::unix::fs::{MetadataExt, chown};
+use std::fs;
 use std::path::{Path, PathBuf};
-use tempfile::NamedTempFile;
 use toml_edit::{DocumentMut, InlineTable, Item, TableLike};
 
 /// What is put into the configuration.
@@ -91,14 +88,14 @@ fn put(path: &Path, text: &str, (value, table): (&Value, &Path), kept: &Path) ->
     let old = fs::metadata(path).map_err(CtlError::file(path))?;
     let table = match value {
         Value::Force(Force { law: Law::Table { .. }, .. }, pairs) => {
-            let new = beside(table, &csv(pairs), &old)?;
+            let new = files::beside(table, &csv(pairs), Some(&old)).map_err(CtlError::file(table))?;
             new.persist_noclobber(table).map_err(|error| CtlError::file(table)(error.error))?;
             Some(table)
         }
         _ => None,
     };
     let put = || {
-        let new = beside(path, text, &old)?;
+        let new = files::beside(path, text, Some(&old)).map_err(CtlError::file(path))?;
         fs::hard_link(path, kept).map_err(CtlError::file(kept))?;
         new.persist(path).map_err(|error| {
             let _ = fs::remove_file(kept);
@@ -109,21 +106,7 @@ fn put(path: &Path, text: &str, (value, table): (&Value, &Path), kept: &Path) ->
         let _ = table.map(fs::remove_file);
         return Err(error);
     }
-    let folder = path.parent().unwrap_or(Path::new("/"));
-    File::open(folder).and_then(|folder| folder.sync_all()).map_err(CtlError::file(folder))
-}
-
-/// A file of that text on its way to that path, with the rights of the file that was there.
-fn beside(path: &Path, text: &str, old: &Metadata) -> Result<NamedTempFile, CtlError> {
-    let folder = path.parent().unwrap_or(Path::new("/"));
-    let new = tempfile::Builder::new().prefix(".cermd-").tempfile_in(folder);
-    let mut new = new.map_err(CtlError::file(folder))?;
-    // Only root can give files away; for others the file becomes their own, as with any editor.
-    let _ = chown(new.path(), Some(old.uid()), Some(old.gid()));
-    let written = new.write_all(text.as_bytes());
-    let written = written.and_then(|()| new.as_file().set_permissions(old.permissions()));
-    written.and_then(|()| new.as_file().sync_all()).map_err(CtlError::file(path))?;
-    Ok(new)
+    files::sync_folder(path).map_err(CtlError::file(path))
 }
 
 /// The text with one value changed.
@@ -166,7 +149,7 @@ fn find<'a>(channels: &'a mut Item, id: &str) -> Option<&'a mut dyn TableLike> {
 }
 
 /// A value that was there keeps the blanks and the comment around it.
-fn set(table: &mut dyn TableLike, key: &str, mut new: toml_edit::Value) {
+pub fn set(table: &mut dyn TableLike, key: &str, mut new: toml_edit::Value) {
     match table.get_mut(key) {
         Some(Item::Value(old)) => {
             *new.decor_mut() = old.decor().clone();

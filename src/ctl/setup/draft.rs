@@ -1,5 +1,6 @@
 //! The configuration that a setup writes: the commented one of the project, with what was answered.
 
+use crate::ctl::calibrate::edit;
 use crate::ctl::cli::Setup;
 use crate::units::{Farad, Ohm};
 use std::str::FromStr;
@@ -194,17 +195,10 @@ fn table<'a, 'b>(document: &'a mut DocumentMut, path: &'b str) -> Option<(&'a mu
     }
 }
 
-fn put(document: &mut DocumentMut, path: &str, mut value: Value) -> Result<(), String> {
+fn put(document: &mut DocumentMut, path: &str, value: Value) -> Result<(), String> {
     let (table, key) =
         table(document, path).ok_or_else(|| format!("--set {path}: a key such as gpio.sense-a"))?;
-    // What was there keeps the comment around it.
-    if let Some(Item::Value(old)) = table.get(key) {
-        *value.decor_mut() = old.decor().clone();
-    }
-    match table.get_mut(key) {
-        Some(old) => *old = Item::Value(value),
-        None => drop(table.insert(key, Item::Value(value))),
-    }
+    edit::set(table, key, value);
     Ok(())
 }
 

@@ -3,7 +3,7 @@
 use super::{Covariance, Gate};
 use crate::estimate::limits::{
     BEYOND_NOISE, FAR_OF, GATE_WIDEST, LATE_NS, NEVER_SO_LATE, NOISE_MEMORY, NOISE_WARM_UP, OFTEN_LATE,
-    OUTLIERS_OF_A_STEP, SHORTEST_THIRD, TOO_MANY_LATE,
+    OUTLIERS_OF_A_STEP, SHORTEST_THIRD, TOO_MANY_LATE, WEIGHT_OF_A_THIRD,
 };
 use crate::estimate::scatter::{MEDIAN_DEVIATION, median};
 use crate::reading::Fault;
@@ -145,7 +145,7 @@ impl Spread {
             self.warm_up.iter().filter(|pair| (pair[node] - middle).abs() > beyond).count() >= too_many
         };
         if is_late(0) || is_late(1) {
-            (self.far, self.weight) = (1.0, [5.0; 2]);
+            (self.far, self.weight) = (1.0, [WEIGHT_OF_A_THIRD; 2]);
             let [a, b] = thirds.map(|(_, sigma)| 2.0 * self.weight[0] * sigma * sigma);
             self.sum = Covariance { aa: a, bb: b, ab: 0.0 };
             (self.mean, self.last) = (thirds.map(|third| third.0), thirds.map(|third| third.0));
