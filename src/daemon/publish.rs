@@ -84,13 +84,18 @@ impl Known {
     }
 }
 
+/// An instant of `CLOCK_MONOTONIC` on the wall clock as it is set now.
+fn time_of(at: Nanos, to_wall: Nanos) -> Timestamp {
+    // 64 bits of nanoseconds end in 2262, long before the calendar of jiff does.
+    Timestamp::from_nanosecond((at + to_wall).0.into()).unwrap_or_default()
+}
+
 /// Passes one result on. `to_wall`: from `CLOCK_MONOTONIC` to `CLOCK_REALTIME`.
 pub fn publish(server: &mut Server, known: &mut Known, loaded: &Loaded, update: Update, to_wall: Nanos) {
     match update {
         Update::Message(Message::Reading(reading)) => {
             known.log_suspect(&reading);
-            // 64 bits of nanoseconds end in 2262, long before the calendar of jiff does.
-            let time = Timestamp::from_nanosecond((reading.at + to_wall).0.into()).unwrap_or_default();
+            let time = time_of(reading.at, to_wall);
             server.publish_reading(&reading, time);
         }
         Update::Message(Message::Discharge { seq, record, is_held, as_read_ohm, .. }) => {
@@ -176,5 +181,21 @@ pub fn log_offset(stats: &Stats) {
             stats.offset.d_ns / 1e3,
             stats.offset.u_d_ns / 1e3
         );
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn times_follow_the_wall_clock_from_before_it_was_set() {
+        let (at, not_set, set) =
+            (Nanos(5_000_000_000), Nanos(-3_000_000_000), Nanos(1_800_000_000_000_000_000));
+        assert_eq!(time_of(at, not_set).to_string(), "1970-01-01T00:00:02Z");
+        assert_eq!(time_of(at, set).to_string(), "2027-01-15T08:00:05Z");
+        // A clock of nonsense is no panic.
+        time_of(Nanos(i64::MAX), Nanos(i64::MAX));
+        time_of(Nanos(i64::MIN), Nanos(i64::MIN));
     }
 }

@@ -87,8 +87,12 @@ with Bench() as bench:
     def connect(*more):
         return bench.cermctl("bridge", "mqtt", "--broker", "localhost", "--id", "bench", *more)
 
+    broker.stop()
     bridge = connect("--port", broker.port, "--every", "1 s")
-    until("the board to come online", lambda: broker.availability() == "online")
+    until("the bridge to miss its broker", lambda: "refused" in bench.log())
+    broker.start()
+    _, took = until("the board to come online", lambda: broker.availability() == "online")
+    check("a broker that was not there at the start is found", took < 10, f"after {took:.2f} s")
     (_, retained, _, device), _ = until("the device", lambda: broker.last(DEVICE))
     check("the device is announced", json.loads(device)["cmps"]["index_resistance"]["unit_of_measurement"] == "\u03a9")
     ear = ["mosquitto_sub", "-p", str(broker.port), "-t", "#", "--retained-only", "-W", "2", "-F", "%t"]

@@ -8,6 +8,7 @@ mod cermctl;
 mod common;
 mod daemon;
 mod manual;
+mod pages;
 mod processes;
 mod protocol;
 mod schema;
