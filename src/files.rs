@@ -6,7 +6,7 @@
 use nix::fcntl::OFlag;
 use std::fs::{self, File, Metadata, Permissions};
 use std::io::{self, ErrorKind, Read, Write};
-use std::os::unix::fs::{MetadataExt, OpenOptionsExt, PermissionsExt, chown};
+use std::os::unix::fs::{MetadataExt, OpenOptionsExt, PermissionsExt, fchown};
 use std::path::Path;
 use tempfile::NamedTempFile;
 
@@ -55,7 +55,8 @@ pub fn beside(path: &Path, text: &str, like: Option<&Metadata>) -> io::Result<Na
     new.write_all(text.as_bytes())?;
     if let Some(like) = like {
         // Only root can give files away; for others the file becomes their own, as with any editor.
-        let _ = chown(new.path(), Some(like.uid()), Some(like.gid()));
+        // By the file, not by its name, which somebody else may have made a link since.
+        let _ = fchown(new.as_file(), Some(like.uid()), Some(like.gid()));
         new.as_file().set_permissions(like.permissions())?;
     }
     new.as_file().sync_all()?;

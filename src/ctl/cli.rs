@@ -105,11 +105,14 @@ pub enum Verb {
 
 const SECONDS: &str = "seconds above 0, such as 2.5";
 
+/// Where the service has its configuration.
+pub const CONFIGURATION: &str = "/etc/cermd/cermd.toml";
+
 /// Where the configuration is, for every program and verb.
 #[derive(Debug, Args)]
 pub struct ConfigFile {
     /// The configuration file, see cermd.toml(5)
-    #[arg(long = "config", value_name = "FILE", default_value = "/etc/cermd/cermd.toml")]
+    #[arg(long = "config", value_name = "FILE", default_value = CONFIGURATION)]
     pub path: PathBuf,
 }
 

@@ -1,20 +1,19 @@
 //! `cermctl setup`: from wires to the first reading, a step at a time; each can be taken back.
 
 mod draft;
+mod kept;
 mod service;
 
 use super::limits::{LOOK_AROUND, STARTED};
 use super::stream::Stream;
 use super::{CtlError, calibrate, check, get, print};
+use crate::config::Config;
 use crate::ctl::cli::{self, CalibrateBy, Setup, Update, Zero};
-use crate::files;
 use crate::pins::chardev::{self, ChipListing};
 use crate::units::ForceUnit;
-use draft::{Answers, Key, MARK};
-use std::fs::{self, Permissions};
-use std::io::{self, ErrorKind};
-use std::os::unix::fs::PermissionsExt;
-use std::path::{Path, PathBuf};
+use draft::{Answers, Key};
+use std::fs;
+use std::path::Path;
 use std::time::Instant;
 
 /// Labels of the chips whose lines are on the header of a Raspberry Pi, the newest first.
@@ -22,22 +21,34 @@ const HEADERS: [&str; 3] = ["pinctrl-rp1", "pinctrl-bcm2711", "pinctrl-bcm2835"]
 
 /// Sets the instrument up, or takes that back.
 pub fn run(arguments: &Setup) -> Result<(), CtlError> {
-    let path = &arguments.file.path;
     if arguments.undo {
-        return undo(path);
+        return undo(arguments);
     }
+    let path = &arguments.file.path;
     let chip = chip(arguments)?;
     let answers = ask(arguments, chip)?;
     let text = answers.configuration().map_err(CtlError::Said)?;
-    write(path, &text)?;
-    say(&format!("2. configuration: {} is written", path.display()))?;
-    match test(arguments) {
-        Ok(()) => finish(arguments),
-        Err(error) => Err(CtlError::Said(format!(
-            "{error}\nput it right and run this again, or take it back: cermctl setup --undo --config {}",
-            path.display()
-        ))),
+    let report = check::usable(path, Config::of_file(&text, path));
+    if !report.is_usable() {
+        let errors = report.errors();
+        return Err(CtlError::Said(format!("with these values nothing would be measured:\n{errors}")));
     }
+    let ours = service::left_alone(arguments).is_none();
+    let (was_active, was_enabled) = (ours && service::is_active(), ours && service::is_enabled());
+    let old = kept::replace(path, &text, was_enabled)?;
+    say(&format!("2. configuration: {} is written", path.display()))?;
+    let Err(error) = test(arguments, was_active) else { return finish(arguments) };
+    if let (true, Some(old)) = (was_active, old) {
+        fs::rename(&old, path).map_err(CtlError::file(&old))?;
+        service::run(&["start", service::UNIT])?;
+        return Err(CtlError::Said(format!(
+            "{error}\nthe service runs again, with the configuration of before; put it right and run this again"
+        )));
+    }
+    Err(CtlError::Said(format!(
+        "{error}\nput it right and run this again, or take it back: cermctl setup --undo --config {}",
+        path.display()
+    )))
 }
 
 fn say(text: &str) -> Result<(), CtlError> {
@@ -93,34 +104,9 @@ fn ask(arguments: &Setup, chip: Option<String>) -> Result<Answers<'_>, CtlError>
     Ok(answers)
 }
 
-/// As it was before the first setup; beside the configuration.
-fn kept(path: &Path) -> PathBuf {
-    let mut kept = path.as_os_str().to_owned();
-    kept.push(".before-setup");
-    kept.into()
-}
-
-/// What somebody else has written is kept, what an earlier setup has written is not.
-fn write(path: &Path, text: &str) -> Result<(), CtlError> {
-    if let Some(folder) = path.parent() {
-        fs::create_dir_all(folder).map_err(CtlError::file(folder))?;
-    }
-    let is_new = !path.exists();
-    match files::read_text(path, files::SETTINGS_BYTES) {
-        Ok(old) if old.starts_with(MARK) => {}
-        Ok(_) => drop(fs::copy(path, kept(path)).map_err(CtlError::file(&kept(path)))?),
-        Err(error) if error.kind() == ErrorKind::NotFound => {}
-        Err(error) => return Err(CtlError::file(path)(error)),
-    }
-    files::replace(path, text).map_err(CtlError::file(path))?;
-    // The service is another user, whatever root's mask is.
-    let mode = Permissions::from_mode(0o644);
-    if is_new { fs::set_permissions(path, mode).map_err(CtlError::file(path)) } else { Ok(()) }
-}
-
 /// Everything that `cermctl check` tests, with the daemon out of the way.
-fn test(arguments: &Setup) -> Result<(), CtlError> {
-    if !arguments.no_service && service::can_be_asked() && service::is_active() {
+fn test(arguments: &Setup, is_active: bool) -> Result<(), CtlError> {
+    if is_active {
         service::run(&["stop", service::UNIT])?;
     }
     say("3. test:")?;
@@ -129,14 +115,15 @@ fn test(arguments: &Setup) -> Result<(), CtlError> {
 
 fn finish(arguments: &Setup) -> Result<(), CtlError> {
     let path = arguments.file.path.display();
-    let is_asked = !arguments.no_service;
-    if !is_asked || !service::can_be_asked() {
-        let why = if is_asked { ": it takes root and systemd" } else { "" };
-        say(&format!("4. service: not started{why}; by hand: cermd --config {path}"))?;
-        return Ok(());
+    if let Some(why) = service::left_alone(arguments) {
+        return say(&format!("4. service: not started, {why}; by hand: cermd --config {path}"));
     }
     service::run(&["enable", service::UNIT])?;
     service::run(&["restart", service::UNIT])?;
+    if !service::is_active() {
+        // A condition of the unit that does not hold is no failure to the service manager.
+        return Err(CtlError::said("the service did not start: systemctl status cermd says why"));
+    }
     say("4. service: started, and will be at each boot")?;
     first_reading(arguments)?;
     if !arguments.yes {
@@ -186,30 +173,21 @@ fn zero(arguments: &Setup) -> Result<(), CtlError> {
     service::run(&["reload", service::UNIT])
 }
 
-/// The service is stopped, and the configuration as it was before the first setup.
-fn undo(path: &Path) -> Result<(), CtlError> {
-    let is_ours = match files::read_text(path, files::SETTINGS_BYTES) {
-        Ok(text) => text.starts_with(MARK),
-        Err(error) if error.kind() == ErrorKind::NotFound => false,
-        Err(error) => return Err(CtlError::file(path)(error)),
-    };
-    if !is_ours {
-        return Err(CtlError::Said(format!(
-            "{} was not written by `cermctl setup`: nothing to take back",
-            path.display()
-        )));
-    }
-    if service::can_be_asked() {
+/// The configuration as it was before the first setup, and the service too.
+fn undo(arguments: &Setup) -> Result<(), CtlError> {
+    let path = &arguments.file.path;
+    let before = kept::before(path)?;
+    let is_left_alone = service::left_alone(arguments).is_some();
+    if !is_left_alone {
         service::run(&["disable", "--now", service::UNIT])?;
         say("service: stopped, and no longer started at boot")?;
     }
-    let kept = kept(path);
-    match fs::rename(&kept, path) {
-        Ok(()) => say(&format!("configuration: {} is as it was", path.display())),
-        Err(error) if error.kind() == io::ErrorKind::NotFound => {
-            fs::remove_file(path).map_err(CtlError::file(path))?;
-            say(&format!("configuration: {} is gone; there was none before", path.display()))
-        }
-        Err(error) => Err(CtlError::file(&kept)(error)),
+    let last = kept::put_back(path, before.as_ref())?;
+    let what = if before.is_some() { "as it was" } else { "gone; there was none before" };
+    say(&format!("configuration: {} is {what}; the last one is {}", path.display(), last.display()))?;
+    if !is_left_alone && before.is_some_and(|before| before.was_enabled) {
+        service::run(&["enable", "--now", service::UNIT])?;
+        say("service: started, as it was before the setup")?;
     }
+    Ok(())
 }

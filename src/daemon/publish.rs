@@ -51,6 +51,8 @@ impl Known {
                 }
                 self.suspect = Some((suspect, reading.at));
             }
+            // A fault that names no suspect says nothing of the board.
+            (Status::Fault(_), None, _) => {}
             (_, _, Some((_, seen))) if reading.at - seen > GONE_AFTER => {
                 self.suspect = None;
                 log::info!("nothing is wrong with the board any more");
@@ -73,12 +75,14 @@ impl Known {
     fn log_leak(&mut self, stats: &Stats) {
         if let (Some(siemens), false) = (stats.leak_siemens, self.leak) {
             self.leak = true;
-            let what =
-                if siemens > 0.0 { "a leak" } else { "something that feeds node A, as a pull-up does," };
+            let (what, suspect) = match siemens > 0.0 {
+                true => ("a leak", Suspect::Leak),
+                false => ("something that feeds node A, as a pull-up does,", Suspect::Pull),
+            };
             log::warn!(
                 "{what} of about {:.2}: readings are less certain by what it does to them; {}",
                 Ohm(1.0 / siemens.abs()),
-                Suspect::Leak.look()
+                suspect.look()
             );
         }
     }
@@ -149,6 +153,7 @@ pub fn stats(known: &Known, config: &Config, uptime: Nanos) -> InstrumentStats {
         faults: faults.into(),
         hint: stats.suspect.map(|suspect| suspect.to_string()),
         leak_ohm: stats.leak_siemens.filter(|siemens| *siemens > 0.0).map(|siemens| 1.0 / siemens),
+        feed_ohm: stats.leak_siemens.filter(|siemens| *siemens < 0.0).map(|siemens| -1.0 / siemens),
         absorbed_percent: stats.absorbed.map(|share| 100.0 * share),
         retried: stats.retried,
         offset_known: stats.offset_is_known,

@@ -252,6 +252,7 @@ fn instrument() -> InstrumentStats {
         faults: [("pins".to_owned(), 1)].into(),
         hint: Some(String::new()),
         leak_ohm: u,
+        feed_ohm: u,
         absorbed_percent: u,
         retried: 0,
         offset_known: true,

@@ -33,7 +33,11 @@ fn a_setup_is_usable_and_can_be_taken_back() {
     }
     let refused = said(&setup(folder.path(), &["--undo"]).failure(), true);
     assert!(refused.contains("was not written by `cermctl setup`"), "{refused}");
-    assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 1);
+    let names =
+        fs::read_dir(folder.path()).unwrap().map(|entry| entry.unwrap().file_name().into_string().unwrap());
+    let (kept, there): (Vec<String>, Vec<String>) =
+        names.partition(|name| name.starts_with("cermd.toml.bak-"));
+    assert_eq!((kept.len(), there), (2, vec!["cermd.toml".to_owned()]), "what was undone is kept, too");
 }
 
 #[test]
@@ -54,6 +58,10 @@ fn no_chip_and_no_place_are_told() {
     let folder = tempfile::tempdir().unwrap();
     let refused = said(&setup(folder.path(), &["--yes", "--chip", "no-such-chip"]).failure(), true);
     assert!(refused.contains("no-such-chip") && refused.contains("--scene pi4"), "{refused}");
+    let refused = ["--yes", "--scene", "pi4", "--set", "measure.average=-1 s"];
+    let refused = said(&setup(folder.path(), &refused).failure(), true);
+    assert!(refused.contains("measure.average"), "{refused}");
+    assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 0, "nothing is written that cannot be used");
     let nowhere =
         said(&setup(std::path::Path::new("/proc/none"), &["--yes", "--scene", "pi4"]).failure(), true);
     assert!(nowhere.contains("/proc/none"), "{nowhere}");

@@ -169,7 +169,8 @@ function health(stats) {
     const scaled = (ns) => (ns === undefined ? undefined : ns / 1000);
     tell("latency offset", measured(scaled(stats.offset_ns), scaled(stats.offset_u_ns), "µs") || "not known yet");
     tell("pin resistance", measured(stats.r_o_ohm, stats.r_o_u_ohm, "Ω"));
-    tell("leak", measured(stats.leak_ohm, undefined, "Ω") || "none found");
+    tell("leak", measured(stats.leak_ohm, undefined, "Ω"));
+    tell("feeds node A", measured(stats.feed_ohm, undefined, "Ω"));
     const faults = Object.entries(stats.faults).filter(([, count]) => count > 0);
     tell("faults", faults.map(([name, count]) => `${count} ${name}`).join(", ") || "none");
     tell("readings", `${stats.ok} ok, ${stats.moving} of them moving, ${stats.open} open, ${stats.short} short`);

@@ -49,6 +49,11 @@ pub fn update(path: &Path, id: &str, value: &Value) -> Result<PathBuf, CtlError>
     outcome.map(|()| kept)
 }
 
+/// A name for the file as it was: [`free_names`].
+pub fn free_name(path: &Path) -> PathBuf {
+    free_names(path, "").1
+}
+
 /// Names for the table of a force and for the file as it was, with the second in them (`20261121T034000Z`), and a number if
 /// there are such files already.
 fn free_names(path: &Path, id: &str) -> (PathBuf, PathBuf) {

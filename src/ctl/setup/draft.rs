@@ -168,7 +168,10 @@ impl<'a> Answers<'a> {
                 .split_once('=')
                 .ok_or_else(|| format!("--set {assignment}: KEY=VALUE, such as gpio.sense-a=GPIO5"))?;
             // A number or a switch is one; everything else is text, quantities too.
-            let value = text.parse::<Value>().ok().filter(|value| value.is_integer() || value.is_bool());
+            let value = text
+                .parse::<Value>()
+                .ok()
+                .filter(|value| value.is_integer() || value.is_float() || value.is_bool());
             put(&mut document, path.trim(), value.unwrap_or_else(|| text.into()))?;
         }
         if self.is_one() {

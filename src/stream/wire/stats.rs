@@ -56,6 +56,9 @@ pub struct InstrumentStats {
     /// The resistance of a leak beside the sensors, ohm.
     #[serde(serialize_with = "uncertainty", skip_serializing_if = "is_unknown")]
     pub leak_ohm: Option<f64>,
+    /// The resistance of what feeds the nodes beside the chargers, as a pull-up does, ohm.
+    #[serde(default, serialize_with = "uncertainty", skip_serializing_if = "is_unknown")]
+    pub feed_ohm: Option<f64>,
     /// What capacitors absorb: by how much discharges are longer after a rest at V_DD, percent of their time.
     #[serde(default, serialize_with = "uncertainty", skip_serializing_if = "is_unknown")]
     pub absorbed_percent: Option<f64>,
