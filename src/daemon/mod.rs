@@ -12,11 +12,13 @@ mod measuring;
 pub(crate) mod publish;
 mod requested;
 mod signals;
+mod triggering;
 
 use crate::config::backend::{self, AnyPins, OpenError};
-use crate::config::{Backend, Config, ConfigError, SettingsError, Severity, tape_header};
+use crate::config::{Backend, Config, ConfigError, SettingsError, Severity, TriggerSettings, tape_header};
 use crate::instrument::settings::Settings;
 use crate::pins::chardev::ChardevError;
+use crate::pins::output::Output;
 use crate::pins::{clock, monotonic};
 use crate::stream::server::{Limits, ListenError, Listener, Server};
 use crate::stream::tape::Header;
@@ -34,6 +36,7 @@ use std::io;
 use std::os::fd::AsFd;
 use std::path::Path;
 use std::time::Duration;
+use triggering::{Tap, Triggering};
 
 /// What is said when a reload fails.
 const KEPT: &str = "the old configuration stays in force";
@@ -59,8 +62,10 @@ pub enum DaemonError {
     /// The measuring thread cannot be stopped.
     #[error(transparent)]
     Stuck(#[from] Stuck),
-    /// The measuring thread has panicked, which is a mistake of the program.
-    #[error("the measuring thread has died; every line is released. Please report this with the lines above")]
+    /// The measuring or the triggering thread has panicked, which is a mistake of the program.
+    #[error(
+        "a thread that does the work has died; every line is released. Please report this with the lines above"
+    )]
     Died,
 }
 
@@ -80,6 +85,7 @@ fn system(call: &'static str) -> impl Fn(io::Error) -> DaemonError {
 pub struct Loaded {
     config: Config,
     settings: Settings,
+    triggers: Vec<TriggerSettings>,
     /// Of a tape that begins now, but for an offset that was found since.
     tape_header: Header,
 }
@@ -109,8 +115,8 @@ impl Loaded {
         if config.gpio.backend == Backend::Mock {
             backend::scene(&config)?;
         }
-        let settings = config.settings()?;
-        Ok(Loaded { tape_header: tape_header(&settings, None), settings, config })
+        let (settings, triggers) = (config.settings()?, config.triggers()?);
+        Ok(Loaded { tape_header: tape_header(&settings, None), settings, triggers, config })
     }
 }
 
@@ -127,6 +133,8 @@ pub fn run(path: &Path) -> Result<(), DaemonError> {
 /// The parts of a running daemon.
 #[derive(Debug)]
 pub struct Daemon {
+    // First of all: outputs are inactive before anything else ends. `None`: no channel has a trigger.
+    triggering: Option<Triggering>,
     // Before the server: no reading is published any more when the socket goes.
     measuring: Measuring,
     server: Server,
@@ -158,15 +166,18 @@ impl Daemon {
                 (Listener::bind(path, config.server.mode)?, path.display().to_string())
             }
         };
-        let channels = publish::channels(&loaded.settings);
+        let channels = publish::channels(&loaded);
         let mut server =
             Server::new(listener, &channels, Limits::of_this_process()).map_err(system("epoll"))?;
         server.set_tape_header(&loaded.tape_header);
-        let measuring = start_measuring(Some(open(&loaded)?), &loaded)?;
+        let pins = open(&loaded)?;
+        let (triggering, tap) = start_triggering(open_outputs(&loaded)?, &loaded)?;
+        let measuring = start_measuring(Some(pins), &loaded, tap)?;
         log::info!("serving {} channel(s) on {place}", config.channels.len());
         let watchdog = sd_notify::watchdog_enabled();
         notify(&[NotifyState::Ready, NotifyState::Status("measuring")]);
         Ok(Daemon {
+            triggering,
             measuring,
             server,
             signals,
@@ -205,7 +216,8 @@ impl Daemon {
             if let (true, Some(path)) = (asked.reload, path) {
                 self.reload(path)?;
             }
-            if self.measuring.has_ended() {
+            let has_ended = self.triggering.as_ref().is_some_and(Triggering::has_ended);
+            if has_ended || self.measuring.has_ended() {
                 return Err(DaemonError::Died);
             }
             self.give_sign_of_life(now);
@@ -214,8 +226,12 @@ impl Daemon {
 
     fn wait(&self) -> io::Result<()> {
         let watch = |fd| PollFd::new(fd, PollFlags::POLLIN);
-        let mut descriptors =
-            [watch(self.server.as_fd()), watch(self.measuring.wake().as_fd()), watch(self.signals.as_fd())];
+        let mut descriptors = vec![
+            watch(self.server.as_fd()),
+            watch(self.measuring.wake().as_fd()),
+            watch(self.signals.as_fd()),
+        ];
+        descriptors.extend(self.triggering.iter().map(|triggering| watch(triggering.wake().as_fd())));
         let now = monotonic();
         let until = self.server.wake_at().map(|at| Duration::from_nanos((at - now).0.max(0) as u64));
         let timeout = until.unwrap_or(LOOK_AFTER).min(LOOK_AFTER).min(self.heartbeat.patience(now));
@@ -228,10 +244,15 @@ impl Daemon {
     fn publish(&mut self) {
         // Empty when nothing was written since: that is no error.
         let _ = self.measuring.wake().read();
+        // Of readings that are in the ring by now, and are told first.
+        let events = self.triggering.as_mut().map(Triggering::take).unwrap_or_default();
         let before = self.known.stats;
         let to_wall = clock(ClockId::CLOCK_REALTIME) - monotonic();
         while let Some(update) = self.measuring.next() {
             publish::publish(&mut self.server, &mut self.known, &self.loaded, update, to_wall);
+        }
+        for told in events {
+            publish::publish_event(&mut self.server, &self.loaded, &told, to_wall);
         }
         let (readings, discharges) = self.measuring.take_lost();
         if readings + discharges > 0 {
@@ -282,13 +303,15 @@ impl Daemon {
         if loaded.config.server != self.loaded.config.server {
             log::warn!("[server] takes effect at the next start: the socket stays where it is");
         }
+        // Outputs are inputs until the new one has them, and inactive until something is known by it.
+        self.triggering = None;
         // The lines of the old configuration are released before those of the new one are asked for, and its last
         // readings are published under its own channels.
         self.measuring.stop()?;
         self.publish();
-        match open(&loaded) {
-            Ok(pins) => {
-                self.measuring = start_measuring(Some(pins), &loaded)?;
+        match open(&loaded).and_then(|pins| Ok((pins, open_outputs(&loaded)?))) {
+            Ok((pins, outputs)) => {
+                self.measure(Some(pins), outputs, &loaded)?;
                 self.loaded = loaded;
                 log::info!(
                     "the new configuration is in force: {} channel(s)",
@@ -299,18 +322,34 @@ impl Daemon {
                 log::error!("{KEPT}: {error}");
                 let pins =
                     open(&self.loaded).inspect_err(|error| log::error!("{error}; trying again every second"));
-                self.measuring = start_measuring(pins.ok(), &self.loaded)?;
+                // The outputs are tried again, too.
+                let outputs = self.loaded.triggers.iter().map(|_| None).collect();
+                self.measure(pins.ok(), outputs, &self.loaded.clone())?;
             }
         }
         self.known = Known::default();
-        self.server.set_channels(&publish::channels(&self.loaded.settings));
+        self.server.set_channels(&publish::channels(&self.loaded));
         self.announce_tape_header();
         Ok(())
     }
 
-    /// Only while the measuring thread goes on: one that is stuck must be found by the service manager.
+    fn measure(
+        &mut self,
+        pins: Option<AnyPins>,
+        outputs: Vec<Option<Output>>,
+        loaded: &Loaded,
+    ) -> Result<(), DaemonError> {
+        let (triggering, tap) = start_triggering(outputs, loaded)?;
+        self.measuring = start_measuring(pins, loaded, tap)?;
+        self.triggering = triggering;
+        Ok(())
+    }
+
+    /// Only while the threads go on that do the work: one that is stuck must be found by the service manager.
     fn give_sign_of_life(&mut self, now: Nanos) {
-        if !self.heartbeat.is_due(now, self.measuring.beat()) {
+        let beat = self.measuring.beat();
+        let beats = [beat, self.triggering.as_ref().map_or(beat, Triggering::beat)];
+        if !self.heartbeat.is_due(now, beats) {
             return;
         }
         let stats = &self.known.stats;
@@ -353,11 +392,34 @@ pub fn release_lines(path: &Path) -> Result<bool, DaemonError> {
 }
 
 /// `None`: the pins cannot be opened now, and the measuring thread tries again.
-fn start_measuring(pins: Option<AnyPins>, loaded: &Loaded) -> Result<Measuring, DaemonError> {
+fn start_measuring(
+    pins: Option<AnyPins>,
+    loaded: &Loaded,
+    tap: Option<Tap>,
+) -> Result<Measuring, DaemonError> {
     for blind_spot in pins.iter().flat_map(|pins| pins.particulars().blind_spots) {
         log::info!("{blind_spot}");
     }
-    Measuring::start(pins, loaded.config.clone(), loaded.settings.clone()).map_err(system("thread"))
+    Measuring::start(pins, loaded.config.clone(), loaded.settings.clone(), tap).map_err(system("thread"))
+}
+
+/// The lines of the triggers, each inactive.
+fn open_outputs(loaded: &Loaded) -> Result<Vec<Option<Output>>, OpenError> {
+    Ok(triggering::open(&loaded.triggers, backend::way(loaded.config.gpio.backend))?)
+}
+
+/// Nothing where no channel has a trigger.
+fn start_triggering(
+    outputs: Vec<Option<Output>>,
+    loaded: &Loaded,
+) -> Result<(Option<Triggering>, Option<Tap>), DaemonError> {
+    if loaded.triggers.is_empty() {
+        return Ok((None, None));
+    }
+    let (config, triggers) = (&loaded.config, loaded.triggers.clone());
+    let way = backend::way(config.gpio.backend);
+    let started = Triggering::start(triggers, outputs, way, &config.realtime).map_err(system("thread"))?;
+    Ok((Some(started.0), Some(started.1)))
 }
 
 /// Without a service manager nobody listens, and that is no error.

@@ -64,7 +64,12 @@ impl Output {
     pub fn open(line: &OutputLine, way: Way) -> Result<Output, ChardevError> {
         let title = format!("output {}", line.line);
         if way == Way::Simulated {
-            return Ok(Output { held: Held::Simulated, active_low: line.active_low, chip: line.chip.clone(), title });
+            return Ok(Output {
+                held: Held::Simulated,
+                active_low: line.active_low,
+                chip: line.chip.clone(),
+                title,
+            });
         }
         let chip = Chip::find(&line.chip)?;
         let offset = line_offset(&chip.listing.lines, &line.line, &chip.title())?;
@@ -114,7 +119,10 @@ impl Drop for Output {
     fn drop(&mut self) {
         let _ = self.set(false);
         match &mut self.held {
-            Held::V2(file) => drop(v2::set_line_config(&*file, LineConfig { flags: LineFlags::INPUT, ..Default::default() })),
+            Held::V2(file) => drop(v2::set_line_config(
+                &*file,
+                LineConfig { flags: LineFlags::INPUT, ..Default::default() },
+            )),
             Held::V1(pin) => drop(pin.take().map(CdevPin::into_input_pin)),
             Held::Simulated => {}
         }

@@ -90,7 +90,10 @@ fn a_number_decides_by_where_the_truth_is() {
 fn bounds_are_known() {
     use State::{Pressed, Released};
     for rules in [at_once(RULES), at_once(DOWNWARDS)] {
-        assert_eq!(told(rules, [(0, OPEN), (1, SHORT), (2, OPEN)]), [(0, Released), (1, Pressed), (2, Released)]);
+        assert_eq!(
+            told(rules, [(0, OPEN), (1, SHORT), (2, OPEN)]),
+            [(0, Released), (1, Pressed), (2, Released)]
+        );
     }
     // Below 1.9 N is not below 1.5 N; above 1.9 N is not above 2 N.
     let open = Status::Open { r_min_ohm: 1e3, f_max_n: Some(1.9) };

@@ -8,8 +8,8 @@ use cermd::circuit::Kind;
 use cermd::sensor::{Channel, Force, Law};
 use cermd::tape::{DischargeLine, Header, Resistor, SwitchLine, TapeCircuit, TapeOffset};
 use cermd::wire::{
-    ChannelInfo, ChannelStats, ErrorCode, ErrorLine, InstrumentStats, ReadingLine, StateLine, StatsLine,
-    StatusName, Unit, VersionLine,
+    ChannelInfo, ChannelStats, ErrorCode, ErrorLine, EventLine, EventName, InstrumentStats, ReadingLine,
+    StateLine, StatsLine, StatusName, Unit, VersionLine,
 };
 use serde_json::{Map, Value};
 use std::fs;
@@ -160,7 +160,7 @@ fn full(class: &str) -> Map<String, Value> {
             proto_major: 1,
             proto_minor: 0,
             release: text.clone(),
-            channels: vec![ChannelInfo { id: text, unit: Unit::Newton }],
+            channels: vec![ChannelInfo { id: text, unit: Unit::Newton, trigger: true }],
         }),
         "READING" => serde_json::to_value(ReadingLine {
             channel: text.clone(),
@@ -196,6 +196,13 @@ fn full(class: &str) -> Map<String, Value> {
             instrument: instrument(),
             channels: [(text, ChannelStats { rate_hz: u, r_u_ohm: u, f_u_n: u, ..ChannelStats::default() })]
                 .into(),
+        }),
+        "EVENT" => serde_json::to_value(EventLine {
+            channel: text.clone(),
+            event: EventName::Released,
+            reason: Some("stale".to_owned()),
+            time: text,
+            t_mono_ns: 1,
         }),
         "ERROR" => serde_json::to_value(ErrorLine { code: ErrorCode::Lost, message: text, lost: Some(1) }),
         "TAPE" => serde_json::to_value(Header {
