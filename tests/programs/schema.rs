@@ -140,9 +140,12 @@ fn lines_of_a_daemon(daemon: &Daemon) -> Vec<Value> {
 fn what_a_daemon_says_is_as_the_schema_has_it() {
     let schema = Schema::new();
     // Numbers, then a broken board: faults with a hint.
-    for scene in [&mut scene(), scene().set("circuit.r-c2", "100 Mohm")] {
-        let lines = lines_of_a_daemon(&Daemon::start_as(&config(), scene));
-        for class in ["VERSION", "READING", "STATS", "ERROR", "TAPE", "DISCHARGE"] {
+    let config = config().lines("channel.thumb", "on-above = \"1 N\"").clone();
+    for (is_whole, scene) in [(true, &mut scene()), (false, scene().set("circuit.r-c2", "100 Mohm"))] {
+        let lines = lines_of_a_daemon(&Daemon::start_as(&config, scene));
+        // Of what has no number there is no event.
+        let classes = ["VERSION", "READING", "STATS", "ERROR", "TAPE", "DISCHARGE"];
+        for class in classes.into_iter().chain(is_whole.then_some("EVENT")) {
             assert!(lines.iter().any(|line| line["class"] == class), "no {class}");
         }
         for line in &lines {
@@ -276,7 +279,7 @@ fn instrument() -> InstrumentStats {
 #[test]
 fn the_schema_has_the_fields_of_the_types_and_no_other() {
     let schema = Schema::new();
-    for class in ["VERSION", "READING", "STATS", "ERROR", "TAPE", "DISCHARGE"] {
+    for class in ["VERSION", "READING", "EVENT", "STATS", "ERROR", "TAPE", "DISCHARGE"] {
         let full = full(class);
         let named: Vec<&String> = schema.of(class)["properties"].as_object().unwrap().keys().collect();
         assert_eq!(named, full.keys().collect::<Vec<_>>(), "{class}");

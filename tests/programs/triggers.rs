@@ -192,7 +192,9 @@ fn nothing_is_stale_by_default_while_readings_come() {
                 let now = instrument.pins().now();
                 known += usize::from(trigger.look_at().is_some());
                 lost.extend(trigger.look(now));
-                readings.iter().for_each(|reading| drop(trigger.take(reading)));
+                for reading in &readings {
+                    let _ = trigger.take(reading);
+                }
             }
             assert!(known > 0 && lost.is_empty(), "{measure}, {r_ohm} ohm: {lost:?}");
         }
