@@ -5,7 +5,7 @@ use super::backend::{CONSUMER, OpenError};
 use super::limits::{HYSTERESIS, SHORTEST_STALE, STALE_READINGS};
 use super::{Backend, ChannelTable, Config, LineName};
 use crate::pins::output::OutputLine;
-use crate::trigger::{Quantity, Rules};
+use crate::trigger::{Quantity, Rules, State};
 use crate::units::{Nanos, Newton, Ohm, Seconds, named};
 use serde::{Deserialize, Serialize};
 use std::fmt;
@@ -51,6 +51,16 @@ named! {
         Pressed = "pressed",
         /// While it is known that it is not.
         Released = "released",
+    }
+}
+
+impl When {
+    /// Whether an output is active then.
+    pub fn is_active(self, state: State) -> bool {
+        match self {
+            When::Pressed => state == State::Pressed,
+            When::Released => state == State::Released,
+        }
     }
 }
 

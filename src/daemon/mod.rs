@@ -12,20 +12,20 @@ mod measuring;
 pub(crate) mod publish;
 mod requested;
 mod signals;
+mod threads;
 mod triggering;
 
 use crate::config::backend::{self, AnyPins, OpenError};
 use crate::config::{Backend, Config, ConfigError, SettingsError, Severity, TriggerSettings, tape_header};
 use crate::instrument::settings::Settings;
 use crate::pins::chardev::ChardevError;
-use crate::pins::output::Output;
 use crate::pins::{clock, monotonic};
 use crate::stream::server::{Limits, ListenError, Listener, Server};
 use crate::stream::tape::Header;
 use crate::units::Nanos;
 use heartbeat::Heartbeat;
 use limits::LOOK_AFTER;
-use measuring::{Measuring, Stuck};
+use measuring::Stuck;
 use nix::poll::{PollFd, PollFlags, PollTimeout, poll};
 use nix::time::ClockId;
 use publish::Known;
@@ -36,7 +36,7 @@ use std::io;
 use std::os::fd::AsFd;
 use std::path::Path;
 use std::time::Duration;
-use triggering::{Tap, Triggering};
+use threads::{Threads, open, open_outputs};
 
 /// What is said when a reload fails.
 const KEPT: &str = "the old configuration stays in force";
@@ -133,10 +133,8 @@ pub fn run(path: &Path) -> Result<(), DaemonError> {
 /// The parts of a running daemon.
 #[derive(Debug)]
 pub struct Daemon {
-    // First of all: outputs are inactive before anything else ends. `None`: no channel has a trigger.
-    triggering: Option<Triggering>,
     // Before the server: no reading is published any more when the socket goes.
-    measuring: Measuring,
+    threads: Threads,
     server: Server,
     signals: Signals,
     loaded: Loaded,
@@ -171,14 +169,12 @@ impl Daemon {
             Server::new(listener, &channels, Limits::of_this_process()).map_err(system("epoll"))?;
         server.set_tape_header(&loaded.tape_header);
         let pins = open(&loaded)?;
-        let (triggering, tap) = start_triggering(open_outputs(&loaded)?, &loaded)?;
-        let measuring = start_measuring(Some(pins), &loaded, tap)?;
+        let threads = Threads::start(Some(pins), open_outputs(&loaded)?, &loaded)?;
         log::info!("serving {} channel(s) on {place}", config.channels.len());
         let watchdog = sd_notify::watchdog_enabled();
         notify(&[NotifyState::Ready, NotifyState::Status("measuring")]);
         Ok(Daemon {
-            triggering,
-            measuring,
+            threads,
             server,
             signals,
             loaded,
@@ -202,7 +198,7 @@ impl Daemon {
             self.server
                 .turn(now, &|| publish::stats(&self.known, &self.loaded.config, uptime))
                 .map_err(system("epoll_wait"))?;
-            self.measuring.set_watched(self.server.is_watched());
+            self.threads.measuring.set_watched(self.server.is_watched());
             let asked = self.signals.take();
             if asked.end {
                 notify(&[NotifyState::Stopping, NotifyState::Status("stopping")]);
@@ -216,8 +212,7 @@ impl Daemon {
             if let (true, Some(path)) = (asked.reload, path) {
                 self.reload(path)?;
             }
-            let has_ended = self.triggering.as_ref().is_some_and(Triggering::has_ended);
-            if has_ended || self.measuring.has_ended() {
+            if self.threads.have_ended() {
                 return Err(DaemonError::Died);
             }
             self.give_sign_of_life(now);
@@ -226,12 +221,8 @@ impl Daemon {
 
     fn wait(&self) -> io::Result<()> {
         let watch = |fd| PollFd::new(fd, PollFlags::POLLIN);
-        let mut descriptors = vec![
-            watch(self.server.as_fd()),
-            watch(self.measuring.wake().as_fd()),
-            watch(self.signals.as_fd()),
-        ];
-        descriptors.extend(self.triggering.iter().map(|triggering| watch(triggering.wake().as_fd())));
+        let mut descriptors = vec![watch(self.server.as_fd()), watch(self.signals.as_fd())];
+        descriptors.extend(self.threads.descriptors().map(watch));
         let now = monotonic();
         let until = self.server.wake_at().map(|at| Duration::from_nanos((at - now).0.max(0) as u64));
         let timeout = until.unwrap_or(LOOK_AFTER).min(LOOK_AFTER).min(self.heartbeat.patience(now));
@@ -243,18 +234,18 @@ impl Daemon {
 
     fn publish(&mut self) {
         // Empty when nothing was written since: that is no error.
-        let _ = self.measuring.wake().read();
+        let _ = self.threads.measuring.wake().read();
         // Of readings that are in the ring by now, and are told first.
-        let events = self.triggering.as_mut().map(Triggering::take).unwrap_or_default();
+        let events = self.threads.events();
         let before = self.known.stats;
         let to_wall = clock(ClockId::CLOCK_REALTIME) - monotonic();
-        while let Some(update) = self.measuring.next() {
+        while let Some(update) = self.threads.measuring.next() {
             publish::publish(&mut self.server, &mut self.known, &self.loaded, update, to_wall);
         }
         for told in events {
             publish::publish_event(&mut self.server, &self.loaded, &told, to_wall);
         }
-        let (readings, discharges) = self.measuring.take_lost();
+        let (readings, discharges) = self.threads.measuring.take_lost();
         if readings + discharges > 0 {
             log::warn!(
                 "{readings} readings and {discharges} discharges were lost: this process gets too little time"
@@ -303,15 +294,13 @@ impl Daemon {
         if loaded.config.server != self.loaded.config.server {
             log::warn!("[server] takes effect at the next start: the socket stays where it is");
         }
-        // Outputs are inputs until the new one has them, and inactive until something is known by it.
-        self.triggering = None;
         // The lines of the old configuration are released before those of the new one are asked for, and its last
         // readings are published under its own channels.
-        self.measuring.stop()?;
+        self.threads.stop()?;
         self.publish();
         match open(&loaded).and_then(|pins| Ok((pins, open_outputs(&loaded)?))) {
             Ok((pins, outputs)) => {
-                self.measure(Some(pins), outputs, &loaded)?;
+                self.threads = Threads::start(Some(pins), outputs, &loaded)?;
                 self.loaded = loaded;
                 log::info!(
                     "the new configuration is in force: {} channel(s)",
@@ -324,7 +313,7 @@ impl Daemon {
                     open(&self.loaded).inspect_err(|error| log::error!("{error}; trying again every second"));
                 // The outputs are tried again, too.
                 let outputs = self.loaded.triggers.iter().map(|_| None).collect();
-                self.measure(pins.ok(), outputs, &self.loaded.clone())?;
+                self.threads = Threads::start(pins.ok(), outputs, &self.loaded)?;
             }
         }
         self.known = Known::default();
@@ -333,23 +322,9 @@ impl Daemon {
         Ok(())
     }
 
-    fn measure(
-        &mut self,
-        pins: Option<AnyPins>,
-        outputs: Vec<Option<Output>>,
-        loaded: &Loaded,
-    ) -> Result<(), DaemonError> {
-        let (triggering, tap) = start_triggering(outputs, loaded)?;
-        self.measuring = start_measuring(pins, loaded, tap)?;
-        self.triggering = triggering;
-        Ok(())
-    }
-
     /// Only while the threads go on that do the work: one that is stuck must be found by the service manager.
     fn give_sign_of_life(&mut self, now: Nanos) {
-        let beat = self.measuring.beat();
-        let beats = [beat, self.triggering.as_ref().map_or(beat, Triggering::beat)];
-        if !self.heartbeat.is_due(now, beats) {
+        if !self.heartbeat.is_due(now, self.threads.beats()) {
             return;
         }
         let stats = &self.known.stats;
@@ -359,18 +334,6 @@ impl Daemon {
         let states = [NotifyState::Status(&status), NotifyState::Watchdog];
         notify(if self.has_watchdog { &states } else { &states[..1] });
     }
-}
-
-/// The cleaner finds what is asked for here, if the service manager has a place for it.
-fn open(loaded: &Loaded) -> Result<AnyPins, OpenError> {
-    if let Some(folder) = requested::runtime_directory() {
-        if let Err(error) = Requested::of(&loaded.config)?.keep(&folder) {
-            let until =
-                "after a kill those of the configuration file are released, whatever it names by then";
-            log::warn!("{}: the lines are not kept: {error}; {until}", folder.display());
-        }
-    }
-    backend::open(&loaded.config, monotonic())
 }
 
 /// Makes lines inputs, for after a kill: those that were asked for, as the runtime directory says; where nobody has kept
@@ -389,37 +352,6 @@ pub fn release_lines(path: &Path) -> Result<bool, DaemonError> {
         None => Requested::of(&Config::load(path)?)?,
     };
     Ok(requested.release()?)
-}
-
-/// `None`: the pins cannot be opened now, and the measuring thread tries again.
-fn start_measuring(
-    pins: Option<AnyPins>,
-    loaded: &Loaded,
-    tap: Option<Tap>,
-) -> Result<Measuring, DaemonError> {
-    for blind_spot in pins.iter().flat_map(|pins| pins.particulars().blind_spots) {
-        log::info!("{blind_spot}");
-    }
-    Measuring::start(pins, loaded.config.clone(), loaded.settings.clone(), tap).map_err(system("thread"))
-}
-
-/// The lines of the triggers, each inactive.
-fn open_outputs(loaded: &Loaded) -> Result<Vec<Option<Output>>, OpenError> {
-    Ok(triggering::open(&loaded.triggers, backend::way(loaded.config.gpio.backend))?)
-}
-
-/// Nothing where no channel has a trigger.
-fn start_triggering(
-    outputs: Vec<Option<Output>>,
-    loaded: &Loaded,
-) -> Result<(Option<Triggering>, Option<Tap>), DaemonError> {
-    if loaded.triggers.is_empty() {
-        return Ok((None, None));
-    }
-    let (config, triggers) = (&loaded.config, loaded.triggers.clone());
-    let way = backend::way(config.gpio.backend);
-    let started = Triggering::start(triggers, outputs, way, &config.realtime).map_err(system("thread"))?;
-    Ok((Some(started.0), Some(started.1)))
 }
 
 /// Without a service manager nobody listens, and that is no error.

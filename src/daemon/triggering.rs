@@ -195,12 +195,8 @@ impl Armed {
 
 impl Following {
     fn set(&mut self, state: State, id: &str) {
-        let active = match self.when {
-            When::Pressed => state == State::Pressed,
-            When::Released => state == State::Released,
-        };
         let Some(output) = &mut self.held else { return };
-        if let Err(error) = output.set(active) {
+        if let Err(error) = output.set(self.when.is_active(state)) {
             self.held = None;
             self.again_at = monotonic() + OUTPUT_AGAIN;
             self.complain(&error, id);

@@ -132,6 +132,15 @@ fn the_line_of_an_output_is_that_of_the_circuits_chip_unless_it_says_otherwise()
 }
 
 #[test]
+fn what_is_not_known_makes_no_output_active() {
+    use crate::trigger::{State, Why};
+    for state in [State::Pressed, State::Released, State::Unknown(Why::Fault), State::Unknown(Why::Stale)] {
+        assert_eq!(When::Pressed.is_active(state), state == State::Pressed);
+        assert_eq!(When::Released.is_active(state), state == State::Released);
+    }
+}
+
+#[test]
 fn how_late_a_press_is_told_is_predicted() {
     let told = |hold: &str| {
         let config = config(|c| c.lines("channel.thumb", "on-above = '2 N'").set("channel.thumb.hold", hold));
