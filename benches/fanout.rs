@@ -54,7 +54,7 @@ fn ourselves(role: &str, reading_clients: usize) -> Command {
 fn round(reading_clients: usize) {
     let directory = tempfile::tempdir().unwrap();
     let path = directory.path().join("s");
-    let channels = [ChannelInfo { id: "thumb".to_owned(), unit: Unit::Newton }];
+    let channels = [ChannelInfo { id: "thumb".to_owned(), unit: Unit::Newton, trigger: false }];
     let listener = Listener::bind(&path, 0o600).unwrap();
     let mut server = Server::new(listener, &channels, Limits::default()).unwrap();
     let mut clients = ourselves("clients", reading_clients).arg(&path).spawn().unwrap();

@@ -23,6 +23,7 @@
 //! | [`record`] | the timings of one discharge | how they were taken |
 //! | [`reading`] | what is said of a sensor: a number, or a state with its reason | how it came about |
 //! | [`sensor`] | what is known of a sensor before it is measured: its zero, how its resistance becomes a force | how it is measured |
+//! | [`trigger`] | when readings become an event: pressed, released, or not known any more | who is told, what is switched |
 //! | [`pins`] | the hardware behind one trait: character devices, the simulated circuit, real-time rights | discharges, methods |
 //! | [`estimate`] | from records to what is known: law, methods, noise, offset, tracked calibration, force; pure | pins, clocks, the order of discharges |
 //! | [`instrument`] | which discharges in which order, one discharge step by step, what is wrong with the board | files, threads, clients |
@@ -97,6 +98,9 @@ pub mod size;
 #[cfg(test)]
 extern crate self as cermd;
 pub mod stream;
+#[cfg(feature = "programs")]
+#[doc(hidden)]
+pub mod trigger;
 pub mod units;
 
 pub use stream::{client, tape, wire};

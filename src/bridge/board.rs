@@ -1,7 +1,7 @@
 //! What is known now: the last word on each channel, for as long as it is fresh.
 
 use super::feed::Heard;
-use crate::stream::wire::{ChannelInfo, ReadingLine, StatsLine, VersionLine};
+use crate::stream::wire::{ChannelInfo, EventLine, ReadingLine, StatsLine, VersionLine};
 use crate::units::Nanos;
 use nix::sys::time::TimeValLike;
 use nix::time::{ClockId, clock_gettime};
@@ -16,6 +16,7 @@ pub struct Board {
     version: Option<VersionLine>,
     stats: Option<StatsLine>,
     readings: BTreeMap<String, ReadingLine>,
+    events: BTreeMap<String, EventLine>,
 }
 
 impl Board {
@@ -24,19 +25,25 @@ impl Board {
     }
 
     fn empty(patience: Nanos) -> Board {
-        Board { patience, version: None, stats: None, readings: BTreeMap::new() }
+        Board { patience, version: None, stats: None, readings: BTreeMap::new(), events: BTreeMap::new() }
     }
 
     pub fn hear(&mut self, heard: &Heard) {
         match heard {
             Heard::Up(version) => {
+                // What is pressed is said after it.
+                self.events.clear();
                 self.readings.retain(|id, _| version.channels.iter().any(|channel| channel.id == *id));
                 self.version = Some(version.clone());
             }
             Heard::Reading(reading, _) => {
-                // Of no other channels, however many ids a daemon may send.
-                if self.channels().any(|(channel, _)| channel.id == reading.channel) {
+                if self.has(&reading.channel) {
                     self.readings.insert(reading.channel.clone(), (**reading).clone());
+                }
+            }
+            Heard::Event(event, _) => {
+                if self.has(&event.channel) {
+                    self.events.insert(event.channel.clone(), event.clone());
                 }
             }
             Heard::Stats(stats, _) => self.stats = Some((**stats).clone()),
@@ -53,6 +60,16 @@ impl Board {
     /// What it has counted.
     pub fn stats(&self) -> Option<&StatsLine> {
         self.stats.as_ref()
+    }
+
+    /// Of no other channels, however many ids a daemon may send.
+    fn has(&self, id: &str) -> bool {
+        self.channels().any(|(channel, _)| channel.id == id)
+    }
+
+    /// Every channel of which it is known whether it is pressed. The daemon itself says when that is so no more.
+    pub fn pressed(&self) -> impl Iterator<Item = (&str, bool)> {
+        self.events.values().filter_map(|event| Some((&*event.channel, event.is_pressed()?)))
     }
 
     /// Every channel in the order of the configuration, with its last reading.
@@ -77,10 +94,10 @@ pub fn now() -> Nanos {
 #[cfg(test)]
 pub(super) mod tests {
     use super::*;
-    use crate::stream::wire::{StateLine, StatusName, Unit};
+    use crate::stream::wire::{EventName, StateLine, StatusName, Unit};
 
     pub fn up(ids: &[&str]) -> Heard {
-        let channel = |id: &&str| ChannelInfo { id: (*id).to_owned(), unit: Unit::Newton };
+        let channel = |id: &&str| ChannelInfo { id: (*id).to_owned(), unit: Unit::Newton, trigger: false };
         let channels = ids.iter().map(channel).collect();
         Heard::Up(VersionLine { channels, release: "1.2.3".to_owned(), ..VersionLine::new(&[]) })
     }
@@ -91,6 +108,13 @@ pub(super) mod tests {
             ReadingLine { channel: id.to_owned(), seq: 1, time, t_mono_ns, state, ..ReadingLine::default() };
         let text = serde_json::to_string(&line).unwrap();
         Heard::Reading(Box::new(line), text)
+    }
+
+    pub fn event(id: &str, event: EventName, reason: Option<&str>) -> Heard {
+        let (channel, time) = (id.to_owned(), "2026-11-21T03:40:00.5Z".to_owned());
+        let line = EventLine { channel, event, reason: reason.map(str::to_owned), time, t_mono_ns: 1 };
+        let text = serde_json::to_string(&line).unwrap();
+        Heard::Event(line, text)
     }
 
     pub fn ok(r_ohm: f64) -> StateLine {
@@ -122,5 +146,18 @@ pub(super) mod tests {
         assert_eq!(told(&board, 111), [("index", None)], "of before the outage");
         board.hear(&reading("index", 112, ok(3.0)));
         assert_eq!(told(&board, 122), [("index", Some(3.0))], "the patience is that of before");
+    }
+    #[test]
+    fn what_is_pressed_is_so_until_the_daemon_says_otherwise() {
+        let mut board = Board::new(Duration::from_nanos(10));
+        board.hear(&up(&["thumb", "index"]));
+        board.hear(&event("thumb", EventName::Pressed, None));
+        board.hear(&event("nobody", EventName::Pressed, None));
+        board.hear(&event("index", EventName::Released, None));
+        assert_eq!(board.pressed().collect::<Vec<_>>(), [("index", false), ("thumb", true)]);
+        board.hear(&event("thumb", EventName::Released, Some("stale")));
+        assert_eq!(board.pressed().collect::<Vec<_>>(), [("index", false)], "not known");
+        board.hear(&up(&["index"]));
+        assert_eq!(board.pressed().count(), 0);
     }
 }

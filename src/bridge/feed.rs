@@ -2,7 +2,9 @@
 
 use super::limits::{ANSWER, LOOK_AROUND, RETRY_AFTER, STATS_EVERY};
 use crate::stream::client::{Client, ClientError};
-use crate::stream::wire::{ErrorCode, ReadingLine, Request, ServerMessage, StatsLine, VersionLine, Watch};
+use crate::stream::wire::{
+    ErrorCode, EventLine, ReadingLine, Request, ServerMessage, StatsLine, VersionLine, Watch,
+};
 use std::path::PathBuf;
 use std::time::Instant;
 
@@ -13,6 +15,8 @@ pub enum Heard {
     Up(VersionLine),
     /// A reading, and the line that it came as.
     Reading(Box<ReadingLine>, String),
+    /// A channel has passed a threshold, and the line that said so.
+    Event(EventLine, String),
     /// The daemon's figures, and the line that they came as.
     Stats(Box<StatsLine>, String),
     /// The daemon is gone: nothing that it said is so any more.
@@ -121,6 +125,7 @@ fn turn(
     Ok(match client.read(&line)? {
         ServerMessage::Version(version) => Heard::Up(version),
         ServerMessage::Reading(reading) => Heard::Reading(reading, text()),
+        ServerMessage::Event(event) => Heard::Event(event, text()),
         ServerMessage::Stats(stats) => {
             *asked_at = None;
             Heard::Stats(stats, text())

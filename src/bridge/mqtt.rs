@@ -1,7 +1,8 @@
 //! MQTT: each channel as a topic of a broker, announced so that Home Assistant shows it without being configured.
 //!
 //! Below `cermd/ID`: `availability` (retained; the broker says "offline" when this process ends without a word),
-//! `channel/CHANNEL` with the numbers or the state of its readings, and `instrument` with the figures of the daemon. Nothing
+//! `channel/CHANNEL` with the numbers or the state of its readings, `trigger/CHANNEL` with the last event of its trigger, at once
+//! and again with each `instrument`, and `instrument` with the figures of the daemon. Nothing
 //! else is retained: whoever subscribes gets what is measured from then on.
 
 mod discovery;
@@ -14,7 +15,7 @@ use super::board::now;
 use super::feed::{Feed, Heard};
 use super::limits::MAX_HZ;
 use super::{BridgeError, Source, Wish};
-use crate::stream::wire::{ReadingLine, StateLine, StatsLine, VersionLine};
+use crate::stream::wire::{EventLine, EventName, ReadingLine, StateLine, StatsLine, VersionLine};
 use crate::units::Nanos;
 use link::{Link, Message, State};
 use report::{Reporter, Rules};
@@ -88,14 +89,22 @@ impl Topics {
         format!("cermd/{}/instrument", self.id)
     }
 
-    /// A channel may be called anything, but "/", "+" and "#" mean something in a topic: percent-encoded as in an address.
     fn channel(&self, channel: &str) -> String {
+        self.of("channel", channel)
+    }
+
+    fn trigger(&self, channel: &str) -> String {
+        self.of("trigger", channel)
+    }
+
+    /// A channel may be called anything, but "/", "+" and "#" mean something in a topic: percent-encoded as in an address.
+    fn of(&self, what: &str, channel: &str) -> String {
         let encoded = channel.bytes().map(|byte| match byte {
             b'-' | b'_' | b'.' => char::from(byte).to_string(),
             _ if byte.is_ascii_alphanumeric() => char::from(byte).to_string(),
             _ => format!("%{byte:02X}"),
         });
-        format!("cermd/{}/channel/{}", self.id, encoded.collect::<String>())
+        format!("cermd/{}/{what}/{}", self.id, encoded.collect::<String>())
     }
 
     fn device(&self) -> Option<String> {
@@ -119,12 +128,15 @@ struct Teller {
     /// Of the figures before: readings, and the time of the daemon, s.
     counted: Option<(u64, f64)>,
     reporters: BTreeMap<String, Reporter>,
+    /// The last event of each trigger.
+    events: BTreeMap<String, EventLine>,
 }
 
 impl Teller {
     fn new(options: Options, patience: Nanos) -> Teller {
         let topics = Topics { id: options.id.clone(), discovery: options.discovery.clone() };
-        Teller { options, topics, patience, version: None, counted: None, reporters: BTreeMap::new() }
+        let (reporters, events) = (BTreeMap::new(), BTreeMap::new());
+        Teller { options, topics, patience, version: None, counted: None, reporters, events }
     }
 
     /// What somebody must hear who has heard nothing yet. From now on everything is news.
@@ -143,8 +155,17 @@ impl Teller {
     /// Remembers who is there, while there is nobody to tell.
     fn note(&mut self, heard: &Heard) {
         match heard {
-            Heard::Up(version) => self.version = Some(version.clone()),
-            Heard::Down => (self.version, self.counted) = (None, None),
+            Heard::Up(version) => {
+                self.version = Some(version.clone());
+                self.events.clear();
+            }
+            Heard::Down => {
+                (self.version, self.counted) = (None, None);
+                self.events.clear();
+            }
+            Heard::Event(event, _) if self.has(&event.channel) => {
+                self.events.insert(event.channel.clone(), event.clone());
+            }
             _ => {}
         }
     }
@@ -160,7 +181,13 @@ impl Teller {
             Heard::Up(_) => gone.into_iter().chain(self.introduction()).collect(),
             Heard::Down => self.introduction(),
             Heard::Reading(reading, _) => self.report(reading, now).into_iter().collect(),
-            Heard::Stats(stats, _) => vec![self.figures(stats)],
+            Heard::Event(event, _) if self.has(&event.channel) => vec![self.trigger(event)],
+            Heard::Event(..) => Vec::new(),
+            // Again: who has come meanwhile knows what is so, and who hears nothing knows that it may not be.
+            Heard::Stats(stats, _) => {
+                let triggers: Vec<_> = self.events.values().map(|event| self.trigger(event)).collect();
+                [self.figures(stats)].into_iter().chain(triggers).collect()
+            }
             Heard::Nothing => Vec::new(),
         }
     }
@@ -172,12 +199,18 @@ impl Teller {
         device.map(|device| Message::retained(topic, &device.to_string())).into_iter().collect()
     }
 
+    /// Of no other channels, however many ids a daemon may send.
+    fn has(&self, id: &str) -> bool {
+        self.version.iter().any(|version| version.channels.iter().any(|channel| channel.id == id))
+    }
+
+    fn trigger(&self, event: &EventLine) -> Message {
+        let payload = TriggerPayload { time: &event.time, event: event.event, reason: &event.reason };
+        Message::passing(self.topics.trigger(&event.channel), &json(&payload))
+    }
+
     fn report(&mut self, reading: &ReadingLine, now: Nanos) -> Option<Message> {
-        let version = self.version.as_ref()?;
-        // Of no other channels, however many ids a daemon may send.
-        if now - Nanos(reading.t_mono_ns) > self.patience
-            || !version.channels.iter().any(|channel| channel.id == reading.channel)
-        {
+        if now - Nanos(reading.t_mono_ns) > self.patience || !self.has(&reading.channel) {
             return None;
         }
         let Options { change, every, at_least, .. } = self.options;
@@ -227,6 +260,15 @@ struct Payload<'a> {
     state: &'a StateLine,
     #[serde(skip_serializing_if = "Option::is_none")]
     hint: &'a Option<String>,
+}
+
+/// An event as it is published: the names of EVENT.
+#[derive(Serialize)]
+struct TriggerPayload<'a> {
+    time: &'a str,
+    event: EventName,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    reason: &'a Option<String>,
 }
 
 #[derive(Serialize)]

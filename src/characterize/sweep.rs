@@ -191,14 +191,8 @@ fn counts(average: Nanos) -> Counts {
 
 /// What somebody would write who knows the parts of a board, its one channel being commissioned.
 fn config_of(name: &str, scene: &Scene) -> Config {
-    let channel = ChannelTable {
-        id: "x".to_owned(),
-        sink: None,
-        zero_ohm: Some(0.0),
-        scale: Some(1.0),
-        every: 1,
-        force: None,
-    };
+    let channel =
+        ChannelTable { id: "x".to_owned(), zero_ohm: Some(0.0), scale: Some(1.0), ..ChannelTable::default() };
     let resolution = scene.clock_period.map(Nanos::from);
     // Section IV and V: 2^13 cycles of charge, T_L = 616 cycles, the switch where node A crosses.
     let measure = if name == PAPER {

@@ -5,6 +5,7 @@ use crate::config::{Backend, Config, LineName};
 use crate::pins::Pins;
 use crate::pins::chardev::{self, Chardev, Wiring};
 use crate::pins::chardev_v1;
+use crate::pins::output::Way;
 use crate::pins::sim::{Scene, SceneError, SimPins};
 use crate::units::{Nanos, Ohm};
 
@@ -57,6 +58,15 @@ pub fn release_lines(backend: Backend, wiring: &Wiring) -> Result<(), OpenError>
         Backend::ChardevV1 => chardev_v1::release_lines(wiring)?,
     }
     Ok(())
+}
+
+/// By way of what single lines of a backend are held.
+pub fn way(backend: Backend) -> Way {
+    match backend {
+        Backend::Chardev => Way::V2,
+        Backend::ChardevV1 => Way::V1,
+        Backend::Mock => Way::Simulated,
+    }
 }
 
 /// The lines of the configured circuit.

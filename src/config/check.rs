@@ -6,6 +6,7 @@ mod circuit;
 mod gpio;
 mod measure;
 pub(crate) mod predict;
+mod trigger;
 
 use super::{Config, Findings, Server, limits};
 use crate::pins::realtime::Wishes;
@@ -22,6 +23,7 @@ impl Config {
         if channels::number(&self.channels, &mut findings) {
             gpio::check(self, &mut findings);
             channels::check(&self.channels, &mut findings);
+            trigger::check(self, &mut findings);
         }
         server(&self.server, &mut findings);
         realtime(&self.realtime, &mut findings);

@@ -9,6 +9,8 @@
 //! | `LONGEST_WAIT` | 60 | s | a longer one is a slip of a prefix | judgement |
 //! | `RESOLUTIONS` | 1 ns to 1 ms | ns | Linux counts in the first; the second is coarser than any clock | judgement |
 //! | `LARGEST_SWITCH_FRACTION` | 1.3 | T_xA | beyond it even a late node B has crossed | judgement |
+//! | `HYSTERESIS` | 0.8 | of `on-above` | where a channel is released unless it is said: more than the tremor of a hand, 2 % | as of a ForceSensor, clients/python |
+//! | `STALE_READINGS`, `SHORTEST_STALE` | 3, 100 | readings, ms | a number is old after two readings that are none; and after a pause that any process may have | judgement |
 //! | `LONGEST_ID` | 64 | bytes | the first line of the stream has to hold all names | stream, 64 KiB a line |
 //! | `EVERY` | 1 to 1000 | cycles | a sensor that is read more rarely is not read | judgement |
 //! | `LARGEST_ZERO_OHM` | 500 | ohm | pins and a series resistor make up less | tests/programs/calibrate.rs |
@@ -46,6 +48,9 @@ pub const CALIBRATION_RATIO: f64 = 1.5;
 pub const LONGEST_WAIT: Nanos = Nanos(60_000_000_000);
 pub const RESOLUTIONS: RangeInclusive<Nanos> = Nanos(1)..=Nanos(1_000_000);
 pub const LARGEST_SWITCH_FRACTION: f64 = 1.3;
+pub const HYSTERESIS: f64 = 0.8;
+pub const STALE_READINGS: i64 = 3;
+pub const SHORTEST_STALE: Nanos = Nanos(100_000_000);
 pub const LONGEST_ID: usize = 64;
 pub const EVERY: RangeInclusive<u32> = 1..=1000;
 /// Beyond this a zero is neither the difference of two pins nor a resistor that limits the current of the sensor, ohm.

@@ -19,12 +19,14 @@ mod number;
 #[doc(hidden)]
 pub mod pairs;
 mod settings;
+mod trigger;
 
 pub use finding::{Finding, Findings, Severity};
 pub use force::{Characteristic, Source};
 pub use gpio::{Backend, Gpio, LineName};
 pub use limits::{LARGEST_ZERO_OHM, LONGEST_WAIT};
 pub use settings::{SettingsError, tape_header};
+pub use trigger::{Level, OutputTable, TriggerSettings, When};
 
 use crate::circuit::Circuit;
 use crate::files;
@@ -141,11 +143,47 @@ pub struct ChannelTable {
     pub every: u32,
     /// How resistance becomes force. Default: not at all, the channel gives ohm only.
     pub force: Option<Characteristic>,
+    /// Pressed from here on upwards, a force or a resistance. Default: the channel has no trigger.
+    pub on_above: Option<Level>,
+    /// Released below this. Default: 0.8 of `on-above`.
+    pub off_below: Option<Level>,
+    /// Pressed from here on downwards, in the place of `on-above`.
+    pub on_below: Option<Level>,
+    /// Released above this. Default: 1.25 of `on-below`.
+    pub off_above: Option<Level>,
+    /// How long all numbers must be beyond a threshold, 0 to 1 min. Default: 0, the first one is enough.
+    pub hold: Option<Nanos>,
+    /// How long the last number is good for, up to 1 min; after that the state is not known. Default: three times the longest
+    /// time between two readings, and 100 ms at least.
+    pub stale: Option<Nanos>,
+    /// The line that follows the trigger. Default: none.
+    pub output: Option<OutputTable>,
 }
 
 /// In each cycle.
 fn each() -> u32 {
     1
+}
+
+impl Default for ChannelTable {
+    /// A sensor without a name, of which nothing is known.
+    fn default() -> ChannelTable {
+        ChannelTable {
+            id: String::new(),
+            sink: None,
+            zero_ohm: None,
+            scale: None,
+            every: each(),
+            force: None,
+            on_above: None,
+            off_below: None,
+            on_below: None,
+            off_above: None,
+            hold: None,
+            stale: None,
+            output: None,
+        }
+    }
 }
 
 /// `[server]`: the socket that clients connect to.

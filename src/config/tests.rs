@@ -57,6 +57,14 @@ fn everything_can_be_said() {
             tare_n: None
         })
     );
+    let [thumb, index] = &config.triggers().unwrap()[..] else { panic!("not two triggers") };
+    let (thumb, (line, when)) = (thumb.rules, thumb.output.clone().unwrap());
+    assert_eq!((thumb.on, thumb.off, thumb.hold), (2.0, 0.15 * 9.80665, Nanos(20_000_000)));
+    assert_eq!((thumb.stale, index.rules.on, index.rules.off), (Nanos(1_000_000_000), 5e3, 8e3));
+    assert_eq!(
+        (&*line.chip, &*line.line, line.active_low, when),
+        ("gpiochip1", "GPIO17", true, When::Released)
+    );
     assert_eq!(config.server, Server { socket: PathBuf::from("/tmp/s"), mode: 0o600 });
     assert_eq!(config.mock, Some(Mock { scene: "pi4".to_owned(), seed: Some(7) }));
 }

@@ -9,7 +9,7 @@ mod tests;
 
 use super::limits::{BAR_COLUMNS, HISTORY_COLUMNS, NAME_COLUMNS};
 use super::terminal::wrapped;
-use crate::stream::wire::{ChannelInfo, ReadingLine, Unit};
+use crate::stream::wire::{ChannelInfo, EventLine, ReadingLine, Unit};
 use crate::units::ForceUnit;
 use bar::Scale;
 use console::{Alignment, measure_text_width, pad_str, style, truncate_str};
@@ -52,6 +52,13 @@ impl Panel {
         }
     }
 
+    /// Takes an event of a trigger, likewise.
+    pub fn press(&mut self, event: &EventLine) {
+        if let Some(row) = self.rows.iter_mut().find(|row| row.id == event.channel) {
+            row.is_pressed = event.is_pressed() == Some(true);
+        }
+    }
+
     /// A line or more for each channel, in `width` columns.
     pub fn lines(&self, width: usize) -> Vec<String> {
         let layout = self.layout(width);
@@ -87,9 +94,12 @@ impl Panel {
 }
 
 impl Layout {
-    fn name(self, id: &str) -> String {
-        let tail = if self.unicode { "…" } else { ">" };
-        format!(" {} ", style(pad_str(id, self.name, Alignment::Left, Some(tail))).bold())
+    /// Marked where it is pressed.
+    fn name(self, row: &Row) -> String {
+        let (tail, mark) = if self.unicode { ("…", "●") } else { (">", "*") };
+        let mark = if row.is_pressed { mark } else { " " };
+        let name = pad_str(&row.id, self.name, Alignment::Left, Some(tail));
+        format!("{}{} ", style(mark).cyan(), style(name).bold())
     }
 
     /// What a name takes where there is none.
@@ -109,12 +119,7 @@ impl Layout {
         let numbers = self.name + 2 + self.force + gap + ohms + 2;
         let mut lines = if self.width > numbers + STATUS_COLUMNS + RATE_COLUMNS {
             let room = self.width - 1 - numbers - STATUS_COLUMNS - RATE_COLUMNS;
-            vec![format!(
-                "{}{}  {}{status}{rate}",
-                self.name(&row.id),
-                self.values(&words),
-                self.bar(row, room)
-            )]
+            vec![format!("{}{}  {}{status}{rate}", self.name(row), self.values(&words), self.bar(row, room))]
         } else {
             self.narrow(row, &words, &[status.to_string(), rate])
         };
@@ -139,11 +144,11 @@ impl Layout {
         let columns = VALUE_COLUMNS[0];
         let ohms = format!("{:>columns$}", words.ohms);
         match self.force {
-            0 => vec![format!("{}{ohms}  {status}", self.name(&row.id))],
+            0 => vec![format!("{}{ohms}  {status}", self.name(row))],
             _ => {
                 let force = style(format!("{:>columns$}", words.force)).bold();
                 vec![
-                    format!("{}{force}  {status}", self.name(&row.id)),
+                    format!("{}{force}  {status}", self.name(row)),
                     format!("{}{ohms}  {rate}", self.blank()),
                 ]
             }
@@ -172,6 +177,6 @@ impl Layout {
         let columns = self.width.saturating_sub(self.name + 3 + label.len()).min(HISTORY_COLUMNS);
         let slots = row.slots((seconds * 1e9) as i64, columns);
         let line = bar::sparkline(slots.into_iter(), self.unicode);
-        format!("{}{}{}", self.name(&row.id), style(line).cyan(), style(label).dim())
+        format!("{}{}{}", self.name(row), style(line).cyan(), style(label).dim())
     }
 }

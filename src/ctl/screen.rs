@@ -4,7 +4,7 @@ use super::CtlError;
 use super::limits::{HISTORY_S, REDRAW_AFTER};
 use super::panel::Panel;
 use super::terminal::Terminal;
-use crate::stream::wire::{ChannelInfo, ReadingLine};
+use crate::stream::wire::{ChannelInfo, EventLine, ReadingLine};
 use crate::units::ForceUnit;
 use std::time::{Duration, Instant};
 
@@ -54,6 +54,12 @@ impl Screen {
             Some(line) => self.terminal.say(&(prefix.to_owned() + &line)),
             None => Ok(()),
         }
+    }
+
+    /// Takes an event, and shows at once what it has changed; elsewhere the next reading says it.
+    pub fn press(&mut self, event: &EventLine) -> Result<(), CtlError> {
+        self.panel.press(event);
+        self.redraw()
     }
 
     /// Brings live lines up to date, whether something came or not.

@@ -92,7 +92,7 @@ impl Run {
 
     /// After all readings, or those up to a time.
     fn panel(&self, seconds: f64) -> Panel {
-        let info = ChannelInfo { id: "thumb".to_owned(), unit: Unit::Newton };
+        let info = ChannelInfo { id: "thumb".to_owned(), unit: Unit::Newton, trigger: false };
         let mut panel = Panel::new([&info].into_iter(), ForceUnit::Newton, true);
         let until = Nanos::from_seconds(seconds).0;
         self.readings
@@ -132,7 +132,7 @@ fn the_last_readings() {
 #[test]
 fn the_samples_of_the_pages() {
     let run = Run::new();
-    let info = ChannelInfo { id: "thumb".to_owned(), unit: Unit::Newton };
+    let info = ChannelInfo { id: "thumb".to_owned(), unit: Unit::Newton, trigger: false };
     let at_rest = |reading: &&ReadingLine| {
         let StateLine { r_ohm, moving, settling, .. } = reading.state;
         !moving && !settling && r_ohm.is_some_and(|r_ohm| r_ohm < 2000.0)
@@ -192,7 +192,7 @@ fn the_live_lines() {
             r#""status":"fault","fault":"no-calibration","hint":"nothing falls in a discharge through Rc1; look at the wire from sink-c1 through Rc1 to node A""#,
         ),
     ];
-    let channels = states.map(|(id, unit, _)| ChannelInfo { id: id.to_owned(), unit });
+    let channels = states.map(|(id, unit, _)| ChannelInfo { id: id.to_owned(), unit, trigger: false });
     let mut panel = Panel::new(channels.iter(), ForceUnit::Newton, true);
     for (at_ms, (id, _, rest)) in (0..10).flat_map(|step| states.map(|state| (100 * step, state))) {
         let text = format!(

@@ -68,6 +68,7 @@ impl Stream {
                 match &message {
                     // Measured before the daemon knew what is wanted.
                     ServerMessage::Reading(reading) if !self.is_wanted(&reading.channel) => Ok(Next::Quiet),
+                    ServerMessage::Event(event) if !self.is_wanted(&event.channel) => Ok(Next::Quiet),
                     _ => Ok(Next::Line(String::from_utf8_lossy(&line).into_owned(), message)),
                 }
             }

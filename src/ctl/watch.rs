@@ -87,6 +87,7 @@ fn follow(
                 tallies.entry(reading.channel.clone()).or_default().add_line(&reading);
                 screen.feed(&reading)?;
             }
+            Next::Line(_, ServerMessage::Event(event)) => screen.press(&event)?,
             // The channels have changed.
             Next::Line(_, ServerMessage::Version(_)) => screen.restart(stream.channels()),
             Next::Quiet if !json => screen.redraw()?,

@@ -12,6 +12,10 @@ pub const GONE_AFTER: Nanos = Nanos(10_000_000_000);
 
 /// Results that wait between the threads: a second or more of the fastest cycle with all channels.
 pub const RING: usize = 4096;
+/// Events that wait for the main thread: a second of the fastest readings, each of them an event.
+pub const EVENT_RING: usize = 1024;
+/// From one attempt to have an output that failed to the next.
+pub const OUTPUT_AGAIN: Nanos = Nanos(1_000_000_000);
 /// How often the measuring thread tells its counters.
 pub const STATS_EVERY: Nanos = Nanos(250_000_000);
 /// The longest wait of the measuring thread without a look at whether to stop.

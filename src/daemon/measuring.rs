@@ -6,6 +6,7 @@
 mod interruptible;
 
 use super::limits::{NAP, NAPS_TO_REOPEN, RING, STATS_EVERY, STOP_LOOK, STOP_PATIENCE, TAKEN_APART};
+use super::triggering::Tap;
 use crate::config::Config;
 use crate::config::backend::{self, AnyPins, OpenError};
 use crate::instrument::settings::Settings;
@@ -76,11 +77,16 @@ pub struct Measuring {
 }
 
 impl Measuring {
-    /// Starts to measure. Without pins, it starts by trying to open them.
+    /// Starts to measure. Without pins, it starts by trying to open them. `tap`: who gets readings besides.
     ///
     /// # Errors
     /// The system has no descriptor or thread left.
-    pub fn start(pins: Option<AnyPins>, config: Config, settings: Settings) -> io::Result<Measuring> {
+    pub fn start(
+        pins: Option<AnyPins>,
+        config: Config,
+        settings: Settings,
+        tap: Option<Tap>,
+    ) -> io::Result<Measuring> {
         let (sender, results) = RingBuffer::new(RING);
         let shared = Arc::new(Shared {
             stop: AtomicBool::new(false),
@@ -90,7 +96,7 @@ impl Measuring {
             watched: AtomicBool::new(true),
             wake: EventFd::from_flags(EfdFlags::EFD_CLOEXEC | EfdFlags::EFD_NONBLOCK)?,
         });
-        let worker = Worker { shared: Arc::clone(&shared), sender, config, said: None };
+        let worker = Worker { shared: Arc::clone(&shared), sender, tap, config, said: None };
         let thread = thread::Builder::new()
             .name("cermd-measure".to_owned())
             .spawn(move || worker.run(pins, settings))?;
@@ -166,6 +172,7 @@ impl Drop for Measuring {
 struct Worker {
     shared: Arc<Shared>,
     sender: Producer<Update>,
+    tap: Option<Tap>,
     config: Config,
     /// What was said last about pins that do not work; `None` while they do.
     said: Option<String>,
@@ -250,6 +257,10 @@ impl Worker {
 
     fn send(&mut self, update: Update) {
         let shared = &self.shared;
+        let reading = match &update {
+            Update::Message(Message::Reading(reading)) => Some(*reading),
+            _ => None,
+        };
         let (lost, is_urgent) = match update {
             Update::Message(Message::Reading(_)) => {
                 (Some(&shared.lost_readings), shared.watched.load(Ordering::Relaxed))
@@ -262,6 +273,10 @@ impl Worker {
             if let Some(counter) = lost {
                 counter.fetch_add(1, Ordering::Relaxed);
             }
+        }
+        // After the main thread: it is to tell of a reading before what follows from it.
+        if let (Some(reading), Some(tap)) = (&reading, &mut self.tap) {
+            tap.give(reading);
         }
         if is_urgent {
             // It fails only when the counter would overflow: then it is readable anyway.

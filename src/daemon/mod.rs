@@ -12,9 +12,11 @@ mod measuring;
 pub(crate) mod publish;
 mod requested;
 mod signals;
+mod threads;
+mod triggering;
 
 use crate::config::backend::{self, AnyPins, OpenError};
-use crate::config::{Backend, Config, ConfigError, SettingsError, Severity, tape_header};
+use crate::config::{Backend, Config, ConfigError, SettingsError, Severity, TriggerSettings, tape_header};
 use crate::instrument::settings::Settings;
 use crate::pins::chardev::ChardevError;
 use crate::pins::{clock, monotonic};
@@ -23,7 +25,7 @@ use crate::stream::tape::Header;
 use crate::units::Nanos;
 use heartbeat::Heartbeat;
 use limits::LOOK_AFTER;
-use measuring::{Measuring, Stuck};
+use measuring::Stuck;
 use nix::poll::{PollFd, PollFlags, PollTimeout, poll};
 use nix::time::ClockId;
 use publish::Known;
@@ -34,6 +36,7 @@ use std::io;
 use std::os::fd::AsFd;
 use std::path::Path;
 use std::time::Duration;
+use threads::{Threads, open, open_outputs};
 
 /// What is said when a reload fails.
 const KEPT: &str = "the old configuration stays in force";
@@ -59,8 +62,10 @@ pub enum DaemonError {
     /// The measuring thread cannot be stopped.
     #[error(transparent)]
     Stuck(#[from] Stuck),
-    /// The measuring thread has panicked, which is a mistake of the program.
-    #[error("the measuring thread has died; every line is released. Please report this with the lines above")]
+    /// The measuring or the triggering thread has panicked, which is a mistake of the program.
+    #[error(
+        "a thread that does the work has died; every line is released. Please report this with the lines above"
+    )]
     Died,
 }
 
@@ -80,6 +85,7 @@ fn system(call: &'static str) -> impl Fn(io::Error) -> DaemonError {
 pub struct Loaded {
     config: Config,
     settings: Settings,
+    triggers: Vec<TriggerSettings>,
     /// Of a tape that begins now, but for an offset that was found since.
     tape_header: Header,
 }
@@ -109,8 +115,8 @@ impl Loaded {
         if config.gpio.backend == Backend::Mock {
             backend::scene(&config)?;
         }
-        let settings = config.settings()?;
-        Ok(Loaded { tape_header: tape_header(&settings, None), settings, config })
+        let (settings, triggers) = (config.settings()?, config.triggers()?);
+        Ok(Loaded { tape_header: tape_header(&settings, None), settings, triggers, config })
     }
 }
 
@@ -128,7 +134,7 @@ pub fn run(path: &Path) -> Result<(), DaemonError> {
 #[derive(Debug)]
 pub struct Daemon {
     // Before the server: no reading is published any more when the socket goes.
-    measuring: Measuring,
+    threads: Threads,
     server: Server,
     signals: Signals,
     loaded: Loaded,
@@ -158,16 +164,17 @@ impl Daemon {
                 (Listener::bind(path, config.server.mode)?, path.display().to_string())
             }
         };
-        let channels = publish::channels(&loaded.settings);
+        let channels = publish::channels(&loaded);
         let mut server =
             Server::new(listener, &channels, Limits::of_this_process()).map_err(system("epoll"))?;
         server.set_tape_header(&loaded.tape_header);
-        let measuring = start_measuring(Some(open(&loaded)?), &loaded)?;
+        let pins = open(&loaded)?;
+        let threads = Threads::start(Some(pins), open_outputs(&loaded)?, &loaded)?;
         log::info!("serving {} channel(s) on {place}", config.channels.len());
         let watchdog = sd_notify::watchdog_enabled();
         notify(&[NotifyState::Ready, NotifyState::Status("measuring")]);
         Ok(Daemon {
-            measuring,
+            threads,
             server,
             signals,
             loaded,
@@ -191,7 +198,7 @@ impl Daemon {
             self.server
                 .turn(now, &|| publish::stats(&self.known, &self.loaded.config, uptime))
                 .map_err(system("epoll_wait"))?;
-            self.measuring.set_watched(self.server.is_watched());
+            self.threads.measuring.set_watched(self.server.is_watched());
             let asked = self.signals.take();
             if asked.end {
                 notify(&[NotifyState::Stopping, NotifyState::Status("stopping")]);
@@ -205,7 +212,7 @@ impl Daemon {
             if let (true, Some(path)) = (asked.reload, path) {
                 self.reload(path)?;
             }
-            if self.measuring.has_ended() {
+            if self.threads.have_ended() {
                 return Err(DaemonError::Died);
             }
             self.give_sign_of_life(now);
@@ -214,8 +221,8 @@ impl Daemon {
 
     fn wait(&self) -> io::Result<()> {
         let watch = |fd| PollFd::new(fd, PollFlags::POLLIN);
-        let mut descriptors =
-            [watch(self.server.as_fd()), watch(self.measuring.wake().as_fd()), watch(self.signals.as_fd())];
+        let mut descriptors = vec![watch(self.server.as_fd()), watch(self.signals.as_fd())];
+        descriptors.extend(self.threads.descriptors().map(watch));
         let now = monotonic();
         let until = self.server.wake_at().map(|at| Duration::from_nanos((at - now).0.max(0) as u64));
         let timeout = until.unwrap_or(LOOK_AFTER).min(LOOK_AFTER).min(self.heartbeat.patience(now));
@@ -227,13 +234,18 @@ impl Daemon {
 
     fn publish(&mut self) {
         // Empty when nothing was written since: that is no error.
-        let _ = self.measuring.wake().read();
+        let _ = self.threads.measuring.wake().read();
+        // Of readings that are in the ring by now, and are told first.
+        let events = self.threads.events();
         let before = self.known.stats;
         let to_wall = clock(ClockId::CLOCK_REALTIME) - monotonic();
-        while let Some(update) = self.measuring.next() {
+        while let Some(update) = self.threads.measuring.next() {
             publish::publish(&mut self.server, &mut self.known, &self.loaded, update, to_wall);
         }
-        let (readings, discharges) = self.measuring.take_lost();
+        for told in events {
+            publish::publish_event(&mut self.server, &self.loaded, &told, to_wall);
+        }
+        let (readings, discharges) = self.threads.measuring.take_lost();
         if readings + discharges > 0 {
             log::warn!(
                 "{readings} readings and {discharges} discharges were lost: this process gets too little time"
@@ -284,11 +296,11 @@ impl Daemon {
         }
         // The lines of the old configuration are released before those of the new one are asked for, and its last
         // readings are published under its own channels.
-        self.measuring.stop()?;
+        self.threads.stop()?;
         self.publish();
-        match open(&loaded) {
-            Ok(pins) => {
-                self.measuring = start_measuring(Some(pins), &loaded)?;
+        match open(&loaded).and_then(|pins| Ok((pins, open_outputs(&loaded)?))) {
+            Ok((pins, outputs)) => {
+                self.threads = Threads::start(Some(pins), outputs, &loaded)?;
                 self.loaded = loaded;
                 log::info!(
                     "the new configuration is in force: {} channel(s)",
@@ -299,18 +311,20 @@ impl Daemon {
                 log::error!("{KEPT}: {error}");
                 let pins =
                     open(&self.loaded).inspect_err(|error| log::error!("{error}; trying again every second"));
-                self.measuring = start_measuring(pins.ok(), &self.loaded)?;
+                // The outputs are tried again, too.
+                let outputs = self.loaded.triggers.iter().map(|_| None).collect();
+                self.threads = Threads::start(pins.ok(), outputs, &self.loaded)?;
             }
         }
         self.known = Known::default();
-        self.server.set_channels(&publish::channels(&self.loaded.settings));
+        self.server.set_channels(&publish::channels(&self.loaded));
         self.announce_tape_header();
         Ok(())
     }
 
-    /// Only while the measuring thread goes on: one that is stuck must be found by the service manager.
+    /// Only while the threads go on that do the work: one that is stuck must be found by the service manager.
     fn give_sign_of_life(&mut self, now: Nanos) {
-        if !self.heartbeat.is_due(now, self.measuring.beat()) {
+        if !self.heartbeat.is_due(now, self.threads.beats()) {
             return;
         }
         let stats = &self.known.stats;
@@ -320,18 +334,6 @@ impl Daemon {
         let states = [NotifyState::Status(&status), NotifyState::Watchdog];
         notify(if self.has_watchdog { &states } else { &states[..1] });
     }
-}
-
-/// The cleaner finds what is asked for here, if the service manager has a place for it.
-fn open(loaded: &Loaded) -> Result<AnyPins, OpenError> {
-    if let Some(folder) = requested::runtime_directory() {
-        if let Err(error) = Requested::of(&loaded.config)?.keep(&folder) {
-            let until =
-                "after a kill those of the configuration file are released, whatever it names by then";
-            log::warn!("{}: the lines are not kept: {error}; {until}", folder.display());
-        }
-    }
-    backend::open(&loaded.config, monotonic())
 }
 
 /// Makes lines inputs, for after a kill: those that were asked for, as the runtime directory says; where nobody has kept
@@ -350,14 +352,6 @@ pub fn release_lines(path: &Path) -> Result<bool, DaemonError> {
         None => Requested::of(&Config::load(path)?)?,
     };
     Ok(requested.release()?)
-}
-
-/// `None`: the pins cannot be opened now, and the measuring thread tries again.
-fn start_measuring(pins: Option<AnyPins>, loaded: &Loaded) -> Result<Measuring, DaemonError> {
-    for blind_spot in pins.iter().flat_map(|pins| pins.particulars().blind_spots) {
-        log::info!("{blind_spot}");
-    }
-    Measuring::start(pins, loaded.config.clone(), loaded.settings.clone()).map_err(system("thread"))
 }
 
 /// Without a service manager nobody listens, and that is no error.

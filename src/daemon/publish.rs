@@ -3,26 +3,28 @@
 use super::Loaded;
 use super::limits::GONE_AFTER;
 use super::measuring::Update;
+use super::triggering::Told;
 use crate::config::Config;
 use crate::instrument::Message;
-use crate::instrument::settings::Settings;
 use crate::instrument::stats::Stats;
 use crate::pins::realtime::{self, Right};
 use crate::reading::{Fault, Reading, Status, Suspect};
 use crate::sensor::Channel;
 use crate::stream::server::Server;
 use crate::stream::tape::DischargeLine;
-use crate::stream::wire::{ChannelInfo, InstrumentStats, Unit};
+use crate::stream::wire::{ChannelInfo, EventLine, EventName, InstrumentStats, Unit};
+use crate::trigger::{State, Why};
 use crate::units::{Nanos, Ohm};
 use jiff::Timestamp;
 
 /// The channels as VERSION announces them.
-pub fn channels(settings: &Settings) -> Vec<ChannelInfo> {
-    let info = |channel: &Channel| ChannelInfo {
+pub fn channels(loaded: &Loaded) -> Vec<ChannelInfo> {
+    let info = |(index, channel): (usize, &Channel)| ChannelInfo {
         id: channel.id.clone(),
         unit: if channel.force.is_some() { Unit::Newton } else { Unit::Ohm },
+        trigger: loaded.triggers.iter().any(|trigger| trigger.channel == index),
     };
-    settings.channels.iter().map(info).collect()
+    loaded.settings.channels.iter().enumerate().map(info).collect()
 }
 
 /// What is known of the measuring thread and its board.
@@ -92,6 +94,24 @@ impl Known {
 fn time_of(at: Nanos, to_wall: Nanos) -> Timestamp {
     // 64 bits of nanoseconds end in 2262, long before the calendar of jiff does.
     Timestamp::from_nanosecond((at + to_wall).0.into()).unwrap_or_default()
+}
+
+/// Tells of a trigger. `to_wall`: as in [`publish`].
+pub fn publish_event(server: &mut Server, loaded: &Loaded, told: &Told, to_wall: Nanos) {
+    let Some(channel) = loaded.settings.channels.get(told.channel) else { return };
+    let (event, reason) = match told.event.state {
+        State::Pressed => (EventName::Pressed, None),
+        State::Released => (EventName::Released, None),
+        State::Unknown(Why::Fault) => (EventName::Released, Some("fault")),
+        State::Unknown(Why::Stale) => (EventName::Released, Some("stale")),
+    };
+    server.publish_event(&EventLine {
+        channel: channel.id.clone(),
+        event,
+        reason: reason.map(str::to_owned),
+        time: format!("{:.9}", time_of(told.event.at, to_wall)),
+        t_mono_ns: told.event.at.0,
+    });
 }
 
 /// Passes one result on. `to_wall`: from `CLOCK_MONOTONIC` to `CLOCK_REALTIME`.

@@ -5,6 +5,7 @@ use crate::config::backend::{self, OpenError};
 use crate::config::{Backend, Config};
 use crate::files;
 use crate::pins::chardev::Wiring;
+use crate::pins::output::{self, OutputLine};
 use serde::{Deserialize, Serialize};
 use std::io;
 use std::path::{Path, PathBuf};
@@ -19,6 +20,9 @@ pub struct Requested {
     backend: Backend,
     /// `None`: nothing, the circuit is simulated.
     wiring: Option<Wiring>,
+    /// The lines that follow triggers.
+    #[serde(default)]
+    outputs: Vec<OutputLine>,
 }
 
 impl Requested {
@@ -26,7 +30,8 @@ impl Requested {
     pub fn of(config: &Config) -> Result<Requested, OpenError> {
         let backend = config.gpio.backend;
         let wiring = (backend != Backend::Mock).then(|| backend::wiring(config)).transpose()?;
-        Ok(Requested { backend, wiring })
+        let outputs = config.triggers()?.into_iter().filter_map(|trigger| Some(trigger.output?.0)).collect();
+        Ok(Requested { backend, wiring, outputs })
     }
 
     /// To be called before lines are asked for.
@@ -51,14 +56,18 @@ impl Requested {
         }
     }
 
-    /// Makes each of the lines an input. `false`: there was none.
+    /// Makes each of the lines an input, those of outputs first, which are inactive before they are. `false`: there was none.
     ///
     /// # Errors
     /// The first line that could not be had; the others are inputs all the same.
     pub fn release(&self) -> Result<bool, OpenError> {
         let Some(wiring) = &self.wiring else { return Ok(false) };
-        backend::release_lines(self.backend, wiring)?;
-        Ok(true)
+        let way = backend::way(self.backend);
+        let outputs = self.outputs.iter().map(|line| output::release(line, way));
+        // Each of them, whatever becomes of the others.
+        let outputs = outputs.fold(Ok(()), |first, next| first.and(next));
+        let circuit = backend::release_lines(self.backend, wiring);
+        outputs.map_err(OpenError::from).and(circuit).map(|()| true)
     }
 }
 

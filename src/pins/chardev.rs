@@ -87,7 +87,7 @@ impl Chardev {
 }
 
 /// A failed call: the chip is gone, or what is known of the failure without looking anything up.
-fn explain(chip: &str, (call, source, line): Failed) -> PinsError {
+pub(super) fn explain(chip: &str, (call, source, line): Failed) -> PinsError {
     if is_gone(&source) {
         return PinsError::Gone { chip: chip.to_owned(), call, line };
     }

@@ -98,6 +98,20 @@ pub fn release_lines(wiring: &Wiring) -> Result<(), ChardevError> {
     })
 }
 
+/// A line that is driven both ways, at this level from the request on.
+pub(super) fn output(
+    chip: &Chip,
+    offset: u32,
+    high: bool,
+    title: &str,
+    consumer: &str,
+) -> Result<CdevPin, ChardevError> {
+    let line = WiredLine { part: Drives::NONE, offset, title: title.to_owned() };
+    Requests::new(chip)?.ask("GET_LINEHANDLE", &line, |found| {
+        CdevPin::new(found.request(LineRequestFlags::OUTPUT, high.into(), consumer)?)
+    })
+}
+
 /// Asks one chip for single lines.
 struct Requests<'a> {
     chip: &'a Chip,
@@ -232,7 +246,7 @@ fn to_monotonic(wall_ns: u64) -> Nanos {
 
 /// What the kernel answered to the call that gave this error. gpio-cdev keeps the number of a failed ioctl in a type
 /// that cannot be named here; but it has made no other call since, so it still is the thread's last one.
-fn last_call(error: &gpio_cdev::Error) -> io::Error {
+pub(super) fn last_call(error: &gpio_cdev::Error) -> io::Error {
     let kept = error.source().and_then(|source| source.downcast_ref::<io::Error>()?.raw_os_error());
     kept.map_or_else(io::Error::last_os_error, io::Error::from_raw_os_error)
 }

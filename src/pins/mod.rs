@@ -53,6 +53,7 @@ use std::fmt;
 pub mod chardev;
 pub mod chardev_v1;
 mod limits;
+pub mod output;
 pub mod realtime;
 pub mod sim;
 

@@ -76,11 +76,9 @@ impl Design {
         };
         let channel = ChannelTable {
             id: "sensor".to_owned(),
-            sink: None,
             zero_ohm: Some(self.r_lim.0),
             scale: Some(1.0),
-            every: 1,
-            force: None,
+            ..ChannelTable::default()
         };
         Config {
             circuit: self.circuit(board),

@@ -29,6 +29,7 @@ id = "thumb"
 zero-ohm = 0.0
 scale = 1.0
 force = { alpha = "13346 N ohm" }
+on-above = "6 N"
 [[channel]]
 id = "index"
 zero-ohm = 0.0

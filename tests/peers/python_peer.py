@@ -76,6 +76,12 @@ with Bench() as bench:
             waiting += 1
         check("get takes what has come without a wait", waiting > 5, f"{waiting} readings")
 
+    with cermd.events("thumb", socket=path) as stream:
+        first, _ = until("an event at once", lambda: stream.get(1.0))
+        told = [first, *(next(stream) for _ in range(3))]
+        known = [event.is_pressed for event in told if event.reason is None]
+        check("events take turns", all(a != b for a, b in zip(known, known[1:])) and len(known) >= 2, known)
+
     source = PACKAGE.parents[1] / "examples/readings.c"
     subprocess.run(["cc", "-Wall", "-Wextra", "-Werror", "-o", bench.path / "readings", source], check=True)
     with subprocess.Popen([bench.path / "readings", path], stdout=subprocess.PIPE, text=True) as example:

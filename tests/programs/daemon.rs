@@ -2,7 +2,7 @@
 
 mod crowd;
 mod killed;
-mod process;
+pub mod process;
 
 use crate::waiting::until_so;
 use nix::sys::signal::Signal;

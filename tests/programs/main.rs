@@ -14,4 +14,5 @@ mod protocol;
 mod schema;
 mod setup;
 mod size;
+mod triggers;
 mod waiting;

@@ -8,8 +8,8 @@ use cermd::circuit::Kind;
 use cermd::sensor::{Channel, Force, Law};
 use cermd::tape::{DischargeLine, Header, Resistor, SwitchLine, TapeCircuit, TapeOffset};
 use cermd::wire::{
-    ChannelInfo, ChannelStats, ErrorCode, ErrorLine, InstrumentStats, ReadingLine, StateLine, StatsLine,
-    StatusName, Unit, VersionLine,
+    ChannelInfo, ChannelStats, ErrorCode, ErrorLine, EventLine, EventName, InstrumentStats, ReadingLine,
+    StateLine, StatsLine, StatusName, Unit, VersionLine,
 };
 use serde_json::{Map, Value};
 use std::fs;
@@ -140,9 +140,12 @@ fn lines_of_a_daemon(daemon: &Daemon) -> Vec<Value> {
 fn what_a_daemon_says_is_as_the_schema_has_it() {
     let schema = Schema::new();
     // Numbers, then a broken board: faults with a hint.
-    for scene in [&mut scene(), scene().set("circuit.r-c2", "100 Mohm")] {
-        let lines = lines_of_a_daemon(&Daemon::start_as(&config(), scene));
-        for class in ["VERSION", "READING", "STATS", "ERROR", "TAPE", "DISCHARGE"] {
+    let config = config().lines("channel.thumb", "on-above = \"1 N\"").clone();
+    for (is_whole, scene) in [(true, &mut scene()), (false, scene().set("circuit.r-c2", "100 Mohm"))] {
+        let lines = lines_of_a_daemon(&Daemon::start_as(&config, scene));
+        // Of what has no number there is no event.
+        let classes = ["VERSION", "READING", "STATS", "ERROR", "TAPE", "DISCHARGE"];
+        for class in classes.into_iter().chain(is_whole.then_some("EVENT")) {
             assert!(lines.iter().any(|line| line["class"] == class), "no {class}");
         }
         for line in &lines {
@@ -160,7 +163,7 @@ fn full(class: &str) -> Map<String, Value> {
             proto_major: 1,
             proto_minor: 0,
             release: text.clone(),
-            channels: vec![ChannelInfo { id: text, unit: Unit::Newton }],
+            channels: vec![ChannelInfo { id: text, unit: Unit::Newton, trigger: true }],
         }),
         "READING" => serde_json::to_value(ReadingLine {
             channel: text.clone(),
@@ -196,6 +199,13 @@ fn full(class: &str) -> Map<String, Value> {
             instrument: instrument(),
             channels: [(text, ChannelStats { rate_hz: u, r_u_ohm: u, f_u_n: u, ..ChannelStats::default() })]
                 .into(),
+        }),
+        "EVENT" => serde_json::to_value(EventLine {
+            channel: text.clone(),
+            event: EventName::Released,
+            reason: Some("stale".to_owned()),
+            time: text,
+            t_mono_ns: 1,
         }),
         "ERROR" => serde_json::to_value(ErrorLine { code: ErrorCode::Lost, message: text, lost: Some(1) }),
         "TAPE" => serde_json::to_value(Header {
@@ -270,7 +280,7 @@ fn instrument() -> InstrumentStats {
 #[test]
 fn the_schema_has_the_fields_of_the_types_and_no_other() {
     let schema = Schema::new();
-    for class in ["VERSION", "READING", "STATS", "ERROR", "TAPE", "DISCHARGE"] {
+    for class in ["VERSION", "READING", "EVENT", "STATS", "ERROR", "TAPE", "DISCHARGE"] {
         let full = full(class);
         let named: Vec<&String> = schema.of(class)["properties"].as_object().unwrap().keys().collect();
         assert_eq!(named, full.keys().collect::<Vec<_>>(), "{class}");

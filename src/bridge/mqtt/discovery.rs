@@ -12,6 +12,9 @@ pub fn device(topics: &Topics, version: &VersionLine, every: Duration) -> Value 
     let mut entities = Map::new();
     for channel in &version.channels {
         of_channel(topics, channel, every, &mut entities);
+        if channel.trigger {
+            of_trigger(topics, &channel.id, every, &mut entities);
+        }
     }
     of_instrument(topics, every, &mut entities);
     json!({
@@ -90,6 +93,20 @@ fn add(
     });
     merge(&mut entity, more);
     entities.insert(format!("{channel}_{name}"), entity);
+}
+
+/// Pressed or not; not known is neither.
+fn of_trigger(topics: &Topics, channel: &str, every: Duration, entities: &mut Map<String, Value>) {
+    let topic = topics.trigger(channel);
+    let entity = json!({
+        "p": "binary_sensor", "name": format!("{channel} pressed"), "state_topic": topic,
+        "unique_id": format!("cermd-{}-{channel}-pressed", topics.id),
+        "value_template":
+            "{{ None if value_json.reason is defined else ('ON' if value_json.event == 'pressed' else 'OFF') }}",
+        "expire_after": (every * SILENCES).as_secs_f64().ceil() as u64,
+        "json_attributes_topic": topic,
+    });
+    entities.insert(format!("{channel}_pressed"), entity);
 }
 
 fn of_instrument(topics: &Topics, every: Duration, entities: &mut Map<String, Value>) {

@@ -1,5 +1,5 @@
 use super::*;
-use crate::bridge::board::tests::{ok, reading, up};
+use crate::bridge::board::tests::{event, ok, reading, up};
 use crate::stream::wire::{InstrumentStats, StatusName};
 
 fn teller() -> Teller {
@@ -84,6 +84,32 @@ fn figures_have_a_rate_from_the_second_on() {
 }
 
 #[test]
+fn what_is_pressed_is_told_at_once_and_again_and_what_is_not_known_is_not() {
+    let mut teller = teller();
+    teller.tell(&up(&["thumb"]), Nanos(0));
+    assert!(teller.tell(&event("other", EventName::Pressed, None), Nanos(0)).is_empty());
+    let told = teller.tell(&event("thumb", EventName::Pressed, None), Nanos(0));
+    let pressed = r#"{"time":"2026-11-21T03:40:00.5Z","event":"pressed"}"#;
+    assert_eq!((topics(&told), &*told[0].payload), (vec!["cermd/bench/trigger/thumb"], pressed));
+    assert!(!told[0].is_retained);
+    let stats = StatsLine {
+        clients: 1,
+        published: 0,
+        lost: 0,
+        channels: Default::default(),
+        instrument: InstrumentStats::default(),
+    };
+    let stats = Heard::Stats(Box::new(stats), String::new());
+    let told = teller.tell(&stats, Nanos(0));
+    assert_eq!((topics(&told)[1], &*told[1].payload), ("cermd/bench/trigger/thumb", pressed));
+    let told = teller.tell(&event("thumb", EventName::Released, Some("stale")), Nanos(0));
+    assert!(told[0].payload.ends_with(r#""event":"released","reason":"stale"}"#), "{}", told[0].payload);
+    // Of another daemon nothing is known yet.
+    teller.tell(&Heard::Down, Nanos(0));
+    assert_eq!(teller.tell(&stats, Nanos(0)).len(), 1);
+}
+
+#[test]
 fn channels_that_are_gone_are_taken_back() {
     let mut teller = teller();
     teller.tell(&up(&["thumb", "index"]), Nanos(0));
@@ -103,6 +129,28 @@ fn the_device_as_home_assistant_gets_it() {
     let Heard::Up(version) = up(&["thumb"]) else { unreachable!() };
     let device = discovery::device(&teller().topics, &version, Duration::from_secs(10));
     insta::assert_snapshot!(serde_json::to_string_pretty(&device).unwrap());
+}
+
+#[test]
+fn a_channel_with_a_trigger_is_a_binary_sensor_too() {
+    let Heard::Up(mut version) = up(&["thumb"]) else { unreachable!() };
+    let entity = |version: &VersionLine| {
+        let device = discovery::device(&teller().topics, version, Duration::from_secs(10));
+        device["cmps"].get("thumb_pressed").cloned()
+    };
+    assert_eq!(entity(&version), None);
+    version.channels[0].trigger = true;
+    insta::assert_snapshot!(serde_json::to_string_pretty(&entity(&version)).unwrap(), @r#"
+    {
+      "expire_after": 30,
+      "json_attributes_topic": "cermd/bench/trigger/thumb",
+      "name": "thumb pressed",
+      "p": "binary_sensor",
+      "state_topic": "cermd/bench/trigger/thumb",
+      "unique_id": "cermd-bench-thumb-pressed",
+      "value_template": "{{ None if value_json.reason is defined else ('ON' if value_json.event == 'pressed' else 'OFF') }}"
+    }
+    "#);
 }
 
 #[test]

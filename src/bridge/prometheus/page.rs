@@ -50,6 +50,9 @@ pub fn render(board: &Board, now: Nanos, format: Format) -> String {
         page.family(INFO, "cermd_build", "", "The release of the daemon.", vec![(release, 1.0)]);
     }
     readings(&mut page, &board.fresh(now).collect::<Vec<_>>());
+    let pressed = board.pressed().map(|(id, is_pressed)| (vec![("channel", id)], f64::from(is_pressed)));
+    let help = "Whether the trigger of the channel is pressed; absent: not known.";
+    page.family(GAUGE, "cermd_pressed", "", help, pressed.collect());
     if let Some(stats) = board.stats() {
         figures(&mut page, stats);
     }
@@ -201,9 +204,9 @@ fn figures(page: &mut Page, stats: &StatsLine) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::bridge::board::tests::{ok, reading, up};
+    use crate::bridge::board::tests::{event, ok, reading, up};
     use crate::bridge::feed::Heard;
-    use crate::stream::wire::InstrumentStats;
+    use crate::stream::wire::{EventName, InstrumentStats};
     use std::time::Duration;
 
     const AT: Nanos = Nanos(1_000);
@@ -212,6 +215,8 @@ mod tests {
         let mut board = Board::new(Duration::from_nanos(100));
         board.hear(&up(&["thumb", "a\\b\"c", "late"]));
         board.hear(&reading("thumb", AT.0, StateLine { f_n: Some(4.697), ..ok(2841.3) }));
+        board.hear(&event("thumb", EventName::Pressed, None));
+        board.hear(&event("late", EventName::Released, Some("stale")));
         let fault = Some("missed-edge".to_owned());
         board.hear(&reading("a\\b\"c", AT.0, StateLine { fault, ..StateLine::default() }));
         board.hear(&reading("late", AT.0 - 101, ok(1.0)));

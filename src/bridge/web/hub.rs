@@ -3,6 +3,7 @@
 use crate::bridge::feed::Heard;
 use crate::bridge::limits::{PAGE_EVENTS, PAGES, STILL_THERE};
 use crate::units::Nanos;
+use std::collections::BTreeMap;
 use std::sync::mpsc::{Receiver, RecvTimeoutError, SyncSender, sync_channel};
 use std::sync::{Arc, Weak};
 use std::time::Duration;
@@ -18,6 +19,8 @@ pub struct Hub {
     /// The daemon, or that there is none.
     daemon: Event,
     stats: Option<Event>,
+    /// The channels of the daemon, each with the last event of its trigger, if there was one.
+    pressed: BTreeMap<String, Option<Event>>,
     pages: Vec<Page>,
 }
 
@@ -51,7 +54,13 @@ impl Listener {
 impl Hub {
     pub fn new(patience: Duration) -> Hub {
         let patience = Nanos::from_seconds(patience.as_secs_f64());
-        Hub { patience, daemon: event("down", "{}"), stats: None, pages: Vec::new() }
+        Hub {
+            patience,
+            daemon: event("down", "{}"),
+            stats: None,
+            pressed: BTreeMap::new(),
+            pages: Vec::new(),
+        }
     }
 
     /// A page more; `None`: there are too many.
@@ -63,7 +72,8 @@ impl Hub {
         }
         let (page, events) = sync_channel(PAGE_EVENTS);
         let first = [Some(&self.daemon), self.stats.as_ref()];
-        first.into_iter().flatten().try_for_each(|event| page.try_send(Arc::clone(event))).ok()?;
+        let first = first.into_iter().flatten().chain(self.pressed.values().flatten());
+        first.map(Arc::clone).try_for_each(|event| page.try_send(event)).ok()?;
         let presence = Arc::new(());
         self.pages.push(Page { events: page, presence: Arc::downgrade(&presence) });
         Some(Listener { events, _presence: presence })
@@ -77,10 +87,12 @@ impl Hub {
                     "release": version.release, "channels": version.channels, "patience_s": patience_s,
                 });
                 (self.daemon, self.stats) = (event("up", &text.to_string()), None);
+                self.pressed = version.channels.iter().map(|channel| (channel.id.clone(), None)).collect();
                 self.send(&Arc::clone(&self.daemon));
             }
             Heard::Down => {
                 (self.daemon, self.stats) = (event("down", "{}"), None);
+                self.pressed.clear();
                 self.send(&Arc::clone(&self.daemon));
             }
             Heard::Stats(_, line) => {
@@ -88,10 +100,16 @@ impl Hub {
                 self.send(&stats);
                 self.stats = Some(stats);
             }
+            // Of no other channels, however many ids a daemon may send.
+            Heard::Event(told, line) if self.pressed.contains_key(&told.channel) => {
+                let pressed = event("event", line);
+                self.send(&pressed);
+                self.pressed.insert(told.channel.clone(), Some(pressed));
+            }
             Heard::Reading(reading, line) if now - Nanos(reading.t_mono_ns) <= self.patience => {
                 self.send(&event("reading", line));
             }
-            Heard::Reading(..) | Heard::Nothing => {}
+            Heard::Reading(..) | Heard::Event(..) | Heard::Nothing => {}
         }
     }
 
@@ -109,7 +127,8 @@ fn event(name: &str, data: &str) -> Event {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::bridge::board::tests::{ok, reading, up};
+    use crate::bridge::board::tests::{event as tests_event, ok, reading, up};
+    use crate::stream::wire::EventName;
 
     fn said(listener: &Listener) -> Vec<String> {
         listener.events.try_iter().map(|event| String::from_utf8_lossy(&event).into_owned()).collect()
@@ -128,8 +147,14 @@ mod tests {
         assert!(
             told[1].starts_with("event: reading\ndata: {\"class\":\"READING\"") && told[1].ends_with("}\n\n")
         );
+        for id in ["thumb", "nobody"] {
+            hub.hear(&tests_event(id, EventName::Pressed, None), Nanos(11));
+        }
+        let pressed = said(&early);
+        assert!(pressed.len() == 1 && pressed[0].starts_with("event: event\ndata: {\"class\":\"EVENT\""));
         let late = hub.join().unwrap();
-        assert_eq!(said(&late), told[..1], "no reading of before it came");
+        let so_far = [told[0].clone(), pressed[0].clone()];
+        assert_eq!(said(&late), so_far, "what is so, and no reading of before it came");
         hub.hear(&Heard::Down, Nanos(12));
         assert_eq!(said(&late), ["event: down\ndata: {}\n\n"]);
     }

@@ -43,7 +43,7 @@ class Channel {
         this.points = [];
         this.root = $("channel").content.cloneNode(true).firstElementChild;
         this.root.dataset.channel = id;
-        this.part("h2").textContent = id;
+        this.part(".name").textContent = id;
         this.silence();
     }
 
@@ -59,6 +59,11 @@ class Channel {
     state(name, text = name) {
         this.say(".state", text);
         this.part(".state").className = `state ${name}`;
+    }
+
+    // Of its trigger; not known is not pressed.
+    press(event) {
+        this.part(".pressed").hidden = event !== "pressed";
     }
 
     // No reading, or none that is fresh.
@@ -147,13 +152,17 @@ function up({ release, channels: known, patience_s }) {
     for (const info of known) {
         if (channels.has(info.id)) channels.get(info.id).silence();
         else channels.set(info.id, new Channel(info));
+        channels.get(info.id).press();
     }
     $("channels").replaceChildren(...known.map((info) => channels.get(info.id).root));
 }
 
 function away(text) {
     link(text, "away");
-    for (const channel of channels.values()) channel.silence();
+    for (const channel of channels.values()) {
+        channel.silence();
+        channel.press();
+    }
     $("health").hidden = true;
     counted = null;
 }
@@ -196,6 +205,7 @@ function listen() {
     on("down", () => away("cermd does not answer"));
     on("stats", health);
     on("reading", (reading) => channels.get(reading.channel)?.hear(reading));
+    on("event", ({ channel, event }) => channels.get(channel)?.press(event));
     events.onerror = () => {
         away("no connection; trying again");
         // After a refusal it would not come again by itself.

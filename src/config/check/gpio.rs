@@ -71,10 +71,8 @@ fn chargers(gpio: &Gpio, has_node_b: bool, findings: &mut Findings) {
 }
 
 fn equal_lines(config: &Config, findings: &mut Findings) {
-    let own = lines(&config.gpio).into_iter().map(|(key, name, ..)| (key.to_owned(), name));
-    let sinks = config.channels.iter().enumerate().map(|(i, c)| (key(i, c, "sink"), c.sink.as_ref()));
     let mut seen: Vec<(String, &LineName)> = Vec::new();
-    for (key, line) in own.chain(sinks).filter_map(|(key, line)| Some((key, line?))) {
+    for (key, line) in every_line(config) {
         match seen.iter().find(|(_, other)| *other == line) {
             Some((first, _)) => {
                 findings.error(key, format!("{} is {first} already", line.0), "a line of its own")
@@ -82,4 +80,11 @@ fn equal_lines(config: &Config, findings: &mut Findings) {
             None => seen.push((key, line)),
         }
     }
+}
+
+/// The lines of the circuit by their keys, as they are written.
+pub fn every_line(config: &Config) -> Vec<(String, &LineName)> {
+    let own = lines(&config.gpio).into_iter().map(|(key, name, ..)| (key.to_owned(), name));
+    let sinks = config.channels.iter().enumerate().map(|(i, c)| (key(i, c, "sink"), c.sink.as_ref()));
+    own.chain(sinks).filter_map(|(key, line)| Some((key, line?))).collect()
 }

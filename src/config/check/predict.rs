@@ -19,6 +19,7 @@ pub fn check(config: &Config, findings: &mut Findings) {
     split_calibration(config, findings);
     if !findings.has_errors() {
         predictions(config, findings);
+        super::trigger::predict(config, findings);
     }
 }
 

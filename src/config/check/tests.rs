@@ -8,6 +8,7 @@ use crate::units::{Nanos, Seconds};
 use proptest::prelude::*;
 
 mod advice;
+mod trigger;
 
 /// A good configuration with something changed.
 fn config(change: impl FnOnce(&mut ConfigFile) -> &mut ConfigFile) -> Config {

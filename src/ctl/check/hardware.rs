@@ -7,6 +7,7 @@ use crate::ctl::CtlError;
 use crate::ctl::limits::DISCHARGES;
 use crate::ctl::stream::Stream;
 use crate::estimate::scatter::{MEDIAN_DEVIATION, median};
+use crate::pins::output::Output;
 use crate::pins::realtime::{Realtime, Right};
 use crate::pins::{Pins, PinsError};
 use crate::units::{Nanos, Seconds};
@@ -34,6 +35,7 @@ pub fn check(config: &Config, findings: &mut Findings) -> Tried {
         Ok(mut pins) => {
             rights(&realtime, findings);
             findings.info("gpio", "the chip is there, and every line can be had");
+            outputs(config, findings);
             for spot in pins.particulars().blind_spots {
                 findings.info("gpio.backend", spot);
             }
@@ -55,6 +57,19 @@ pub fn check(config: &Config, findings: &mut Findings) -> Tried {
         Err(refusal) => findings.add(Severity::Error, "gpio", refusal, None),
     }
     Tried::default()
+}
+
+/// Takes each output, inactive, and lets go of it.
+fn outputs(config: &Config, findings: &mut Findings) {
+    let way = backend::way(config.gpio.backend);
+    for trigger in config.triggers().into_iter().flatten() {
+        let Some((line, _)) = trigger.output else { continue };
+        let key = format!("channel.{}.output", trigger.id);
+        match Output::open(&line, way) {
+            Ok(_) => findings.info(key, format!("{} can be had, and was inactive for a moment", line.line)),
+            Err(refusal) => findings.add(Severity::Error, key, refusal, None),
+        }
+    }
 }
 
 fn measure(pins: &mut dyn Pins, config: &Config, findings: &mut Findings) -> Result<Tried, PinsError> {

@@ -80,17 +80,16 @@ fn hand() -> Sensor {
 fn config(scene: &Scene, arguments: &cli::Demo, socket: &Path) -> Config {
     let channel = |index: usize| ChannelTable {
         id: FINGERS.get(index).map_or_else(|| format!("x{index}"), |name| (*name).to_owned()),
-        sink: None,
         // As after commissioning: the simulated pins are alike.
         zero_ohm: Some(0.0),
         scale: Some(1.0),
-        every: 1,
         force: Some(Characteristic {
             law: Source::Given(Law::Alpha { alpha_n_ohm: FSR_402.0 }),
             u: None,
             range_n: None,
             tare_n: None,
         }),
+        ..ChannelTable::default()
     };
     Config {
         circuit: backend::circuit_of(scene),

@@ -12,6 +12,8 @@ use std::collections::VecDeque;
 pub struct Row {
     pub id: String,
     pub measures: Unit,
+    /// Known to be, by its trigger.
+    pub is_pressed: bool,
     unit: ForceUnit,
     last: Option<ReadingLine>,
     /// The force at which a bar is full, in the unit.
@@ -35,7 +37,8 @@ impl Row {
     pub fn new(info: &ChannelInfo, unit: ForceUnit) -> Row {
         // The power of ten that is nearest.
         let full = 10f64.powf((FULL_N / unit.newton()).log10().round());
-        Row { id: info.id.clone(), measures: info.unit, unit, last: None, full, history: VecDeque::new() }
+        let (id, measures) = (info.id.clone(), info.unit);
+        Row { id, measures, is_pressed: false, unit, last: None, full, history: VecDeque::new() }
     }
 
     pub fn feed(&mut self, reading: &ReadingLine) {
@@ -158,7 +161,9 @@ impl Row {
         let Words { force, ohms, status, .. } = self.words(unicode);
         let time = self.last.as_ref().and_then(|reading| reading.time.get(11..23)).unwrap_or_default();
         let rate = self.rate().map(|rate| format!("{rate:.1}/s")).unwrap_or_default();
-        let pieces = [time, &self.id, &force, &ohms, status, &rate, self.hint().unwrap_or_default()];
+        let pressed = if self.is_pressed { "pressed" } else { "" };
+        let hint = self.hint().unwrap_or_default();
+        let pieces = [time, &self.id, &force, &ohms, status, pressed, &rate, hint];
         let kept: Vec<&str> = pieces.into_iter().filter(|piece| !piece.is_empty()).collect();
         kept.join("  ")
     }

@@ -1,7 +1,7 @@
 //! States in words, and lines that fit.
 
 use super::*;
-use crate::stream::wire::ServerMessage;
+use crate::stream::wire::{EventName, ServerMessage};
 
 fn reading(at_ms: i64, rest: &str) -> ReadingLine {
     let line = format!(
@@ -26,7 +26,7 @@ const FAULT: &str = r#""status":"fault","fault":"missed-edge""#;
 const HINTED: &str = r#""status":"fault","fault":"no-calibration","hint":"nothing falls in a discharge through Rc1; look at the wire""#;
 
 fn panel(readings: &[(i64, &str)]) -> Panel {
-    let info = ChannelInfo { id: "thumb".to_owned(), unit: Unit::Newton };
+    let info = ChannelInfo { id: "thumb".to_owned(), unit: Unit::Newton, trigger: false };
     let mut panel = Panel::new([info].iter(), ForceUnit::Newton, true);
     readings.iter().for_each(|(at_ms, rest)| panel.feed(&reading(*at_ms, rest)));
     panel
@@ -50,6 +50,23 @@ fn each_state_has_its_words() {
         panel(&[(0, OPEN), (100, OPEN), (200, OPEN)]).plain("thumb").unwrap(),
         "03:40:00.123  thumb  < 0.210 N  > 63000 ohm  open  10.0/s",
     );
+}
+
+#[test]
+fn what_is_pressed_is_marked_and_what_is_not_known_is_not() {
+    let mut panel = panel(&[(0, HALF)]);
+    for (event, reason, mark, plain) in [
+        (EventName::Pressed, None, "●thumb", "  ok  pressed"),
+        (EventName::Released, None, " thumb", "  ok"),
+        (EventName::Pressed, None, "●thumb", "  ok  pressed"),
+        (EventName::Released, Some("stale".to_owned()), " thumb", "  ok"),
+    ] {
+        let (channel, time) = ("thumb".to_owned(), String::new());
+        panel.press(&EventLine { channel, event, reason, time, t_mono_ns: 0 });
+        let line = console::strip_ansi_codes(&panel.lines(80)[0]).into_owned();
+        assert!(line.starts_with(mark), "{line}");
+        assert!(panel.plain("thumb").unwrap().ends_with(plain));
+    }
 }
 
 #[test]
@@ -80,7 +97,7 @@ fn every_number_stays_where_there_is_little_room() {
 
 #[test]
 fn forces_are_shown_in_the_unit_that_is_wanted() {
-    let info = ChannelInfo { id: "thumb".to_owned(), unit: Unit::Newton };
+    let info = ChannelInfo { id: "thumb".to_owned(), unit: Unit::Newton, trigger: false };
     for (unit, plain, scale) in [
         (ForceUnit::Gram, "509.9 ± 1.0 g", "1000 g"),
         (ForceUnit::Kilogram, "0.5099 ± 0.0010 kg", "1 kg"),

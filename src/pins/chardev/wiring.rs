@@ -159,7 +159,11 @@ fn distinct(lines: &Lines) -> Result<(), ChardevError> {
 ///
 /// # Errors
 /// [`ChardevError::Wiring`] with what could be asked for instead.
-fn line_offset(lines: &[LineListing], wanted: &str, chip: &str) -> Result<u32, ChardevError> {
+pub(in crate::pins) fn line_offset(
+    lines: &[LineListing],
+    wanted: &str,
+    chip: &str,
+) -> Result<u32, ChardevError> {
     let named: Vec<u32> =
         lines.iter().filter(|line| line.name.as_deref() == Some(wanted)).map(|line| line.offset).collect();
     let instead = match (named.as_slice(), wanted.parse::<u32>()) {

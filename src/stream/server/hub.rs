@@ -3,8 +3,8 @@
 use crate::reading::Reading;
 use crate::stream::limits::serving::ACHIEVED_OVER_S;
 use crate::stream::wire::{
-    ChannelInfo, ChannelStats, ErrorCode, ErrorLine, InstrumentStats, ReadingLine, ReadingTally, StatsLine,
-    VersionLine, excerpt, to_line,
+    ChannelInfo, ChannelStats, ErrorCode, ErrorLine, EventLine, InstrumentStats, ReadingLine, ReadingTally,
+    StatsLine, VersionLine, excerpt, to_line,
 };
 use jiff::Timestamp;
 use serde::Serialize;
@@ -26,6 +26,8 @@ pub(super) enum Content {
     /// The discharges after it belong to this tape.
     Tape,
     Reading(Box<ReadingLine>),
+    /// Of the trigger of a channel.
+    Event(String),
     /// Of the sensor of a channel, or of all: a calibration.
     Discharge(Option<String>),
 }
@@ -54,6 +56,7 @@ pub(super) struct Hub {
 struct Channel {
     id: String,
     last: Option<(Reading, Timestamp)>,
+    event: Option<Arc<Published>>,
     /// Of the present window and of the last one that is full.
     tallies: [ReadingTally; 2],
 }
@@ -83,6 +86,7 @@ impl Hub {
         let new = |channel: &ChannelInfo| Channel {
             id: channel.id.clone(),
             last: None,
+            event: None,
             tallies: Default::default(),
         };
         let channels = channels.iter().map(new).collect();
@@ -126,6 +130,19 @@ impl Hub {
         self.published += 1;
     }
 
+    /// Keeps an event as the last one of its channel, and returns it as a line; of a channel that is no longer there: `None`.
+    pub fn keep_event(&mut self, event: &EventLine) -> Option<Arc<Published>> {
+        let channel = self.channels.iter_mut().find(|channel| channel.id == event.channel)?;
+        let published = Published::new(Content::Event(event.channel.clone()), event);
+        channel.event = Some(Arc::clone(&published));
+        Some(published)
+    }
+
+    /// The last event of each channel that has had one.
+    pub fn last_events(&self) -> impl Iterator<Item = &Arc<Published>> {
+        self.channels.iter().filter_map(|channel| channel.event.as_ref())
+    }
+
     /// The last reading of the channel of that index, for those that watch.
     pub fn last_reading(&self, index: usize) -> Option<Arc<Published>> {
         let reading = self.channels.get(index)?.last_line()?;
@@ -133,7 +150,7 @@ impl Hub {
         Some(Arc::new(Published { content: Content::Reading(Box::new(reading)), line }))
     }
 
-    /// Appends the last reading of each channel, and one refusal for those that have none yet.
+    /// Appends the last reading and event of each channel, and one refusal for those that have none yet.
     pub fn write_last_readings(&self, out: &mut Vec<u8>) {
         let mut missing = Vec::new();
         for channel in &self.channels {
@@ -141,6 +158,7 @@ impl Hub {
                 Some(line) => out.extend(to_line(&line)),
                 None => missing.push(channel.id.as_str()),
             }
+            out.extend(channel.event.iter().flat_map(|event| &event.line));
         }
         if !missing.is_empty() {
             let message = format!("no reading yet of {}: wait for the stream", missing.join(", "));

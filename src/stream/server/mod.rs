@@ -22,7 +22,7 @@ pub use listener::{ListenError, Listener};
 
 use super::limits::serving::{ACCEPT_PAUSE, ACCEPT_SAID_FOR, ACCEPTS_PER_TURN, EVENTS_PER_TURN};
 use super::tape::{DischargeLine, Header};
-use super::wire::{ChannelInfo, ErrorCode, ErrorLine, InstrumentStats, to_line};
+use super::wire::{ChannelInfo, ErrorCode, ErrorLine, EventLine, InstrumentStats, to_line};
 use crate::reading::Reading;
 use crate::units::Nanos;
 use hub::{Content, Hub, Published};
@@ -119,6 +119,13 @@ impl Server {
             if let Some(published) = self.hub.last_reading(reading.channel) {
                 self.publish(&published);
             }
+        }
+    }
+
+    /// Publishes an event of a trigger. Who comes later gets the last one of each channel first.
+    pub fn publish_event(&mut self, event: &EventLine) {
+        if let Some(published) = self.hub.keep_event(event) {
+            self.publish(&published);
         }
     }
 

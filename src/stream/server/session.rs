@@ -27,6 +27,8 @@ pub(super) struct Session {
     version_due: Option<Arc<Published>>,
     /// The TAPE that the first discharge in the queue belongs to, until it is written.
     tape_due: Option<Arc<Published>>,
+    /// The last event of each channel before the first line in the queue, until it is written.
+    events_due: Vec<Arc<Published>>,
     /// Wanted lines that were dropped since the last one it got.
     lost: u64,
     subscription: Subscription,
@@ -42,6 +44,7 @@ impl Session {
             queue_lines: queue_lines.max(1),
             version_due: Some(Arc::clone(&hub.version)),
             tape_due: None,
+            events_due: hub.last_events().cloned().collect(),
             lost: 0,
             subscription: Subscription::default(),
         }
@@ -94,13 +97,24 @@ impl Session {
         lost
     }
 
-    /// Drops the oldest reading or discharge; what was announced around it is still due to those after it. Returns 1 if it
-    /// was wanted, else 0.
+    /// Drops the oldest reading or discharge; what was announced around it is still due to those after it, and the last event of
+    /// each channel. Returns 1 if it was wanted, else 0.
     fn drop_oldest(&mut self) -> u64 {
         let mut lost = None;
         while let Some(oldest) = self.queue.front() {
             match oldest.content {
-                Content::Version => self.version_due = self.queue.pop_front(),
+                Content::Version => {
+                    // Those were of the channels before.
+                    self.events_due.clear();
+                    self.version_due = self.queue.pop_front();
+                }
+                Content::Event(_) if lost.is_some() => break,
+                Content::Event(_) => {
+                    if let Some(event) = self.queue.pop_front() {
+                        self.events_due.retain(|before| !is_of_same_channel(before, &event));
+                        self.events_due.push(event);
+                    }
+                }
                 Content::Tape => self.tape_due = self.queue.pop_front(),
                 Content::Reading(_) | Content::Discharge(_) if lost.is_some() => break,
                 Content::Reading(_) | Content::Discharge(_) => {
@@ -149,6 +163,11 @@ impl Session {
     fn compose(&mut self, hub: &Hub, stats: &StatsSource<'_>) -> bool {
         if let Some(announced) = self.version_due.take().or_else(|| self.tape_due.take()) {
             self.output.extend_from_slice(&announced.line);
+        } else if !self.events_due.is_empty() {
+            let event = self.events_due.remove(0);
+            if self.subscription.wants(&event.content) {
+                self.output.extend_from_slice(&event.line);
+            }
         } else if let Some(line) = self.input.next_line() {
             let line = line.as_deref().map_err(|too_long| *too_long);
             if line != Ok(b"") {
@@ -210,6 +229,7 @@ impl Session {
             let mut versions = self.queue.drain(..).filter(|line| matches!(line.content, Content::Version));
             self.version_due = versions.next_back().or(self.version_due.take());
             self.lost = 0;
+            self.events_due = hub.last_events().cloned().collect();
         }
         self.subscription = Subscription::new(watch);
         if !was_raw || !self.wants_raw() {
@@ -217,6 +237,10 @@ impl Session {
         }
         Ok(())
     }
+}
+
+fn is_of_same_channel(one: &Published, other: &Published) -> bool {
+    matches!((&one.content, &other.content), (Content::Event(one), Content::Event(other)) if one == other)
 }
 
 #[cfg(test)]

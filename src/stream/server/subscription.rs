@@ -20,7 +20,7 @@ impl Subscription {
     pub fn is_of(&self, content: &Content) -> bool {
         match content {
             Content::Version => true,
-            Content::Reading(_) => self.watch.enable && !self.watch.raw,
+            Content::Reading(_) | Content::Event(_) => self.watch.enable && !self.watch.raw,
             Content::Tape | Content::Discharge(_) => self.watch.enable && self.watch.raw,
         }
     }
@@ -32,7 +32,8 @@ impl Subscription {
             _ if !self.is_of(content) => false,
             Content::Version | Content::Tape => true,
             Content::Discharge(None) => true,
-            Content::Discharge(Some(channel)) => self.wants_channel(channel),
+            // No rate: each of them is a state of its own.
+            Content::Discharge(Some(channel)) | Content::Event(channel) => self.wants_channel(channel),
             Content::Reading(reading) => {
                 let (channel, at) = (&reading.channel, Nanos(reading.t_mono_ns));
                 self.wants_channel(channel)

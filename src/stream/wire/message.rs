@@ -1,6 +1,6 @@
-//! What the server says: VERSION, READING, STATS, ERROR and the lines of a tape.
+//! What the server says: VERSION, READING, EVENT, STATS, ERROR and the lines of a tape.
 
-use super::{PROTO_MAJOR, PROTO_MINOR, StatsLine};
+use super::{EventLine, PROTO_MAJOR, PROTO_MINOR, StatsLine};
 use crate::reading::{Method, Reading, Status};
 use crate::stream::line::{Class, is_unknown, uncertainty, value};
 use crate::stream::tape::{DischargeLine, Header};
@@ -14,6 +14,8 @@ pub enum ServerMessage {
     Version(VersionLine),
     /// A reading.
     Reading(Box<ReadingLine>),
+    /// A channel has passed a threshold.
+    Event(EventLine),
     /// Figures of the daemon.
     Stats(Box<StatsLine>),
     /// A refusal, or a warning.
@@ -47,6 +49,7 @@ impl ServerMessage {
         Ok(match class.as_str() {
             "VERSION" => ServerMessage::Version(read(line)?),
             "READING" => ServerMessage::Reading(read(line)?),
+            "EVENT" => ServerMessage::Event(read(line)?),
             "STATS" => ServerMessage::Stats(read(line)?),
             "ERROR" => ServerMessage::Error(read(line)?),
             "TAPE" => ServerMessage::Tape(read(line)?),
@@ -77,6 +80,9 @@ pub struct ChannelInfo {
     pub id: String,
     /// What it measures.
     pub unit: Unit,
+    /// Whether it has a trigger: there will be EVENTs of it.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub trigger: bool,
 }
 
 /// What the values of a channel are measured in.

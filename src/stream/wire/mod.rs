@@ -19,6 +19,7 @@
 //! ```
 
 mod achieved;
+mod event;
 mod message;
 mod request;
 mod split;
@@ -27,6 +28,7 @@ mod stats;
 pub use super::limits::{MAX_LINE_BYTES, PROTO_MAJOR, PROTO_MINOR};
 pub(crate) use super::line::to_line;
 pub use achieved::{ChannelStats, ReadingTally};
+pub use event::{EventLine, EventName};
 pub use message::{
     ChannelInfo, ErrorCode, ErrorLine, ReadingLine, ServerMessage, StateLine, StatusName, Unit,
     UnreadableLine, VersionLine,

@@ -18,7 +18,7 @@ pub const TIME: Timestamp = Timestamp::constant(1_795_232_400, 123_456_789);
 
 /// Two channels.
 pub fn channels() -> [ChannelInfo; 2] {
-    let channel = |id: &str, unit| ChannelInfo { id: id.to_owned(), unit };
+    let channel = |id: &str, unit| ChannelInfo { id: id.to_owned(), unit, trigger: false };
     [channel("thumb", Unit::Newton), channel("index", Unit::Ohm)]
 }
 

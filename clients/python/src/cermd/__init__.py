@@ -5,7 +5,18 @@
 ...     print(reading.newtons, reading.newtons_u)
 """
 
-from ._client import DEFAULT_SOCKET, CermdError, Readings, latest, readings, stats
-from ._reading import Reading
+from ._client import DEFAULT_SOCKET, CermdError, Events, Readings, events, latest, readings, stats
+from ._reading import Event, Reading
 
-__all__ = ["DEFAULT_SOCKET", "CermdError", "Reading", "Readings", "latest", "readings", "stats"]
+__all__ = [
+    "DEFAULT_SOCKET",
+    "CermdError",
+    "Event",
+    "Events",
+    "Reading",
+    "Readings",
+    "events",
+    "latest",
+    "readings",
+    "stats",
+]

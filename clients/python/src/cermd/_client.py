@@ -7,9 +7,9 @@ import os
 import socket as sockets
 import time
 from types import TracebackType
-from typing import Any, Dict, Iterator, Optional, Type
+from typing import Any, Dict, Generic, Iterator, Optional, Type, TypeVar
 
-from ._reading import Reading
+from ._reading import Event, Reading
 
 DEFAULT_SOCKET = "/run/cermd/cermd.sock"
 
@@ -112,11 +112,17 @@ class _Connection:
         self._socket.close()
 
 
-class Readings:
-    """Readings as they come, for ever: connected again, unless asked not to, whenever the daemon restarts.
+_T = TypeVar("_T")
+_S = TypeVar("_S", bound="_Stream[Any]")
+
+
+class _Stream(Generic[_T]):
+    """What comes of one class, for ever: connected again, unless asked not to, whenever the daemon restarts.
 
     An iterator and a context manager; `close` ends it, also from another thread.
     """
+
+    _class = ""
 
     def __init__(
         self,
@@ -132,8 +138,11 @@ class Readings:
         self._closed = False
         self._connection: Optional[_Connection] = None
 
-    def get(self, timeout: Optional[float] = None) -> Optional[Reading]:
-        """The next reading; None: there is none within so many seconds, or `close` was called.
+    def _read(self, message: Dict[str, Any]) -> _T:
+        raise NotImplementedError
+
+    def get(self, timeout: Optional[float] = None) -> Optional[_T]:
+        """The next one; None: there is none within so many seconds, or `close` was called.
 
         Raises CermdError where waiting does not help, and without reconnect also where it would."""
         until = None if timeout is None else time.monotonic() + timeout
@@ -158,8 +167,8 @@ class Readings:
             if message is None:
                 return None
             # Other channels' are from before the request was read.
-            if message["class"] == "READING" and (not self._channels or message["channel"] in self._channels):
-                return Reading.of(message)
+            if message["class"] == self._class and (not self._channels or message["channel"] in self._channels):
+                return self._read(message)
             if message["class"] == "ERROR" and message["code"] not in _PASSING:
                 raise CermdError(f"cermd: {message['message']}")
         return None
@@ -190,16 +199,16 @@ class Readings:
         if connection is not None:
             connection.close()
 
-    def __iter__(self) -> Iterator[Reading]:
+    def __iter__(self) -> Iterator[_T]:
         return self
 
-    def __next__(self) -> Reading:
-        reading = self.get()
-        if reading is None:
+    def __next__(self) -> _T:
+        found = self.get()
+        if found is None:
             raise StopIteration
-        return reading
+        return found
 
-    def __enter__(self) -> Readings:
+    def __enter__(self: _S) -> _S:
         return self
 
     def __exit__(
@@ -211,11 +220,35 @@ class Readings:
         self.close()
 
 
+class Readings(_Stream[Reading]):
+    """Readings as they come."""
+
+    _class = "READING"
+
+    def _read(self, message: Dict[str, Any]) -> Reading:
+        return Reading.of(message)
+
+
+class Events(_Stream[Event]):
+    """What the triggers of channels say; first, and after each restart of the daemon, what is so."""
+
+    _class = "EVENT"
+
+    def _read(self, message: Dict[str, Any]) -> Event:
+        return Event.of(message)
+
+
 def readings(
     *channels: str, socket: Optional[str] = None, max_hz: Optional[float] = None, reconnect: bool = True
 ) -> Readings:
     """Readings of these channels, or of all; at most max_hz of each a second."""
     return Readings(*channels, socket=socket, max_hz=max_hz, reconnect=reconnect)
+
+
+def events(*channels: str, socket: Optional[str] = None, reconnect: bool = True) -> Events:
+    """Events of these channels, or of all that have a trigger. While the daemon is gone nothing comes."""
+    # Readings come besides, and are passed over: one a minute of each.
+    return Events(*channels, socket=socket, max_hz=1 / 60, reconnect=reconnect)
 
 
 def latest(channel: str, socket: Optional[str] = None, timeout: float = 5.0) -> Reading:

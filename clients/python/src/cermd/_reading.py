@@ -1,4 +1,4 @@
-"""What is known of a sensor at an instant."""
+"""What is known of a sensor at an instant, and what its trigger said."""
 
 from __future__ import annotations
 
@@ -85,5 +85,36 @@ class Reading:
             settling=message.get("settling", False),
             extrapolated=message.get("extrapolated", False),
             lost=message.get("lost", 0),
+            raw=message,
+        )
+
+
+@dataclass(frozen=True)
+class Event:
+    """What is known of the trigger of a channel has changed."""
+
+    channel: str
+    #: "pressed" or "released".
+    event: str
+    #: When that was so, on the clock of time.monotonic_ns().
+    monotonic_ns: int
+    #: Released, but not known to be: "fault" (readings without a number) or "stale" (no readings).
+    reason: Optional[str] = None
+    #: Everything that the daemon said, also what this release does not know.
+    raw: Mapping[str, Any] = field(default_factory=dict, repr=False, compare=False)
+
+    @property
+    def is_pressed(self) -> Optional[bool]:
+        """Whether it is; None: not known."""
+        return self.event == "pressed" if self.reason is None else None
+
+    @classmethod
+    def of(cls, message: Mapping[str, Any]) -> Event:
+        """From an EVENT of the stream."""
+        return cls(
+            channel=message["channel"],
+            event=message["event"],
+            monotonic_ns=message["t_mono_ns"],
+            reason=message.get("reason"),
             raw=message,
         )

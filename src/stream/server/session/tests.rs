@@ -3,7 +3,7 @@
 use super::*;
 use crate::reading::{Fault, Method, Reading, Status};
 use crate::stream::tape::{DischargeLine, Header};
-use crate::stream::wire::{ChannelInfo, InstrumentStats, Unit};
+use crate::stream::wire::{ChannelInfo, EventLine, EventName, InstrumentStats, Unit};
 use crate::units::Nanos;
 use jiff::Timestamp;
 use proptest::prelude::*;
@@ -12,7 +12,7 @@ use proptest::prelude::*;
 const LINES: usize = 4;
 
 fn channels(unit: Unit) -> [ChannelInfo; 1] {
-    [ChannelInfo { id: "thumb".into(), unit }]
+    [ChannelInfo { id: "thumb".into(), unit, trigger: false }]
 }
 
 fn hub() -> Hub {
@@ -90,6 +90,50 @@ fn a_tape_begins_with_its_header_and_has_no_past() {
     let stream = answers(&mut session, &hub, "");
     let lost = String::from_utf8(to_line(&ErrorLine::lost(1))).unwrap();
     assert_eq!(stream, format!("{header}\n{lost}{}", lines[1..].concat()));
+}
+
+fn event(hub: &mut Hub, session: &mut Session, event: EventName, t_mono_ns: i64) {
+    let line = EventLine { channel: "thumb".into(), event, reason: None, time: String::new(), t_mono_ns };
+    session.queue(&hub.keep_event(&line).unwrap());
+}
+
+#[test]
+fn the_last_event_is_known_to_whoever_comes_late_or_reads_slowly() {
+    let (mut hub, mut early) = (hub(), session(&hub()));
+    answers(&mut early, &hub, "{\"class\":\"WATCH\",\"max_hz\":0.001}\n");
+    for (at, name) in [(1, EventName::Pressed), (2, EventName::Released)] {
+        event(&mut hub, &mut early, name, at);
+    }
+    let stream = answers(&mut early, &hub, "");
+    assert!(
+        stream.contains("\"pressed\"") && stream.lines().count() == 2,
+        "no rate holds for them: {stream}"
+    );
+    let mut late = session(&hub);
+    let stream = answers(&mut late, &hub, "");
+    let lines: Vec<&str> = stream.lines().collect();
+    let last =
+        "{\"class\":\"EVENT\",\"channel\":\"thumb\",\"event\":\"released\",\"time\":\"\",\"t_mono_ns\":2}";
+    assert!(lines.len() == 2 && lines[1] == last, "{stream}");
+    assert!(answers(&mut late, &hub, "{\"class\":\"POLL\"}\n").contains(last));
+    // A stream that begins anew tells it again; raw there is none.
+    assert_eq!(answers(&mut late, &hub, "{\"class\":\"WATCH\",\"raw\":true}\n"), "");
+    assert_eq!(answers(&mut late, &hub, "{\"class\":\"WATCH\"}\n").trim_end(), last);
+    // It is written before what came after it, however much was lost in between.
+    let mut slow = session(&hub);
+    answers(&mut slow, &hub, "");
+    event(&mut hub, &mut slow, EventName::Pressed, 3);
+    (1..=10).for_each(|seq| publish(&mut hub, &mut slow, seq));
+    let stream = answers(&mut slow, &hub, "");
+    let lines: Vec<&str> = stream.lines().collect();
+    assert!(lines.len() == LINES + 1 && lines[0].contains("\"t_mono_ns\":3}"), "{stream}");
+    assert!(lines[1].contains("\"lost\":6"), "{stream}");
+    // Other channels are there: what the old ones were is over.
+    event(&mut hub, &mut slow, EventName::Released, 4);
+    reload(&mut hub, &mut slow, Unit::Ohm);
+    (11..=20).for_each(|seq| publish(&mut hub, &mut slow, seq));
+    assert!(!answers(&mut slow, &hub, "").contains("EVENT"));
+    assert_eq!(answers(&mut session(&hub), &hub, "").lines().count(), 1);
 }
 
 #[test]

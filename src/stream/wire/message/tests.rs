@@ -81,7 +81,7 @@ fn the_lines_of_the_protocol_byte_by_byte() {
 #[test]
 fn version_byte_by_byte() {
     assert_eq!(
-        line(&VersionLine::new(&[ChannelInfo { id: "thumb".into(), unit: Unit::Newton }])),
+        line(&VersionLine::new(&[ChannelInfo { id: "thumb".into(), unit: Unit::Newton, trigger: false }])),
         format!(
             "{{\"class\":\"VERSION\",\"proto_major\":1,\"proto_minor\":0,\"release\":\"{}\",\
              \"channels\":[{{\"id\":\"thumb\",\"unit\":\"N\"}}]}}\n",

@@ -1,0 +1,158 @@
+//! Triggers: what is refused, and what the defaults are.
+
+use super::*;
+use crate::config::When;
+use crate::trigger::{Quantity, Rules};
+
+/// One complaint about added lines of the channel, which has a force.
+#[track_caller]
+fn one_trigger(lines: &str, beginning: &str) {
+    one(|c| c.lines("channel.thumb", lines), beginning);
+}
+
+fn rules(change: impl FnOnce(&mut ConfigFile) -> &mut ConfigFile) -> Rules {
+    config(change).triggers().unwrap()[0].rules
+}
+
+#[test]
+fn thresholds_and_times_that_cannot_work() {
+    for (lines, beginning) in [
+        (
+            "on-above = '2 N'\noff-below = '2 N'",
+            "off-below: 2 N is not below on-above = 2 N; try \"1.6 N\", or",
+        ),
+        (
+            "on-below = '2 N'\noff-above = '1 N'",
+            "off-above: 1 N is not above on-below = 2 N; try \"2.5 N\", or",
+        ),
+        (
+            "on-above = '2 N'\noff-above = '1 N'",
+            "off-above: it does not go with on-above; try on-above with off-below",
+        ),
+        ("on-above = '2 N'\non-below = '1 N'", "on-below: it does not go with on-above"),
+        (
+            "on-above = '2 N'\noff-below = '1 kohm'",
+            "off-below: 1 kohm is not of the same kind as on-above = 2 N",
+        ),
+        ("on-above = '0 N'", "on-above: 0 N is not above zero"),
+        ("on-above = '-5 kohm'", "on-above: -5 kohm is not above zero; try \"5 kohm\""),
+        ("on-above = '2 N'\noff-below = '0 N'", "off-below: 0 N is not above zero"),
+        ("off-below = '1 N'", "off-below: the channel has no threshold"),
+        ("hold = '20 ms'", "hold: the channel has no threshold"),
+        ("stale = '1 s'", "stale: the channel has no threshold"),
+        ("output = { line = 17 }", "output: the channel has no threshold"),
+        ("on-above = '2 N'\nhold = '61 s'", "hold: 61 s is not between 0 and 1 min"),
+        ("on-above = '2 N'\nhold = '-1 ms'", "hold: -1 ms is not between 0 and 1 min"),
+        ("on-above = '2 N'\nstale = '0 s'", "stale: 0 s is not between 0 and 1 min"),
+        ("on-above = '2 N'\nstale = '100 ms'", "stale: 100 ms is shorter than"),
+    ] {
+        one_trigger(lines, &format!("error: channel.thumb.{beginning}"));
+    }
+    one(
+        |c| c.unset(&["channel.thumb.force"]).set("channel.thumb.on-above", "2 N"),
+        "error: channel.thumb.on-above: 2 N is a force, and the channel gives none; try a resistance such as",
+    );
+    // Prefixes and other units of force.
+    for good in ["on-above = '500 g'", "on-below = '5 kohm'", "on-above = '2 N'\noff-below = '50 g'"] {
+        assert_eq!(complaints(&config(|c| c.lines("channel.thumb", good))), Vec::<String>::new(), "{good}");
+    }
+}
+
+#[test]
+fn what_is_no_threshold_is_refused_with_its_line() {
+    let text = config_file::config(|c| c.channel("x").set("channel.x.on-above", "2 volt")).to_string();
+    let error = Config::parse(&text, "test").unwrap_err().to_string();
+    assert!(error.contains("expected a force such as \"2 N\" or a resistance such as \"5 kohm\""), "{error}");
+    assert!(error.contains("on-above"), "{error}");
+}
+
+#[test]
+fn outputs_are_lines_of_their_own() {
+    let output = |output: &str| format!("on-above = '2 N'\noutput = {output}");
+    for (line, beginning) in [
+        ("{ line = 'GPIO16' }", "output: GPIO16 is channel.thumb.sink already"),
+        ("{ line = 'GPIO13' }", "output: GPIO13 is gpio.charge-a already"),
+        ("{ line = 'GPIO13', chip = 'pinctrl-rp1' }", "output: GPIO13 is gpio.charge-a already"),
+    ] {
+        one_trigger(&output(line), &format!("error: channel.thumb.{beginning}"));
+    }
+    // That of another chip may have the name.
+    let elsewhere = output("{ line = 'GPIO13', chip = 'expander' }");
+    assert_eq!(complaints(&config(|c| c.lines("channel.thumb", &elsewhere))), Vec::<String>::new());
+    let two = |c: &mut ConfigFile| {
+        c.channel("index").set("channel.index.sink", "GPIO26").set("channel.index.on-below", "5 kohm");
+        c.lines("channel.index", "output = { line = 'GPIO17' }");
+        c.lines("channel.thumb", &output("{ line = 'GPIO17' }")).clone()
+    };
+    one(
+        |c| {
+            *c = two(c);
+            c
+        },
+        "error: channel.index.output: GPIO17 is channel.thumb.output already",
+    );
+}
+
+#[test]
+fn what_is_left_out_follows_from_the_circuit() {
+    let thumb = |line: &'static str| rules(move |c| c.lines("channel.thumb", line));
+    let up = thumb("on-above = '2 N'");
+    assert_eq!((up.quantity, up.on, up.off, up.hold), (Quantity::Force, 2.0, 1.6, Nanos::ZERO));
+    // Three cycles of which each takes 67.1 ms at most: the prediction of the good configuration.
+    assert!((up.stale.as_seconds() - 3.0 * 0.0671).abs() < 0.0005, "{:?}", up.stale);
+    let down = thumb("on-below = '2 kohm'\nhold = '20 ms'\nstale = '1 s'");
+    let expected = Rules {
+        quantity: Quantity::Resistance,
+        on: 2e3,
+        off: 2.5e3,
+        hold: Nanos(20_000_000),
+        stale: Nanos(1_000_000_000),
+    };
+    assert_eq!(down, expected);
+    assert!(config(|c| c).triggers().unwrap().is_empty());
+    // What is read more rarely may be silent for longer.
+    let rare = rules(|c| c.lines("channel.thumb", "on-above = '2 N'\nevery = 10"));
+    assert_eq!(rare.stale.0, 10 * up.stale.0);
+    let mean = rules(|c| c.lines("channel.thumb", "on-above = '2 N'").set("measure.average", "1 s"));
+    assert_eq!(mean.stale.0, up.stale.0 + 3_000_000_000);
+}
+
+#[test]
+fn the_line_of_an_output_is_that_of_the_circuits_chip_unless_it_says_otherwise() {
+    let output = |lines: &str| {
+        let config = config(|c| c.lines("channel.thumb", &format!("on-above = '2 N'\noutput = {lines}")));
+        config.triggers().unwrap().remove(0).output.unwrap()
+    };
+    let (line, when) = output("{ line = 17 }");
+    assert_eq!((line.chip.as_str(), line.line.as_str(), line.active_low), ("pinctrl-rp1", "17", false));
+    assert_eq!(when, When::Pressed);
+    let (line, when) = output("{ line = 'P0', chip = 'expander', active-low = true, when = 'released' }");
+    assert_eq!((line.chip.as_str(), line.line.as_str(), line.active_low), ("expander", "P0", true));
+    assert_eq!(when, When::Released);
+}
+
+#[test]
+fn what_is_not_known_makes_no_output_active() {
+    use crate::trigger::{State, Why};
+    for state in [State::Pressed, State::Released, State::Unknown(Why::Fault), State::Unknown(Why::Stale)] {
+        assert_eq!(When::Pressed.is_active(state), state == State::Pressed);
+        assert_eq!(When::Released.is_active(state), state == State::Released);
+    }
+}
+
+#[test]
+fn how_late_a_press_is_told_is_predicted() {
+    let told = |hold: &str| {
+        let config = config(|c| c.lines("channel.thumb", "on-above = '2 N'").set("channel.thumb.hold", hold));
+        let findings = config.check();
+        let told = findings.0.iter().find(|finding| finding.key == "channel.thumb.on-above");
+        told.map(ToString::to_string).unwrap()
+    };
+    let words = |time| {
+        format!(
+            "info: channel.thumb.on-above: 2 N: told {time} after it is so, or sooner, unless readings are faults"
+        )
+    };
+    assert_eq!(told("0 s"), words("67 ms"));
+    assert_eq!(told("20 ms"), words("150 ms"));
+}

@@ -1,0 +1,82 @@
+# A trigger moves its line soon after its sensor has changed; the line is inactive when the measuring thread hangs and at the
+# end, and drives no more after a kill and the cleaner.
+. /test/lib.sh
+outputs=/sys/kernel/debug/gpio-cermd/outputs
+tracing=/sys/kernel/debug/tracing
+[ -d $tracing/events/gpio ] || {
+    tracing=/sys/kernel/tracing
+    mount -t tracefs none $tracing
+}
+[ -d $tracing/events/gpio ] || exit 77
+press() { circuit r_mohm 2320000,12700000,1000000,0; }
+let_go() { circuit r_mohm 2320000,12700000,10000000,0; }
+is() { grep "GPIO17 .* out $1" /sys/kernel/debug/gpio; }
+drives() { [ $(($(cat $outputs) & 1 << 17)) != 0 ]; }
+
+echo mono >$tracing/trace_clock
+backends=chardev
+case $(uname -r) in 6.12*) backends="chardev chardev-v1" ;; esac
+for backend in $backends; do
+    write_configuration cermd.toml backend=$backend method=tracked
+    sed -i '/^id = "x"/a on-below = "5 kohm"\noutput = { line = "GPIO17" }' cermd.toml
+    let_go
+    start_cermd cermd.toml
+    raw $CERMD_SOCKET >stream &
+    client=$!
+    until_true 100 grep '"event":"released"' stream || fail "nothing is known: $(tail -n 3 stream)"
+    number=$(sed -n 's/.*gpio-\([0-9]*\) *(GPIO17 .*/\1/p' /sys/kernel/debug/gpio)
+    echo "gpio == $number" >$tracing/events/gpio/gpio_value/filter
+    echo >$tracing/trace
+    echo 1 >$tracing/events/gpio/gpio_value/enable
+    round=0
+    while [ $round -lt 20 ]; do
+        # At any phase of a cycle.
+        usleep $((200000 + round * 7919 % 20 * 1300))
+        echo step >$tracing/trace_marker
+        press
+        until_true 100 is hi || fail "$backend: it is never pressed: $(tail -n 3 stream)"
+        sleep 0.2
+        echo step >$tracing/trace_marker
+        let_go
+        until_true 100 is lo || fail "$backend: it is never released: $(tail -n 3 stream)"
+        round=$((round + 1))
+    done
+    echo 0 >$tracing/events/gpio/gpio_value/enable
+    cat $tracing/trace >trace-$backend
+    # From each step to the first change of the line after it, ms.
+    mawk '/tracing_mark_write|gpio_value/ && !/^#/ {
+        for (i = 1; i <= NF; i++) if ($i ~ /^[0-9]+\.[0-9]+:$/) at = $i + 0
+        if (/tracing_mark_write/) from = at
+        else if (from) { printf "%.2f\n", 1e3 * (at - from); from = 0 }
+    }' trace-$backend | sort -n >late-$backend
+    mawk -v b=$backend '{ late[NR] = $1 } END {
+        printf "%s: from the step to the line, %d steps: median %.1f ms, at most %.1f ms\n", b, NR, late[int((NR + 1) / 2)], late[NR]
+        exit !(NR == 40 && late[1] > 0 && late[NR] < 150) }' late-$backend || fail "$(cat late-$backend)"
+
+    # The measuring thread hangs: the line is let go of without it.
+    press
+    until_true 100 is hi || fail "$backend: it is not pressed"
+    hang $cermd cermd-measure &
+    hanging=$!
+    until_true 100 is lo || fail "$backend: nobody notices that the measuring thread hangs"
+    until_true 100 grep '"event":"released","reason":"stale"' stream || fail "$backend: nobody is told"
+    kill $hanging
+    wait $hanging || true
+    until_true 100 is hi || fail "$backend: it does not go on"
+
+    kill $client
+    stop_cermd
+    ! drives || fail "$backend: the line drives after the end"
+
+    start_cermd cermd.toml
+    until_true 100 is hi || fail "$backend: it is not pressed"
+    kill -KILL $cermd
+    wait $cermd 2>/dev/null || true
+    trap - EXIT
+    ! drives || echo "$backend: the line drives after the kill"
+    cermd --config cermd.toml --release-lines || fail "$backend: the cleaner failed"
+    [ "$(cat $outputs)" = 0 ] || fail "$backend: lines $(cat $outputs) drive after the cleaner"
+    wait $client 2>/dev/null || true
+done
+cat cermd.log
+[ "$(cat $parameters/conflicts)" = 0 ] || fail "lines drove against each other"
