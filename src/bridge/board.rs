@@ -31,9 +31,9 @@ impl Board {
     pub fn hear(&mut self, heard: &Heard) {
         match heard {
             Heard::Up(version) => {
-                // What is pressed is said after it.
+                // What is pressed is said after it, and readings may be of another calibration.
                 self.events.clear();
-                self.readings.retain(|id, _| version.channels.iter().any(|channel| channel.id == *id));
+                self.readings.clear();
                 self.version = Some(version.clone());
             }
             Heard::Reading(reading, _) => {
@@ -139,7 +139,7 @@ pub(super) mod tests {
         assert_eq!(told(&board, 110), [("thumb", Some(1.0)), ("index", Some(2.0))]);
         assert_eq!(told(&board, 111), [("thumb", None), ("index", Some(2.0))]);
         board.hear(&up(&["index"]));
-        assert_eq!(told(&board, 111), [("index", Some(2.0))]);
+        assert_eq!(told(&board, 111), [("index", None)], "of the calibration before");
         board.hear(&Heard::Down);
         assert!(told(&board, 111).is_empty() && board.version().is_none());
         board.hear(&up(&["index"]));

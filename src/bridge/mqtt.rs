@@ -56,10 +56,14 @@ pub fn run(source: Source, broker: Broker, options: Options, wish: Wish<'_>) -> 
                     link.publish_all(teller.introduction());
                 }
                 for message in teller.tell(&heard, now()) {
-                    let channel = message.channel.clone();
-                    if let (false, Some(channel)) = (link.publish(message), channel) {
-                        // The broker is slow: what it has not taken was not told.
-                        teller.forget(&channel);
+                    let (channel, is_retained) = (message.channel.clone(), message.is_retained);
+                    if link.publish(message) {
+                        continue;
+                    }
+                    // The broker is slow: what it has not taken was not told.
+                    channel.into_iter().for_each(|channel| teller.forget(&channel));
+                    if is_retained {
+                        link.introduce_again();
                     }
                 }
             }
@@ -125,6 +129,8 @@ struct Teller {
     /// A reading that is older is not told.
     patience: Nanos,
     version: Option<VersionLine>,
+    /// The channels that Home Assistant may still have.
+    announced: Option<VersionLine>,
     /// Of the figures before: readings, and the time of the daemon, s.
     counted: Option<(u64, f64)>,
     reporters: BTreeMap<String, Reporter>,
@@ -136,12 +142,14 @@ impl Teller {
     fn new(options: Options, patience: Nanos) -> Teller {
         let topics = Topics { id: options.id.clone(), discovery: options.discovery.clone() };
         let (reporters, events) = (BTreeMap::new(), BTreeMap::new());
-        Teller { options, topics, patience, version: None, counted: None, reporters, events }
+        Teller { options, topics, patience, version: None, announced: None, counted: None, reporters, events }
     }
 
     /// What somebody must hear who has heard nothing yet. From now on everything is news.
     fn introduction(&mut self) -> Vec<Message> {
         self.reporters.clear();
+        let gone = self.version.as_ref().and_then(|version| self.gone(version));
+        self.announced = self.version.clone().or_else(|| self.announced.take());
         let state = if self.version.is_some() { ONLINE } else { OFFLINE };
         let device = self.topics.device().zip(self.version.as_ref()).map(|(topic, version)| {
             Message::retained(
@@ -149,7 +157,7 @@ impl Teller {
                 &discovery::device(&self.topics, version, self.options.every).to_string(),
             )
         });
-        device.into_iter().chain([Message::retained(self.topics.availability(), state)]).collect()
+        gone.into_iter().chain(device).chain([Message::retained(self.topics.availability(), state)]).collect()
     }
 
     /// Remembers who is there, while there is nobody to tell.
@@ -172,13 +180,9 @@ impl Teller {
 
     /// What there is to tell of what was heard.
     fn tell(&mut self, heard: &Heard, now: Nanos) -> Vec<Message> {
-        let gone = match heard {
-            Heard::Up(version) => self.gone(version),
-            _ => Vec::new(),
-        };
         self.note(heard);
         match heard {
-            Heard::Up(_) => gone.into_iter().chain(self.introduction()).collect(),
+            Heard::Up(_) => self.introduction(),
             Heard::Down => self.introduction(),
             Heard::Reading(reading, _) => self.report(reading, now).into_iter().collect(),
             Heard::Event(event, _) if self.has(&event.channel) => vec![self.trigger(event)],
@@ -193,10 +197,10 @@ impl Teller {
     }
 
     /// The entities of channels that are no more, taken back.
-    fn gone(&self, version: &VersionLine) -> Vec<Message> {
-        let (Some(topic), Some(before)) = (self.topics.device(), &self.version) else { return Vec::new() };
-        let device = discovery::device_without(&self.topics, version, before, self.options.every);
-        device.map(|device| Message::retained(topic, &device.to_string())).into_iter().collect()
+    fn gone(&self, version: &VersionLine) -> Option<Message> {
+        let (topic, before) = self.topics.device().zip(self.announced.as_ref())?;
+        let device = discovery::device_without(&self.topics, version, before, self.options.every)?;
+        Some(Message::retained(topic, &device.to_string()))
     }
 
     /// Of no other channels, however many ids a daemon may send.

@@ -2,6 +2,7 @@
 
 use super::context::{Context, Element, sample};
 use crate::stream::wire::ReadingLine;
+use crate::units::Nanos;
 use jiff::Timestamp;
 use std::sync::Arc;
 
@@ -11,11 +12,13 @@ pub struct Rows {
     elements: Vec<Element>,
     /// Of each channel of the context: whether it is wanted, and its reading since the last row.
     slots: Vec<(bool, Option<Arc<ReadingLine>>)>,
+    /// The readings of a row are no farther apart.
+    patience: Nanos,
 }
 
 impl Rows {
     /// `mask`: a bit for each element of the context; `None`: it asks for what is not there, or for nothing.
-    pub fn new(context: &Context, mask: u64) -> Option<Rows> {
+    pub fn new(context: &Context, mask: u64, patience: Nanos) -> Option<Rows> {
         let count = context.elements.len();
         if mask == 0 || count > 64 || (count < 64 && mask >> count != 0) {
             return None;
@@ -30,7 +33,7 @@ impl Rows {
         // A timestamp alone is that of every channel's.
         let all = elements == [Element::Timestamp];
         let slots = (0..context.channels.len()).map(|at| (all || of_channel(at), None)).collect();
-        Some(Rows { elements, slots })
+        Some(Rows { elements, slots, patience })
     }
 
     /// Bytes of a row.
@@ -46,6 +49,11 @@ impl Rows {
             return None;
         }
         *slot = Some(Arc::clone(reading));
+        // A row has one time: what is from before an outage is no part of it.
+        let least_ns = reading.t_mono_ns - self.patience.0;
+        for (_, slot) in &mut self.slots {
+            *slot = slot.take().filter(|reading| reading.t_mono_ns >= least_ns);
+        }
         if self.slots.iter().any(|(is_wanted, slot)| *is_wanted && slot.is_none()) {
             return None;
         }
@@ -82,8 +90,14 @@ mod tests {
         Context::new(&version)
     }
 
+    const PATIENCE: Nanos = Nanos(10);
+
     fn line(id: &str, state: StateLine) -> Arc<ReadingLine> {
-        let Heard::Reading(line, _) = reading(id, 0, state) else { unreachable!() };
+        line_at(id, 0, state)
+    }
+
+    fn line_at(id: &str, t_mono_ns: i64, state: StateLine) -> Arc<ReadingLine> {
+        let Heard::Reading(line, _) = reading(id, t_mono_ns, state) else { unreachable!() };
         Arc::new(*line)
     }
 
@@ -94,7 +108,7 @@ mod tests {
     #[test]
     fn a_row_has_a_number_of_each_channel_or_is_none() {
         // resistance0, force0, resistance1, force1, timestamp
-        let mut rows = Rows::new(&context(), 0b10101).unwrap();
+        let mut rows = Rows::new(&context(), 0b10101, PATIENCE).unwrap();
         let mut feed = |id, state| rows.feed(&context(), &line(id, state)).map(|row| numbers(&row));
         assert_eq!(feed("thumb", ok(1.5)), None);
         assert_eq!(feed("other", ok(1.5)), None);
@@ -107,11 +121,18 @@ mod tests {
     }
 
     #[test]
+    fn a_row_has_nothing_of_before_an_outage() {
+        let mut rows = Rows::new(&context(), 0b10101, PATIENCE).unwrap();
+        let mut feed = |id, at| rows.feed(&context(), &line_at(id, at, ok(1.0))).is_some();
+        assert!(!feed("thumb", 0) && !feed("index", 11) && feed("thumb", 21));
+    }
+
+    #[test]
     fn what_is_not_there_cannot_be_asked_for() {
-        assert!(Rows::new(&context(), 0).is_none());
-        assert!(Rows::new(&context(), 1 << 5).is_none());
-        assert_eq!(Rows::new(&context(), 0b11111).unwrap().size(), 40);
-        let mut rows = Rows::new(&context(), 0b00001).unwrap();
+        assert!(Rows::new(&context(), 0, PATIENCE).is_none());
+        assert!(Rows::new(&context(), 1 << 5, PATIENCE).is_none());
+        assert_eq!(Rows::new(&context(), 0b11111, PATIENCE).unwrap().size(), 40);
+        let mut rows = Rows::new(&context(), 0b00001, PATIENCE).unwrap();
         assert!(rows.feed(&context(), &line("index", ok(1.0))).is_none());
         assert_eq!(numbers(&rows.feed(&context(), &line("thumb", ok(1.0))).unwrap()), [1_000]);
     }

@@ -5,6 +5,7 @@ use super::rows::Rows;
 use super::{Hub, lock, now};
 use crate::bridge::limits::{IIO_COMMAND_BYTES, IIO_SILENCE};
 use crate::stream::wire::ReadingLine;
+use crate::units::Nanos;
 use std::io::{self, BufRead, BufReader, Read, Write};
 use std::net::TcpStream;
 use std::sync::Arc;
@@ -36,6 +37,8 @@ pub struct Session {
 struct Buffer {
     rows: Rows,
     mask: u64,
+    /// A reading that has waited for longer is no row.
+    fresh: Nanos,
     readings: Receiver<Arc<ReadingLine>>,
 }
 
@@ -125,8 +128,9 @@ impl Session {
             return Err(EBUSY);
         }
         let mask = u64::from_str_radix(mask, 16).map_err(|_| EINVAL)?;
-        let rows = Rows::new(self.context()?, mask).ok_or(EINVAL)?;
-        self.buffer = Some(Buffer { rows, mask, readings: lock(&self.hub).open() });
+        let fresh = lock(&self.hub).patience;
+        let rows = Rows::new(self.context()?, mask, fresh).ok_or(EINVAL)?;
+        self.buffer = Some(Buffer { rows, mask, fresh, readings: lock(&self.hub).open() });
         Ok(())
     }
 
@@ -161,6 +165,9 @@ impl Buffer {
         loop {
             let left = until.saturating_duration_since(Instant::now());
             let reading = self.readings.recv_timeout(left).ok()?;
+            if now() - Nanos(reading.t_mono_ns) > self.fresh {
+                continue;
+            }
             if let Some(row) = self.rows.feed(context, &reading) {
                 return Some(row);
             }

@@ -127,12 +127,16 @@ impl Link {
         })
     }
 
-    /// All or, so that the next look finds a new link again, what can be.
+    /// Everything is told anew as soon as there is room for it.
+    pub fn introduce_again(&self) {
+        lock(&self.shared).is_new = true;
+    }
+
+    /// Many at once; if there is no room for all, [`Link::introduce_again`].
     pub fn publish_all(&self, messages: Vec<Message>) {
         for message in messages {
             if !self.publish(message) {
-                lock(&self.shared).is_new = true;
-                return;
+                return self.introduce_again();
             }
         }
     }

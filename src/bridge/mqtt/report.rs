@@ -23,17 +23,19 @@ struct Told {
     kind: Kind,
     r_ohm: Option<f64>,
     r_u_ohm: f64,
+    is_moving: bool,
 }
 
 /// What makes two readings different things, not different numbers.
-type Kind = (StatusName, Option<String>, bool);
+type Kind = (StatusName, Option<String>, bool, bool);
 
 impl Reporter {
     /// Whether a reading taken at this instant is to be told; if so, it counts as told.
     pub fn is_news(&mut self, state: &StateLine, at: Nanos, rules: &Rules) -> bool {
         let told = Told {
             at,
-            kind: (state.status, state.fault.clone(), state.settling),
+            kind: (state.status, state.fault.clone(), state.settling, state.extrapolated),
+            is_moving: state.moving,
             r_ohm: state.r_ohm,
             // The force follows from the resistance; the uncertainty of its characteristic does not move from reading to
             // reading, and would hide what does.
@@ -47,6 +49,8 @@ impl Reporter {
                 }
                 _ => false,
             };
+            // What it was while it moved is no answer to where it came to rest, however wide its uncertainty was.
+            let has_moved = has_moved || (before.is_moving && !told.is_moving);
             told.kind != before.kind || elapsed >= rules.every || (has_moved && elapsed >= rules.at_least)
         });
         if is_news {
@@ -75,6 +79,17 @@ mod tests {
         assert!(is_news(110.0, 2_200));
         assert!(!is_news(110.0, 12_199));
         assert!(is_news(110.0, 12_200), "silent for too long");
+    }
+
+    #[test]
+    fn where_it_came_to_rest_is_news() {
+        let mut reporter = Reporter::default();
+        let moving = StateLine { moving: true, r_u_ohm: Some(500.0), ..ok(2000.0) };
+        assert!(reporter.is_news(&moving, Nanos(0), &RULES));
+        assert!(!reporter.is_news(&moving, Nanos(300), &RULES));
+        assert!(!reporter.is_news(&ok(1000.0), Nanos(100), &RULES), "too soon");
+        assert!(reporter.is_news(&ok(1000.0), Nanos(400), &RULES));
+        assert!(!reporter.is_news(&ok(1000.0), Nanos(800), &RULES));
     }
 
     #[test]

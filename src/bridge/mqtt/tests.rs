@@ -122,6 +122,12 @@ fn channels_that_are_gone_are_taken_back() {
     assert_eq!(entities(&told[0])["index_force"], serde_json::json!({"p": "sensor"}));
     assert!(entities(&told[0])["thumb_force"]["state_topic"] == "cermd/bench/channel/thumb");
     assert!(entities(&told[1]).get("index_force").is_none());
+    // Also when the daemon was away, or the broker, while that happened.
+    teller.tell(&up(&["thumb", "index"]), Nanos(0));
+    teller.tell(&Heard::Down, Nanos(0));
+    assert_eq!(topics(&teller.tell(&up(&["thumb"]), Nanos(0))), [DEVICE, DEVICE, AVAILABILITY]);
+    teller.note(&up(&["index"]));
+    assert_eq!(topics(&teller.introduction()), [DEVICE, DEVICE, AVAILABILITY]);
 }
 
 #[test]

@@ -18,6 +18,8 @@ _MAX_LINE_BYTES = 64 * 1024
 # A busy daemon answers well within it.
 _ANSWER_S = 2.0
 _RETRY_S = 0.5
+# The least that a connection is given, whatever the caller's time-out.
+_LEAST_S = 0.05
 # Answers that are none: no reading yet, or lines lost to a slow reader.
 _PASSING = ("no-reading", "lost")
 
@@ -33,12 +35,13 @@ class _Gone(CermdError):
 class _Connection:
     """One connection; its first line, VERSION, has been read."""
 
-    def __init__(self, path: str) -> None:
+    def __init__(self, path: str, patience: float = _ANSWER_S) -> None:
         self.path = path
+        self._patience = min(patience, _ANSWER_S)
         self._bytes = bytearray()
         self._socket = sockets.socket(sockets.AF_UNIX, sockets.SOCK_STREAM)
         try:
-            self._socket.settimeout(_ANSWER_S)
+            self._socket.settimeout(self._patience)
             self._socket.connect(path)
         except PermissionError as error:
             self.close()
@@ -55,9 +58,9 @@ class _Connection:
             raise
 
     def _greeting(self) -> Dict[str, Any]:
-        message = self.receive(_ANSWER_S)
+        message = self.receive(self._patience)
         if message is None:
-            raise _Gone(f"no answer from cermd at {self.path} within {_ANSWER_S} s")
+            raise _Gone(f"no answer from cermd at {self.path} within {self._patience:.1f} s")
         if message["class"] == "ERROR":
             raise _Gone(f"cermd refused the connection: {message['message']}")
         if message["class"] != "VERSION" or message["proto_major"] != _PROTO_MAJOR:
@@ -150,7 +153,10 @@ class _Stream(Generic[_T]):
             left = None if until is None else max(0.0, until - time.monotonic())
             try:
                 if self._connection is None:
-                    self._connect()
+                    # Never waited for in vain: a local daemon greets within milliseconds.
+                    self._connect(_ANSWER_S if left is None else max(left, _LEAST_S))
+                    if self._closed:
+                        self._drop()
                     continue
                 message = self._connection.receive(left)
             except _Gone:
@@ -166,6 +172,8 @@ class _Stream(Generic[_T]):
                 continue
             if message is None:
                 return None
+            if message["class"] == "VERSION":
+                self._look_for_channels(message)
             # Other channels' are from before the request was read.
             if message["class"] == self._class and (not self._channels or message["channel"] in self._channels):
                 return self._read(message)
@@ -173,13 +181,16 @@ class _Stream(Generic[_T]):
                 raise CermdError(f"cermd: {message['message']}")
         return None
 
-    def _connect(self) -> None:
-        self._connection = connection = _Connection(self._path)
-        known = [channel["id"] for channel in connection.version["channels"]]
+    def _look_for_channels(self, version: Dict[str, Any]) -> None:
+        known = [channel["id"] for channel in version["channels"]]
         for channel in self._channels:
             if channel not in known:
                 self._drop()
                 raise CermdError(f'no channel "{channel}": there is {", ".join(known)}')
+
+    def _connect(self, patience: float = _ANSWER_S) -> None:
+        self._connection = connection = _Connection(self._path, patience)
+        self._look_for_channels(connection.version)
         request: Dict[str, Any] = {"class": "WATCH"}
         if self._channels:
             request["channels"] = list(self._channels)

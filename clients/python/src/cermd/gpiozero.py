@@ -8,7 +8,7 @@ from typing import Any, Optional
 from gpiozero import Device, EventsMixin, SourceMixin
 from gpiozero.threads import GPIOThread
 
-from ._client import Readings
+from ._client import CermdError, Readings
 from ._reading import Reading
 
 # How long the thread waits for a reading before it looks whether the last one is still fresh.
@@ -29,7 +29,8 @@ class ForceSensor(SourceMixin, EventsMixin, Device):  # type: ignore[misc]
     """A channel of cermd with a force. `value` is 0 to 1 of `full_scale`, or None where there is no number.
 
     Active from `threshold` on until the force is below `release` (0.8 of the threshold without it), there is no number,
-    or nothing fresh is heard for `stale` seconds. Forces are in newtons.
+    or nothing fresh is heard for `stale` seconds. Forces are in newtons. `error`: the CermdError for which nothing is heard,
+    such as a channel that is no more.
     """
 
     def __init__(
@@ -46,6 +47,7 @@ class ForceSensor(SourceMixin, EventsMixin, Device):  # type: ignore[misc]
         self._thread: Any = None
         self._last: Optional[Reading] = None
         self._pressed = False
+        self.error: Optional[CermdError] = None
         super().__init__(pin_factory=_NoPins())
         self.channel = channel
         self.full_scale = full_scale
@@ -57,9 +59,15 @@ class ForceSensor(SourceMixin, EventsMixin, Device):  # type: ignore[misc]
         self._thread.start()
 
     def _listen(self) -> None:
-        while not self.closed and not self._thread.stopping.is_set():
-            readings = self._readings
-            reading = None if readings is None else readings.get(_LOOK_S)
+        readings, stopping = self._readings, self._thread.stopping
+        while not stopping.is_set():
+            try:
+                reading = readings.get(_LOOK_S)
+                self.error = None
+            except CermdError as error:
+                # Nothing is known, which is an event, too; what is wrong may be put right.
+                self.error, reading = error, None
+                stopping.wait(_LOOK_S)
             if reading is not None:
                 self._last = reading
             force = self.force
