@@ -6,7 +6,7 @@
 
 #![allow(clippy::unwrap_used, clippy::print_stdout, reason = "a bench that cannot go on has failed")]
 
-use cermd::reading::{Branch, Measured, MeasuredForce, Method, Reading, Status};
+use cermd::reading::{Branch, Measured, MeasuredValue, Method, Reading, Status};
 use cermd::stream::server::{Limits, Listener, Server};
 use cermd::stream::wire::{ChannelInfo, Unit};
 use cermd::units::Nanos;
@@ -107,12 +107,12 @@ fn round(reading_clients: usize) {
 fn reading(seq: u64) -> Reading {
     let r_ohm = Measured { value: 2841.3 + (seq as f64).sin(), u: Some(1.234) };
     let (value, u) = (4.697 + (seq as f64).cos(), Some(0.002_34));
-    let f_n = Some(MeasuredForce { value, u, repeat_u: u, is_extrapolated: false });
+    let shown = Some(MeasuredValue { value, u, repeat_u: u, is_extrapolated: false });
     Reading {
         channel: 0,
         seq,
         at: Nanos(81_234_567_890 + seq as i64 * 10_000_000),
-        status: Status::Ok { branch: Branch::Direct, r_ohm, f_n, is_moving: false, is_settling: false },
+        status: Status::Ok { branch: Branch::Direct, r_ohm, shown, is_moving: false, is_settling: false },
         suspect: None,
         method: Method::Cerm,
         duration: Nanos(9_000_000),

@@ -63,7 +63,7 @@ fn estimates(criterion: &mut Criterion) {
         for (branch, r_ohm) in [(Branch::Direct, 20_000.0), (Branch::Inferred, 500.0)] {
             let found = record_of(&Bench::new("pi4", method, r_ohm, 1, ""), branch);
             let Some((estimator, record)) = found else { continue };
-            let sensor = Channel { id: String::new(), zero_ohm: None, scale: None, force: None };
+            let sensor = Channel::default();
             let name = format!("{}/{}", method.as_str(), branch.as_str());
             criterion.bench_function(&format!("estimate/{name}"), |bencher| {
                 bencher.iter(|| estimator.status(black_box(&record), &sensor));

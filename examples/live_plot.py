@@ -21,9 +21,14 @@ unit = "ohm"
 def draw(_frame):
     global unit
     while (reading := stream.get(timeout=0.0)) is not None:
+        unit = reading.unit or unit
         unit = "N" if "f_n" in reading.raw or "f_max_n" in reading.raw or "f_min_n" in reading.raw else unit
         # A state is a gap, not a zero.
-        value, u = (reading.newtons, reading.newtons_u) if reading.newtons is not None else (reading.ohms, reading.ohms_u)
+        value, u = reading.ohms, reading.ohms_u
+        if reading.newtons is not None:
+            value, u = reading.newtons, reading.newtons_u
+        elif unit != "ohm":
+            value, u = reading.value, reading.value_u
         points.append((reading.monotonic_ns * 1e-9, float("nan") if value is None else value, u or 0.0))
     if not points:
         return

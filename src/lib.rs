@@ -22,7 +22,7 @@
 //! | [`circuit`] | the nominal law of the circuit, its nodes, its three wirings | measured times, pins |
 //! | [`record`] | the timings of one discharge | how they were taken |
 //! | [`reading`] | what is said of a sensor: a number, or a state with its reason | how it came about |
-//! | [`sensor`] | what is known of a sensor before it is measured: its zero, how its resistance becomes a force | how it is measured |
+//! | [`sensor`] | what is known of a sensor before it is measured: its zero, how its resistance becomes a force, a temperature or what else it stands for | how it is measured |
 //! | [`trigger`] | when readings become an event: pressed, released, or not known any more | who is told, what is switched |
 //! | [`pins`] | the hardware behind one trait: character devices, the simulated circuit, real-time rights | discharges, methods |
 //! | [`estimate`] | from records to what is known: law, methods, noise, offset, tracked calibration, force; pure | pins, clocks, the order of discharges |

@@ -17,24 +17,34 @@ pub struct Measured {
     pub u: Option<f64>,
 }
 
-/// A force, with what is known of it.
+/// What a sensor shows, with what is known of it, in the unit of its channel: newton of a force, or that of its law.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct MeasuredForce {
-    /// Newton.
+pub struct MeasuredValue {
+    /// The value.
     pub value: f64,
-    /// 1 sigma of all: the readout, and the sensor's deviation from its characteristic. `None` as for the resistance.
+    /// 1 sigma of all: the readout, and the sensor's deviation from its law. `None`: as for the resistance, or nobody has said how
+    /// well the law is known.
     pub u: Option<f64>,
     /// 1 sigma of the readout alone: how well two readings of one sensor can be told apart.
     pub repeat_u: Option<f64>,
-    /// It is outside the forces that the characteristic was found with.
+    /// It is outside of where the law is known to hold.
     pub is_extrapolated: bool,
 }
 
+/// What is known of a value where the resistance is no number but a bound, in the unit of the channel.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Bound {
+    /// The value is above this.
+    AtLeast(f64),
+    /// The value is below this.
+    AtMost(f64),
+}
+
 #[cfg(test)]
-impl From<Measured> for MeasuredForce {
-    /// By a characteristic that is exact everywhere.
-    fn from(Measured { value, u }: Measured) -> MeasuredForce {
-        MeasuredForce { value, u, repeat_u: u, is_extrapolated: false }
+impl From<Measured> for MeasuredValue {
+    /// By a law that is exact everywhere.
+    fn from(Measured { value, u }: Measured) -> MeasuredValue {
+        MeasuredValue { value, u, repeat_u: u, is_extrapolated: false }
     }
 }
 
@@ -216,8 +226,8 @@ pub enum Status {
         branch: Branch,
         /// Ohm.
         r_ohm: Measured,
-        /// Newton; `None` for a channel without force calibration.
-        f_n: Option<MeasuredForce>,
+        /// What the sensor shows; `None` for a channel without force and law, or where that says nothing.
+        shown: Option<MeasuredValue>,
         /// The sensor changed while it was read, and u contains that: it is more than all else.
         is_moving: bool,
         /// u is still a prior, and wide: too little has been seen to know the noise, or what leaks.
@@ -227,15 +237,15 @@ pub enum Status {
     Open {
         /// Lower bound, ohm.
         r_min_ohm: f64,
-        /// The force that belongs to it: upper bound, newton.
-        f_max_n: Option<f64>,
+        /// What belongs to it.
+        shown: Option<Bound>,
     },
     /// The resistance is below what can be told from 0.
     Short {
         /// Upper bound (2 sigma), ohm.
         r_max_ohm: f64,
-        /// The force that belongs to it: lower bound, newton.
-        f_min_n: Option<f64>,
+        /// What belongs to it.
+        shown: Option<Bound>,
     },
     /// Not known.
     Fault(Fault),

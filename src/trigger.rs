@@ -8,7 +8,7 @@
 //! decides nothing. Pressed and released need a number; what is unknown comes from the lack of one alone. And a number is good
 //! for so long: readings without one do no harm until then.
 
-use crate::reading::{Fault, Measured, MeasuredForce, Reading, Status};
+use crate::reading::{Bound, Fault, Measured, MeasuredValue, Reading, Status};
 use crate::units::Nanos;
 
 /// How many sigma a number must be beyond a threshold: 95 % of truths are within two.
@@ -28,11 +28,15 @@ impl Quantity {
     fn span(self, status: &Status) -> Option<[f64; 2]> {
         let around = |value: f64, u: Option<f64>| u.map(|u| [value - SIGMAS * u, value + SIGMAS * u]);
         match (self, *status) {
-            (Quantity::Force, Status::Ok { f_n: Some(MeasuredForce { value, repeat_u, .. }), .. }) => {
+            (Quantity::Force, Status::Ok { shown: Some(MeasuredValue { value, repeat_u, .. }), .. }) => {
                 around(value, repeat_u)
             }
-            (Quantity::Force, Status::Open { f_max_n: Some(most), .. }) => Some([f64::NEG_INFINITY, most]),
-            (Quantity::Force, Status::Short { f_min_n: Some(least), .. }) => Some([least, f64::INFINITY]),
+            (Quantity::Force, Status::Open { shown: Some(Bound::AtMost(most)), .. }) => {
+                Some([f64::NEG_INFINITY, most])
+            }
+            (Quantity::Force, Status::Short { shown: Some(Bound::AtLeast(least)), .. }) => {
+                Some([least, f64::INFINITY])
+            }
             (Quantity::Force, _) => None,
             (Quantity::Resistance, Status::Ok { r_ohm: Measured { value, u }, .. }) => around(value, u),
             (Quantity::Resistance, Status::Open { r_min_ohm, .. }) => Some([r_min_ohm, f64::INFINITY]),

@@ -14,6 +14,7 @@ mod derived;
 mod finding;
 mod force;
 mod gpio;
+mod law;
 mod limits;
 mod number;
 #[doc(hidden)]
@@ -24,6 +25,7 @@ mod trigger;
 pub use finding::{Finding, Findings, Severity};
 pub use force::{Characteristic, Source};
 pub use gpio::{Backend, Gpio, LineName};
+pub use law::LawSource;
 pub use limits::{LARGEST_ZERO_OHM, LONGEST_WAIT};
 pub use settings::{SettingsError, tape_header};
 pub use trigger::{Level, OutputTable, TriggerSettings, When};
@@ -143,6 +145,8 @@ pub struct ChannelTable {
     pub every: u32,
     /// How resistance becomes force. Default: not at all, the channel gives ohm only.
     pub force: Option<Characteristic>,
+    /// How it becomes something else. Default: not at all; not with a force.
+    pub law: Option<LawSource>,
     /// Pressed from here on upwards, a force or a resistance. Default: the channel has no trigger.
     pub on_above: Option<Level>,
     /// Released below this. Default: 0.8 of `on-above`.
@@ -175,6 +179,7 @@ impl Default for ChannelTable {
             scale: None,
             every: each(),
             force: None,
+            law: None,
             on_above: None,
             off_below: None,
             on_below: None,

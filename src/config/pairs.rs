@@ -1,9 +1,11 @@
-//! Pairs of force and resistance as people write them: `1.20,11122`, `1.2 N, 11.122 kohm`, `120 g` alone.
+//! Pairs of force and resistance as people write them: `1.20,11122`, `1.2 N, 11.122 kohm`, `120 g` alone; and of any other value
+//! and resistance: `25,10000`, `25, 10 kohm`.
 
 use super::limits::{UNDER_WEIGHTS_OHM, WEIGHTS_N};
 use crate::estimate::fit::Pair;
 use crate::files;
 use crate::sensor::Table;
+use crate::sensor::table::Pairs;
 use crate::units::{Newton, Ohm};
 use csv::{ReaderBuilder, StringRecord, Trim};
 use std::path::Path;
@@ -22,12 +24,41 @@ pub fn load_table(path: &Path) -> Result<Table, String> {
     Table::try_from(pairs).map_err(|error| error.to_string())
 }
 
+/// The table that the lines `value,r_ohm` of a file make.
+///
+/// # Errors
+/// As [`load_table`].
+pub fn load_values(path: &Path) -> Result<Pairs, String> {
+    let origin = path.display().to_string();
+    let unread = |error| format!("cannot read the table {origin}: {error}; {}", files::hint(&error));
+    let text = files::read_text(path, files::TABLE_BYTES).map_err(unread)?;
+    let pairs = lines(&text, &origin, |line| {
+        let wrong = || {
+            format!("{line:?} is not a value and a resistance: write \"value,r_ohm\", such as \"25,10000\"")
+        };
+        let (value, right) = line.split_once(',').ok_or_else(wrong)?;
+        let value: Option<f64> = value.trim().parse().ok();
+        value.zip(ohm(right.trim())).map(|(value, r_ohm)| (r_ohm, value)).ok_or_else(wrong)
+    })?;
+    Pairs::try_from(pairs).map_err(|error| format!("{origin}: {error}"))
+}
+
 /// The pairs of a CSV file. Empty lines, lines that begin with `#` and a line of names before the first pair are passed
 /// over.
 ///
 /// # Errors
 /// Which line is wrong, what of it, and how it is written.
 pub fn of_csv(text: &str, origin: &str) -> Result<Vec<Pair>, String> {
+    lines(text, origin, |line| {
+        parse(line).and_then(|(f_n, r_ohm)| match r_ohm {
+            Some(r_ohm) => Ok(Pair { f_n, r_ohm }),
+            None => Err(format!("{line:?} has no resistance: {EXAMPLE}")),
+        })
+    })
+}
+
+/// What the lines of a file say, but for comments and names.
+fn lines<T>(text: &str, origin: &str, parse: impl Fn(&str) -> Result<T, String>) -> Result<Vec<T>, String> {
     let mut pairs = Vec::new();
     // Line by line: the reader of a whole file does not count those that it passes over.
     for (index, line) in text.lines().enumerate() {
@@ -36,11 +67,7 @@ pub fn of_csv(text: &str, origin: &str) -> Result<Vec<Pair>, String> {
         if line.trim().is_empty() || line.trim().starts_with('#') || is_names {
             continue;
         }
-        let pair = parse(line).and_then(|(f_n, r_ohm)| match r_ohm {
-            Some(r_ohm) => Ok(Pair { f_n, r_ohm }),
-            None => Err(format!("{line:?} has no resistance: {EXAMPLE}")),
-        });
-        pairs.push(pair.map_err(|reason| format!("{origin}, line {}: {reason}", index + 1))?);
+        pairs.push(parse(line).map_err(|reason| format!("{origin}, line {}: {reason}", index + 1))?);
     }
     Ok(pairs)
 }
@@ -96,6 +123,29 @@ mod tests {
             ["", "heavy", "-1", "0", "NaN", "inf", "1 ohm", "1,", "1,0", "1,-5", "1,2,3", "1,NaN", "g"]
         {
             assert!(parse(wrong).is_err(), "{wrong}");
+        }
+    }
+
+    #[test]
+    fn a_table_of_values_has_a_number_and_a_resistance_on_each_line() {
+        let folder = tempfile::tempdir().unwrap();
+        let load = |text: &str| {
+            let path = folder.path().join("t.csv");
+            std::fs::write(&path, text).unwrap();
+            load_values(&path).map(Vec::from)
+        };
+        let pairs = load("degc,r_ohm\n# warm\n25, 10 kohm\n\n-10,55.3 kohm\n").unwrap();
+        assert_eq!(pairs, [(10_000.0, 25.0), (55_300.0, -10.0)]);
+        for (text, wanted) in [
+            ("25,10000\n30\n", "line 2: \"30\" is not a value and a resistance"),
+            ("25,10000\n30,5 degC\n", "line 2: "),
+            ("25,10000\n30,8000,1\n", "line 2: "),
+            ("25,10000\ninf,8000\n", "no number"),
+            ("25,10000\n", "1 pair(s)"),
+            ("25,10000\n30,11000\n35,9000\n", "not monotone: at 11000 ohm"),
+        ] {
+            let error = load(text).unwrap_err();
+            assert!(error.contains("t.csv") && error.contains(wanted), "{text:?}: {error}");
         }
     }
 

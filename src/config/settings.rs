@@ -1,20 +1,23 @@
 //! From a checked configuration to what the instrument runs with.
 
 use super::pairs;
-use super::{Characteristic, Config, Source};
+use super::{ChannelTable, Characteristic, Config, LawSource, Source};
 use crate::circuit::Node;
 use crate::estimate::offset::Offset;
 use crate::instrument::settings::{OffsetSource, Settings};
-use crate::sensor::{Channel, Force, Law};
+use crate::sensor::table::Tabled;
+use crate::sensor::{Channel, Force, Law, Transducer};
 use crate::stream::tape::{Header, PROTO_MAJOR, TapeCircuit, TapeOffset};
 use crate::units::Nanos;
 
 /// Why a configuration that passes its check still cannot be run.
 #[derive(Debug, thiserror::Error)]
-#[error("channel {id:?}: force: {reason}")]
+#[error("channel {id:?}: {key}: {reason}")]
 pub struct SettingsError {
-    /// The channel whose force table is not usable.
+    /// The channel whose table is not usable.
     pub id: String,
+    /// "force" or "law".
+    pub key: &'static str,
     /// Why.
     pub reason: String,
 }
@@ -23,21 +26,10 @@ impl Config {
     /// What the instrument runs with, of a configuration that has passed [`Config::check`].
     ///
     /// # Errors
-    /// A force table that cannot be read or is not monotone.
+    /// A table that cannot be read or is not monotone.
     pub fn settings(&self) -> Result<Settings, SettingsError> {
         let circuit = &self.circuit;
-        let channels = self.channels.iter().map(|channel| {
-            let read = |Characteristic { law, u, range_n, tare_n }: &Characteristic| {
-                let law = match law {
-                    Source::Given(law) => law.clone(),
-                    Source::File(file) => Law::Table { table: pairs::load_table(&self.base.join(file))? },
-                };
-                Ok(Force { law, u: *u, range_n: *range_n, tare_n: *tare_n })
-            };
-            let failed = |reason| SettingsError { id: channel.id.clone(), reason };
-            let force = channel.force.as_ref().map(read).transpose().map_err(failed)?;
-            Ok(Channel { id: channel.id.clone(), zero_ohm: channel.zero_ohm, scale: channel.scale, force })
-        });
+        let channels = self.channels.iter().map(|channel| self.sensor(channel));
         Ok(Settings {
             method: self.method(),
             kind: circuit.kind(),
@@ -59,6 +51,35 @@ impl Config {
             switch_fraction: self.switch_fraction(),
             every: self.channels.iter().map(|channel| channel.every).collect(),
             channels: channels.collect::<Result<_, _>>()?,
+        })
+    }
+
+    /// A channel with its tables read.
+    fn sensor(&self, channel: &ChannelTable) -> Result<Channel, SettingsError> {
+        let failed = |key| move |reason| SettingsError { id: channel.id.clone(), key, reason };
+        let force =
+            channel.force.as_ref().map(|force| self.force(force)).transpose().map_err(failed("force"))?;
+        let law = channel.law.as_ref().map(|law| self.law(law)).transpose().map_err(failed("law"))?;
+        let ChannelTable { id, zero_ohm, scale, .. } = channel;
+        Ok(Channel { id: id.clone(), zero_ohm: *zero_ohm, scale: *scale, force, law })
+    }
+
+    fn force(&self, Characteristic { law, u, range_n, tare_n }: &Characteristic) -> Result<Force, String> {
+        let law = match law {
+            Source::Given(law) => law.clone(),
+            Source::File(file) => Law::Table { table: pairs::load_table(&self.base.join(file))? },
+        };
+        Ok(Force { law, u: *u, range_n: *range_n, tare_n: *tare_n })
+    }
+
+    fn law(&self, law: &LawSource) -> Result<Transducer, String> {
+        Ok(match law {
+            LawSource::Given(law) => law.clone(),
+            LawSource::File { table, unit, u } => Transducer::Table(Tabled {
+                table: pairs::load_values(&self.base.join(table))?,
+                unit: unit.clone(),
+                u: *u,
+            }),
         })
     }
 }

@@ -133,6 +133,62 @@ fn other_forces_and_offsets() {
 }
 
 #[test]
+fn laws_are_read_with_their_units() {
+    use crate::sensor::Transducer;
+    use crate::sensor::ntc::{Curve, Ntc};
+    let with = |law: &str| {
+        let config = parse(&format!("{MINIMAL}[[channel]]\nid = \"a\"\nlaw = {law}"));
+        match config.channels[0].law.clone() {
+            Some(LawSource::Given(law)) => law,
+            other => panic!("{other:?}"),
+        }
+    };
+    let curve = Curve::Beta { r25_ohm: 10_000.0, beta_k: 3950.0, beta_u: None };
+    let ntc = with(
+        r#"{ kind = "ntc", r25 = "10 kohm", beta = "3.95 kK", u = "1 %", range = ["-5 degC", "60 degC"] }"#,
+    );
+    assert_eq!(ntc, Transducer::Ntc(Ntc { curve, u: Some(0.01), range_degc: Some([-5.0, 60.0]) }));
+    let Transducer::Position(slider) =
+        with(r#"{ kind = "position", r0 = "0 ohm", r1 = "10 kohm", span = "10 cm", u = "0.5 mm" }"#)
+    else {
+        panic!()
+    };
+    assert_eq!((slider.span, slider.unit.as_str(), slider.u), (100.0, "mm", Some(0.5)));
+}
+
+#[test]
+fn a_law_that_cannot_be_read_says_what_it_takes() {
+    let refused = |law: &str| refusal(&format!("{MINIMAL}[[channel]]\nid = \"a\"\nlaw = {law}"));
+    for (law, wanted) in [
+        (r#"{ r25 = "10 kohm" }"#, "missing field `kind`"),
+        (
+            r#"{ kind = "ptc" }"#,
+            "unknown variant `ptc`, expected one of `ntc`, `pt1000`, `ldr`, `position`, `table`",
+        ),
+        (r#"{ kind = "ntc", r25 = "10 kohm" }"#, "an ntc takes r25 and beta, or a, b and c"),
+        (
+            r#"{ kind = "ntc", r25 = "10 kohm", beta = "3950 K", a = 1 }"#,
+            "an ntc takes r25 and beta, or a, b and c",
+        ),
+        (r#"{ kind = "ntc", r25 = 10000, beta = "3950 K" }"#, "the unit is missing, write \"10 kohm\""),
+        (r#"{ kind = "ntc", r25 = "10 kohm", beta = "3950 degC" }"#, "expected a number of kelvins such as"),
+        (r#"{ kind = "pt1000", class = "D" }"#, "unknown variant `D`, expected one of `AA`, `A`, `B`, `C`"),
+        (r#"{ kind = "pt1000", r25 = "1 kohm" }"#, "unknown field `r25`, expected `class`"),
+        (
+            r#"{ kind = "position", r0 = "0 ohm", r1 = "1 kohm", span = "1 s" }"#,
+            "span = \"1 s\" is no length",
+        ),
+        (
+            r#"{ kind = "position", r0 = "0 ohm", r1 = "1 kohm", span = "1 m", u = "1 %" }"#,
+            "u is in %, and span in mm",
+        ),
+    ] {
+        let error = refused(law);
+        assert!(error.contains(wanted) && error.contains("law = "), "{law}: {error}");
+    }
+}
+
+#[test]
 fn an_unknown_key_is_pointed_at() {
     insta::assert_snapshot!(refusal(&MINIMAL.replace("c-b", "cb")), @r#"
     test.toml: TOML parse error at line 5, column 1

@@ -3,8 +3,8 @@
 use crate::stream::wire::ChannelStats;
 use crate::units::{ForceUnit, rough};
 
-/// Rate, shares of what they were, and uncertainties.
-pub fn in_words(stats: &ChannelStats, unit: ForceUnit) -> String {
+/// Rate, shares of what they were, and uncertainties; `value_unit`: of what a law gives.
+pub fn in_words(stats: &ChannelStats, unit: ForceUnit, value_unit: &str) -> String {
     let percent = |count: u64| {
         let percent = 100.0 * count as f64 / stats.readings.max(1) as f64;
         if percent > 0.0 && percent < 1.0 { "below 1 %".to_owned() } else { format!("{percent:.0} %") }
@@ -22,7 +22,8 @@ pub fn in_words(stats: &ChannelStats, unit: ForceUnit) -> String {
     ];
     let u_ohm = stats.r_u_ohm.map(|u| rough(u, "ohm"));
     let u_n = stats.f_u_n.map(|u| rough(u / unit.newton(), unit.as_str()));
-    let u = u_ohm.into_iter().chain(u_n).collect::<Vec<_>>().join(" and ");
+    let u_value = stats.value_u.map(|u| rough(u, value_unit));
+    let u = u_ohm.into_iter().chain(u_n).chain(u_value).collect::<Vec<_>>().join(" and ");
     let u = (!u.is_empty()).then(|| format!("u {u} rms"));
     rate.into_iter().chain(shares.into_iter().flatten()).chain(u).collect::<Vec<_>>().join(", ")
 }
@@ -46,10 +47,12 @@ mod tests {
             ..ChannelStats::default()
         };
         assert_eq!(
-            in_words(&stats, ForceUnit::Gram),
+            in_words(&stats, ForceUnit::Gram, ""),
             "42.0/s, 98 % ok (10 % moving), 2 % open, below 1 % faults, u 1.23 ohm and 1.25 g rms"
         );
+        let warm = ChannelStats { f_u_n: None, value_u: Some(0.0456), ..stats };
+        assert!(in_words(&warm, ForceUnit::Gram, "degC").ends_with("u 1.23 ohm and 0.0456 degC rms"));
         let none = ChannelStats { readings: 1, faults: 1, ..ChannelStats::default() };
-        assert_eq!(in_words(&none, ForceUnit::Newton), "0 % ok, 100 % faults");
+        assert_eq!(in_words(&none, ForceUnit::Newton, ""), "0 % ok, 100 % faults");
     }
 }

@@ -67,8 +67,8 @@ fn full_plan(config: &Config, through: Through, timeout: Nanos) -> Plan {
 /// Lines are tested where they may be touched.
 fn named_files(config: &Config, findings: &mut Findings) {
     let mut error = |key: &str, reason: &dyn fmt::Display| findings.add(Severity::Error, key, reason, None);
-    if let Err(SettingsError { id, reason }) = config.settings() {
-        error(&format!("channel.{id}.force"), &reason);
+    if let Err(SettingsError { id, key, reason }) = config.settings() {
+        error(&format!("channel.{id}.{key}"), &reason);
     }
     let scene = (config.gpio.backend == Backend::Mock).then(|| backend::scene(config));
     match scene {

@@ -27,14 +27,14 @@ pub struct Panel {
 struct Layout {
     width: usize,
     name: usize,
-    /// None where no channel has a force.
-    force: usize,
+    /// Of a force, or what a law gives; none where no channel has either.
+    value: usize,
     /// Both ends of the scales.
     scale: [usize; 2],
     unicode: bool,
 }
 
-/// A force, and ohms, with their uncertainties.
+/// A force or a value, and ohms, with their uncertainties.
 const VALUE_COLUMNS: [usize; 2] = [17, 19];
 const STATUS_COLUMNS: usize = 8;
 const RATE_COLUMNS: usize = 7;
@@ -78,7 +78,7 @@ impl Panel {
 
     fn layout(&self, width: usize) -> Layout {
         let widest = |columns: fn(&Row) -> usize| self.rows.iter().map(columns).max().unwrap_or(0);
-        let has_force = self.rows.iter().any(|row| row.measures == Unit::Newton);
+        let has_value = self.rows.iter().any(|row| row.measures != Unit::Ohm);
         let end = |index: usize| {
             let columns = self.rows.iter().map(|row| row.scale().ends[index].len());
             columns.max().unwrap_or(0)
@@ -86,7 +86,7 @@ impl Panel {
         Layout {
             width,
             name: widest(|row| measure_text_width(&row.id)).min(NAME_COLUMNS.max(width / 6)),
-            force: if has_force { VALUE_COLUMNS[0] } else { 0 },
+            value: if has_value { VALUE_COLUMNS[0] } else { 0 },
             scale: [end(0), end(1)],
             unicode: self.unicode,
         }
@@ -115,8 +115,8 @@ impl Layout {
             .style
             .apply_to(format!("{:<STATUS_COLUMNS$}", truncate_str(words.status, STATUS_COLUMNS, ".")));
         let [_, ohms] = VALUE_COLUMNS;
-        let gap = usize::from(self.force > 0);
-        let numbers = self.name + 2 + self.force + gap + ohms + 2;
+        let gap = usize::from(self.value > 0);
+        let numbers = self.name + 2 + self.value + gap + ohms + 2;
         let mut lines = if self.width > numbers + STATUS_COLUMNS + RATE_COLUMNS {
             let room = self.width - 1 - numbers - STATUS_COLUMNS - RATE_COLUMNS;
             vec![format!("{}{}  {}{status}{rate}", self.name(row), self.values(&words), self.bar(row, room))]
@@ -133,22 +133,22 @@ impl Layout {
     fn values(self, words: &Words) -> String {
         let [_, columns] = VALUE_COLUMNS;
         let ohms = format!("{:>columns$}", words.ohms);
-        match self.force {
+        match self.value {
             0 => ohms,
-            force => format!("{} {ohms}", style(format!("{:>force$}", words.force)).bold()),
+            value => format!("{} {ohms}", style(format!("{:>value$}", words.value)).bold()),
         }
     }
 
-    /// Numbers first: force and status, and below them ohms and rate; or ohms and status, and no rate.
+    /// Numbers first: value and status, and below them ohms and rate; or ohms and status, and no rate.
     fn narrow(self, row: &Row, words: &Words, [status, rate]: &[String; 2]) -> Vec<String> {
         let columns = VALUE_COLUMNS[0];
         let ohms = format!("{:>columns$}", words.ohms);
-        match self.force {
+        match self.value {
             0 => vec![format!("{}{ohms}  {status}", self.name(row))],
             _ => {
-                let force = style(format!("{:>columns$}", words.force)).bold();
+                let value = style(format!("{:>columns$}", words.value)).bold();
                 vec![
-                    format!("{}{force}  {status}", self.name(row)),
+                    format!("{}{value}  {status}", self.name(row)),
                     format!("{}{ohms}  {rate}", self.blank()),
                 ]
             }

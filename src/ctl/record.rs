@@ -15,7 +15,8 @@ use std::time::{Duration, Instant};
 
 /// The columns of CSV: fields of READING.
 const COLUMNS: &str = "channel,seq,time,t_mono_ns,status,r_ohm,r_u_ohm,f_n,f_u_n,f_repeat_u_n,extrapolated,\
-                       r_min_ohm,f_max_n,r_max_ohm,f_min_n,fault,method,branch,duration_us,lost,moving,settling";
+                       r_min_ohm,f_max_n,r_max_ohm,f_min_n,fault,method,branch,duration_us,lost,moving,settling,\
+                       value,value_u,value_repeat_u,unit,value_min,value_max";
 
 /// Records until the time, the count or Ctrl-C.
 pub fn run(arguments: &cli::Record) -> Result<(), CtlError> {
@@ -142,6 +143,6 @@ mod tests {
     #[test]
     fn a_row_has_a_cell_for_each_column_whatever_is_in_it() {
         let row = csv_row(r#"{"class":"READING","channel":"a,\"b\"","r_ohm":2841.3,"lost":0,"new":1}"#);
-        assert_eq!(row, format!("\"a,\"\"b\"\"\",,,,,2841.3{}0,,", ",".repeat(14)));
+        assert_eq!(row, format!("\"a,\"\"b\"\"\",,,,,2841.3{}0{}", ",".repeat(14), ",".repeat(8)));
     }
 }

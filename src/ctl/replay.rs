@@ -8,7 +8,7 @@ use crate::instrument::discharge::Charge;
 use crate::instrument::settings::{Charges, OffsetSource, Settings};
 use crate::reading::{Fault, Method, Reading};
 use crate::stream::tape::{Entry, Header, TapeOffset};
-use crate::stream::wire::StateLine;
+use crate::stream::wire::{StateLine, Unit};
 use crate::units::Nanos;
 use serde::Serialize;
 
@@ -96,9 +96,10 @@ impl Replay {
     /// d is needed, and not known.
     pub fn take(&mut self, entry: &Entry) -> Result<Option<Estimate>, String> {
         let Some(reading) = self.read(entry)? else { return Ok(None) };
-        let mut state = StateLine::new(&reading.status, self.method);
+        let channel = &self.header.channels[reading.channel];
+        let mut state = StateLine::new(&reading.status, self.method, &Unit::named(channel.unit()));
         state.method = Some(self.method.to_string());
-        let channel = self.header.channels[reading.channel].id.clone();
+        let channel = channel.id.clone();
         let t_mono_ns = entry.is_timed.then_some(reading.at.0);
         Ok(Some(Estimate { seq: entry.seq, channel, t_mono_ns, state }))
     }

@@ -17,6 +17,7 @@ use crate::stream::wire::{
 use crate::units::{ForceUnit, Nanos};
 use console::{measure_text_width, strip_ansi_codes};
 use jiff::Timestamp;
+use std::collections::BTreeMap;
 use std::path::Path;
 
 const WIDTHS: [usize; 3] = [40, 80, 200];
@@ -70,7 +71,7 @@ impl Run {
                 if let Message::Reading(reading) = message {
                     let time = noon.as_nanosecond() + i128::from(reading.at.0);
                     let time = Timestamp::from_nanosecond(time).unwrap().to_string();
-                    readings.push(ReadingLine::new(&reading, "thumb", time));
+                    readings.push(ReadingLine::new(&reading, "thumb", &Unit::Newton, time));
                 }
             };
             instrument.step(&mut take).unwrap();
@@ -163,7 +164,7 @@ fn the_samples_of_the_pages() {
 
 #[test]
 fn the_statistics() {
-    insta::assert_snapshot!("stats", said(&stats::table(&line(&Run::new().stats), true)));
+    insta::assert_snapshot!("stats", said(&stats::table(&line(&Run::new().stats), &BTreeMap::new(), true)));
 }
 
 /// Of the shipped configuration, with what is to be expected of it; no line is touched.
@@ -192,9 +193,10 @@ fn the_live_lines() {
             r#""status":"fault","fault":"no-calibration","hint":"nothing falls in a discharge through Rc1; look at the wire from sink-c1 through Rc1 to node A""#,
         ),
     ];
-    let channels = states.map(|(id, unit, _)| ChannelInfo { id: id.to_owned(), unit, trigger: false });
+    let channels =
+        states.clone().map(|(id, unit, _)| ChannelInfo { id: id.to_owned(), unit, trigger: false });
     let mut panel = Panel::new(channels.iter(), ForceUnit::Newton, true);
-    for (at_ms, (id, _, rest)) in (0..10).flat_map(|step| states.map(|state| (100 * step, state))) {
+    for (at_ms, (id, _, rest)) in (0..10).flat_map(|step| states.clone().map(|state| (100 * step, state))) {
         let text = format!(
             r#"{{"class":"READING","channel":"{id}","seq":1,"time":"2026-11-22T12:00:00.000000000Z","t_mono_ns":{},{rest},"lost":0}}"#,
             1_000_000 * at_ms

@@ -6,7 +6,7 @@ use super::stream::Stream;
 use super::terminal::Terminal;
 use super::{CtlError, achieved, print};
 use crate::ctl::cli;
-use crate::stream::wire::ChannelStats;
+use crate::stream::wire::{ChannelStats, Unit};
 use crate::units::{ForceUnit, measured};
 use console::{Alignment, measure_text_width, pad_str};
 use serde::Deserialize;
@@ -15,20 +15,21 @@ use std::collections::BTreeMap;
 
 /// Prints.
 pub fn run(arguments: &cli::Stats) -> Result<(), CtlError> {
-    let (line, _) = Stream::connect(&arguments.connection.socket, &[])?.stats()?;
+    let mut stream = Stream::connect(&arguments.connection.socket, &[])?;
+    let (line, _) = stream.stats()?;
     if arguments.json {
         return print(&(line + "\n"));
     }
     let mut terminal = Terminal::new();
-    table(&line, terminal.unicode).lines().try_for_each(|line| terminal.say(line))
+    table(&line, &stream.units(), terminal.unicode).lines().try_for_each(|line| terminal.say(line))
 }
 
 /// The fields that are known, in the order in which a person asks; later releases have more.
 const ORDER: &str = "backend method uptime_s clients published lost cycles readings ok moving open short faults retried \
                      offset_known offset_ns r_o_ohm";
 
-/// One line for each field of STATS that says something.
-pub fn table(line: &str, unicode: bool) -> String {
+/// One line for each field of STATS that says something; `units`: of the channels.
+pub fn table(line: &str, units: &BTreeMap<String, Unit>, unicode: bool) -> String {
     let mut stats: Map<String, Value> = serde_json::from_str(line).unwrap_or_default();
     stats.remove("class");
     let place = |key: &str| ORDER.split(' ').position(|known| known == key).unwrap_or(usize::MAX);
@@ -36,17 +37,19 @@ pub fn table(line: &str, unicode: bool) -> String {
     fields.sort_by_key(|(key, _)| place(key));
     let (channels, fields): (Vec<_>, Vec<_>) = fields.into_iter().partition(|(key, _)| *key == "channels");
     let rows = fields.into_iter().filter_map(|(key, value)| row(&stats, key, value, unicode));
-    let rows: Vec<_> = rows.chain(channels.into_iter().flat_map(|(_, value)| channel_rows(value))).collect();
+    let rows: Vec<_> =
+        rows.chain(channels.into_iter().flat_map(|(_, value)| channel_rows(value, units))).collect();
     let width = rows.iter().map(|(name, _)| measure_text_width(name)).max().unwrap_or(0);
     let padded = |name: &str| pad_str(name, width, Alignment::Left, None).into_owned();
     rows.iter().map(|(name, value)| format!("{}  {value}\n", padded(name))).collect()
 }
 
 /// What the last readings of each channel came to.
-fn channel_rows(channels: &Value) -> Vec<(String, String)> {
+fn channel_rows(channels: &Value, units: &BTreeMap<String, Unit>) -> Vec<(String, String)> {
     let channels = BTreeMap::<String, ChannelStats>::deserialize(channels).unwrap_or_default();
     let row = |(id, stats): (String, ChannelStats)| {
-        let words = achieved::in_words(&stats, ForceUnit::Newton);
+        let unit = units.get(&id).map(Unit::as_str).unwrap_or_default();
+        let words = achieved::in_words(&stats, ForceUnit::Newton, unit);
         (format!("channel {id}"), format!("{words}; the last {:.1} s", stats.span_s))
     };
     channels.into_iter().filter(|(_, stats)| stats.readings > 0).map(row).collect()
@@ -118,7 +121,7 @@ mod tests {
                 "settling": 0, "open": 0, "short": 0, "faults": 0}},
             "offset_known": true, "offset_ns": 8012.3, "offset_u_ns": 110, "r_o_ohm": 40.61, "new_field": [1],
         });
-        insta::assert_snapshot!(table(&stats.to_string(), false), @r"
+        insta::assert_snapshot!(table(&stats.to_string(), &BTreeMap::new(), false), @r"
         backend               mock
         uptime                12.35 s
         readings              7

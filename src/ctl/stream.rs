@@ -3,7 +3,8 @@
 use super::CtlError;
 use super::limits::{ANSWER, LOOK_AROUND};
 use crate::stream::client::{Client, ClientError};
-use crate::stream::wire::{ChannelInfo, ErrorCode, Request, ServerMessage, StatsLine, Watch};
+use crate::stream::wire::{ChannelInfo, ErrorCode, Request, ServerMessage, StatsLine, Unit, Watch};
+use std::collections::BTreeMap;
 use std::path::Path;
 use std::time::{Duration, Instant};
 
@@ -42,6 +43,11 @@ impl Stream {
     /// What is wanted of what there is, in the order of the configuration.
     pub fn channels(&self) -> impl Iterator<Item = &ChannelInfo> {
         self.client.version().channels.iter().filter(|channel| self.is_wanted(&channel.id))
+    }
+
+    /// What each channel measures in.
+    pub fn units(&self) -> BTreeMap<String, Unit> {
+        self.channels().map(|channel| (channel.id.clone(), channel.unit.clone())).collect()
     }
 
     fn is_wanted(&self, id: &str) -> bool {

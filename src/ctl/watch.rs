@@ -9,7 +9,7 @@ use super::stream::{Next, Stream};
 use super::{CtlError, achieved, print};
 use crate::ctl::cli;
 use crate::stream::client::ClientError;
-use crate::stream::wire::{ReadingTally, ServerMessage};
+use crate::stream::wire::{ReadingTally, ServerMessage, Unit};
 use crate::units::ForceUnit;
 use console::style;
 use std::collections::BTreeMap;
@@ -36,12 +36,22 @@ pub fn run(arguments: &cli::Watch) -> Result<(), CtlError> {
         screen.restart(stream.channels());
         note(arguments, &mut screen, "connected again")?;
     }
-    if arguments.json { Ok(()) } else { conclude(arguments.shown.unit, &mut screen, &tallies) }
+    if arguments.json {
+        Ok(())
+    } else {
+        conclude(arguments.shown.unit, &stream.units(), &mut screen, &tallies)
+    }
 }
 
-fn conclude(unit: ForceUnit, screen: &mut Screen, tallies: &Tallies) -> Result<(), CtlError> {
+fn conclude(
+    unit: ForceUnit,
+    units: &BTreeMap<String, Unit>,
+    screen: &mut Screen,
+    tallies: &Tallies,
+) -> Result<(), CtlError> {
     tallies.iter().map(|(id, tally)| (id, tally.stats())).try_for_each(|(id, stats)| {
-        let (readings, words) = (stats.readings, achieved::in_words(&stats, unit));
+        let value_unit = units.get(id).map(Unit::as_str).unwrap_or_default();
+        let (readings, words) = (stats.readings, achieved::in_words(&stats, unit, value_unit));
         screen.terminal.say(&format!(" {id}: {readings} readings in {:.1} s: {words}", stats.span_s))
     })
 }

@@ -21,7 +21,7 @@ use jiff::Timestamp;
 pub fn channels(loaded: &Loaded) -> Vec<ChannelInfo> {
     let info = |(index, channel): (usize, &Channel)| ChannelInfo {
         id: channel.id.clone(),
-        unit: if channel.force.is_some() { Unit::Newton } else { Unit::Ohm },
+        unit: Unit::named(channel.unit()),
         trigger: loaded.triggers.iter().any(|trigger| trigger.channel == index),
     };
     loaded.settings.channels.iter().enumerate().map(info).collect()

@@ -1,7 +1,7 @@
 //! States one by one, and what holds of any readings.
 
 use super::*;
-use crate::reading::{Branch, Method};
+use crate::reading::{Bound, Branch, Method};
 use proptest::prelude::*;
 
 const MS: i64 = 1_000_000;
@@ -24,14 +24,14 @@ fn reading(at_ms: i64, status: Status) -> Reading {
 /// A force, and its resistance by F = 2000 N ohm / R.
 fn force(value: f64, u: Option<f64>) -> Status {
     // That of the characteristic is known to be wide, and the same at each press.
-    let f_n = Some(MeasuredForce { value, u: Some(9.0), repeat_u: u, is_extrapolated: false });
+    let shown = Some(MeasuredValue { value, u: Some(9.0), repeat_u: u, is_extrapolated: false });
     let r_ohm = Measured { value: 2e3 / value, u: u.map(|u| u * 2e3 / value / value) };
-    Status::Ok { branch: Branch::Direct, r_ohm, f_n, is_moving: false, is_settling: false }
+    Status::Ok { branch: Branch::Direct, r_ohm, shown, is_moving: false, is_settling: false }
 }
 
 const FAULT: Status = Status::Fault(Fault::MissedEdge);
-const OPEN: Status = Status::Open { r_min_ohm: 63e3, f_max_n: Some(0.2) };
-const SHORT: Status = Status::Short { r_max_ohm: 4.0, f_min_n: Some(500.0) };
+const OPEN: Status = Status::Open { r_min_ohm: 63e3, shown: Some(Bound::AtMost(0.2)) };
+const SHORT: Status = Status::Short { r_max_ohm: 4.0, shown: Some(Bound::AtLeast(500.0)) };
 
 /// The states that come of these, each with the ms that it was told at.
 fn told(rules: Rules, readings: impl IntoIterator<Item = (i64, Status)>) -> Vec<(i64, State)> {
@@ -96,12 +96,12 @@ fn bounds_are_known() {
         );
     }
     // Below 1.9 N is not below 1.5 N; above 1.9 N is not above 2 N.
-    let open = Status::Open { r_min_ohm: 1e3, f_max_n: Some(1.9) };
-    let short = Status::Short { r_max_ohm: 4.0, f_min_n: Some(1.9) };
+    let open = Status::Open { r_min_ohm: 1e3, shown: Some(Bound::AtMost(1.9)) };
+    let short = Status::Short { r_max_ohm: 4.0, shown: Some(Bound::AtLeast(1.9)) };
     assert_eq!(told(at_once(RULES), [(0, SHORT), (1, open)]), [(0, Pressed)]);
     assert_eq!(told(at_once(RULES), [(0, OPEN), (1, short)]), [(0, Released)]);
     // A characteristic that gives no force there.
-    let none = Status::Open { r_min_ohm: 63e3, f_max_n: None };
+    let none = Status::Open { r_min_ohm: 63e3, shown: None };
     assert_eq!(told(at_once(RULES), [(0, none)]), []);
 }
 

@@ -9,7 +9,8 @@ mod quantity;
 pub use force::ForceUnit;
 pub use number::{measured, rough, rounded, rounded_down, rounded_up, to_places};
 pub use quantity::{
-    Ampere, Farad, Hertz, Newton, NewtonOhm, Ohm, ParseQuantityError, Percent, Quantity, Seconds, Volt,
+    Ampere, Celsius, Degree, Farad, Hertz, Kelvin, Lux, Metre, Newton, NewtonOhm, Ohm, ParseQuantityError,
+    Percent, Quantity, Seconds, Volt,
 };
 
 use serde::Deserialize;

@@ -213,7 +213,27 @@ quantity!(
 );
 
 quantity!(
-    /// A relative uncertainty in percent.
+    /// A temperature or a difference of two, in kelvin.
+    Kelvin, "a number of kelvins", "3950 K", ["K"]
+);
+quantity!(
+    /// A temperature in degrees Celsius.
+    Celsius, "a temperature", "25 degC", ["degC", "\u{b0}C"]
+);
+quantity!(
+    /// An illuminance in lux.
+    Lux, "an illuminance", "10 lx", ["lx", "lux"]
+);
+quantity!(
+    /// A length in metre.
+    Metre, "a length", "100 mm", ["m"], or [("cm", 0.01)]
+);
+quantity!(
+    /// An angle in degrees.
+    Degree, "an angle", "270 deg", ["deg", "\u{b0}"]
+);
+quantity!(
+    /// A relative uncertainty, or a part of a whole, in percent.
     Percent, "a relative uncertainty", "8.7 %", ["%"]
 );
 
@@ -269,6 +289,16 @@ mod tests {
         assert_eq!("0.5kg".parse(), "500 g".parse::<Newton>());
         assert_eq!("1 lbf".parse(), Ok(Newton(4.448_221_615_260_5)));
         assert!("500 g".parse::<Ohm>().is_err());
+    }
+
+    #[test]
+    fn what_other_sensors_show() {
+        assert_eq!(("3950 K".parse(), "3.95kK".parse()), (Ok(Kelvin(3950.0)), Ok(Kelvin(3950.0))));
+        assert_eq!(("-10 degC".parse(), "-10\u{b0}C".parse()), (Ok(Celsius(-10.0)), Ok(Celsius(-10.0))));
+        assert_eq!(("10 lux".parse(), "1 klx".parse()), (Ok(Lux(10.0)), Ok(Lux(1000.0))));
+        assert_eq!(("100 mm".parse(), "10 cm".parse()), (Ok(Metre(0.1)), Ok(Metre(0.1))));
+        assert_eq!("270 deg".parse(), Ok(Degree(270.0)));
+        assert!("25 C".parse::<Celsius>().is_err() && "25 degC".parse::<Kelvin>().is_err());
     }
 
     #[test]

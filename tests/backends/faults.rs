@@ -10,7 +10,7 @@ use cermd::instrument::cycle::longest_reading;
 use cermd::instrument::{Instrument, Message};
 use cermd::pins::Pins;
 use cermd::pins::sim::SimPins;
-use cermd::reading::{Measured, Method, Reading, Status};
+use cermd::reading::{Bound, Measured, Method, Reading, Status};
 use cermd::sensor::{Force, Law};
 use cermd::units::Nanos;
 use rand::RngExt;
@@ -29,18 +29,19 @@ fn is_sound_value(measured: Measured) -> bool {
     is_sound_number(measured.value) && measured.u.is_none_or(is_sound_number)
 }
 
+fn is_sound_bound(bound: Bound) -> bool {
+    let (Bound::AtLeast(value) | Bound::AtMost(value)) = bound;
+    is_sound_number(value)
+}
+
 fn is_sound(status: Status) -> bool {
     match status {
-        Status::Ok { r_ohm, f_n, .. } => {
+        Status::Ok { r_ohm, shown, .. } => {
             is_sound_value(r_ohm)
-                && f_n.is_none_or(|f_n| is_sound_value(Measured { value: f_n.value, u: f_n.u }))
+                && shown.is_none_or(|f_n| is_sound_value(Measured { value: f_n.value, u: f_n.u }))
         }
-        Status::Open { r_min_ohm, f_max_n } => {
-            is_sound_number(r_min_ohm) && f_max_n.is_none_or(is_sound_number)
-        }
-        Status::Short { r_max_ohm, f_min_n } => {
-            is_sound_number(r_max_ohm) && f_min_n.is_none_or(is_sound_number)
-        }
+        Status::Open { r_min_ohm, shown } => is_sound_number(r_min_ohm) && shown.is_none_or(is_sound_bound),
+        Status::Short { r_max_ohm, shown } => is_sound_number(r_max_ohm) && shown.is_none_or(is_sound_bound),
         Status::Fault(_) => true,
     }
 }

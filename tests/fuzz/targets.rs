@@ -3,16 +3,17 @@
 
 use super::hostile::Hostile;
 use cermd::circuit::{Kind, Node};
-use cermd::config::{Config, Source, pairs};
+use cermd::config::{Config, LawSource, Source, pairs};
 use cermd::ctl::replay::Replay;
 use cermd::instrument::discharge::{Charge, Plan, run};
 use cermd::instrument::settings::Settings;
 use cermd::instrument::{Instrument, Message};
 use cermd::pins::Drives;
 use cermd::pins::sim::{Scene, SimPins};
-use cermd::reading::{Method, Status};
+use cermd::reading::{Measured, Method, Status};
 use cermd::record::Through;
-use cermd::sensor::{Law, Table};
+use cermd::sensor::pt1000::Pt1000;
+use cermd::sensor::{Law, Table, Transducer};
 use cermd::stream::tape::Reader;
 use cermd::stream::wire::{LineSplitter, Request};
 use cermd::units::Nanos;
@@ -46,7 +47,18 @@ pub fn configuration(data: &[u8]) {
             force.law = Source::Given(Law::Alpha { alpha_n_ohm: 1.0 });
         }
     }
+    for law in config.channels.iter_mut().filter_map(|channel| channel.law.as_mut()) {
+        if matches!(law, LawSource::File { .. }) {
+            *law = LawSource::Given(Transducer::Pt1000(Pt1000 { class: None }));
+        }
+    }
     let settings = config.settings().expect("it has passed its check");
+    for channel in &settings.channels {
+        for r_ohm in [0.0, 1.0, 1e3, 1e6, 1e12] {
+            let shown = channel.value_at(Measured { value: r_ohm, u: Some(1.0) }, settings.r_ohm());
+            assert!(shown.is_none_or(|shown| shown.value.is_finite()), "{channel:?} {shown:?}");
+        }
+    }
     assert!(settings.deadline > Nanos::ZERO && settings.charge.anew.time() > Nanos::ZERO, "{settings:?}");
     let [r_1, r_2] = settings.r_ohm();
     assert!(0.0 < r_1 && r_1 < r_2 && r_2.is_finite(), "{settings:?}");

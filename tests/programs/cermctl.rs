@@ -155,7 +155,7 @@ fn record_writes_csv_with_nothing_for_the_unknown() {
     let text = output(&mut daemon.ctl(&["record", "--count", "6", "--format", "csv", "index"]));
     let rows: Vec<Vec<&str>> = text.lines().map(|line| line.split(',').collect()).collect();
     assert_eq!(rows.len(), 7, "{text}");
-    assert!(rows.iter().all(|row| row.len() == 22), "{text}");
+    assert!(rows.iter().all(|row| row.len() == 28), "{text}");
     let column = |name: &str| rows[0].iter().position(|column| *column == name).unwrap();
     for row in &rows[1..] {
         assert_eq!((row[column("channel")], row[column("f_n")], row[column("fault")]), ("index", "", ""));

@@ -7,6 +7,7 @@ mod cermctl;
 #[path = "../common/mod.rs"]
 mod common;
 mod daemon;
+mod laws;
 mod manual;
 mod pages;
 mod processes;

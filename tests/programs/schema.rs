@@ -5,7 +5,12 @@
 use crate::cermctl::daemon::{Daemon, config, scene};
 use crate::waiting::PATIENCE;
 use cermd::circuit::Kind;
-use cermd::sensor::{Channel, Force, Law};
+use cermd::sensor::ldr::Ldr;
+use cermd::sensor::ntc::{Curve, Ntc};
+use cermd::sensor::position::Position;
+use cermd::sensor::pt1000::{Class, Pt1000};
+use cermd::sensor::table::{Pairs, Tabled};
+use cermd::sensor::{Channel, Force, Law, Transducer};
 use cermd::tape::{DischargeLine, Header, Resistor, SwitchLine, TapeCircuit, TapeOffset};
 use cermd::wire::{
     ChannelInfo, ChannelStats, ErrorCode, ErrorLine, EventLine, EventName, InstrumentStats, ReadingLine,
@@ -184,6 +189,12 @@ fn full(class: &str) -> Map<String, Value> {
                 f_max_n: u,
                 r_max_ohm: u,
                 f_min_n: u,
+                value: u,
+                value_u: u,
+                value_repeat_u: u,
+                unit: Some("degC".to_owned()),
+                value_min: u,
+                value_max: u,
                 fault: Some("pins".to_owned()),
                 method: Some("cerm".to_owned()),
                 branch: Some("direct".to_owned()),
@@ -197,8 +208,11 @@ fn full(class: &str) -> Map<String, Value> {
             published: 1,
             lost: 1,
             instrument: instrument(),
-            channels: [(text, ChannelStats { rate_hz: u, r_u_ohm: u, f_u_n: u, ..ChannelStats::default() })]
-                .into(),
+            channels: [(
+                text,
+                ChannelStats { rate_hz: u, r_u_ohm: u, f_u_n: u, value_u: u, ..ChannelStats::default() },
+            )]
+            .into(),
         }),
         "EVENT" => serde_json::to_value(EventLine {
             channel: text.clone(),
@@ -221,7 +235,11 @@ fn full(class: &str) -> Map<String, Value> {
                 r_o_u_ohm: u,
             },
             tracked: true,
-            channels: vec![Channel { id: text, zero_ohm: u, scale: u, force: Some(force()) }],
+            channels: [
+                vec![Channel { id: text, zero_ohm: u, scale: u, force: Some(force()), law: None }],
+                laws().map(|law| Channel { law: Some(law), ..Channel::default() }).into(),
+            ]
+            .concat(),
         }),
         "DISCHARGE" => serde_json::to_value(DischargeLine {
             seq: 1,
@@ -244,6 +262,22 @@ fn full(class: &str) -> Map<String, Value> {
 
 fn force() -> Force {
     Force { law: Law::Alpha { alpha_n_ohm: 1.0 }, u: Some(0.1), range_n: Some([1.0, 2.0]), tare_n: Some(1.0) }
+}
+
+/// Each form of a law, with all that it may say.
+fn laws() -> [Transducer; 6] {
+    let u = Some(0.1);
+    let ntc = |curve| Transducer::Ntc(Ntc { curve, u, range_degc: Some([0.0, 60.0]) });
+    let table = Pairs::try_from(vec![(1.0, -2.0), (2.0, -1.0)]).unwrap();
+    let unit = "mm".to_owned();
+    [
+        ntc(Curve::Beta { r25_ohm: 1e4, beta_k: 3950.0, beta_u: u }),
+        ntc(Curve::SteinhartHart { a_per_k: 1e-3, b_per_k: 2e-4, c_per_k: 1e-7 }),
+        Transducer::Pt1000(Pt1000 { class: Some(Class::AA) }),
+        Transducer::Ldr(Ldr { at_10_lx_ohm: 1e4, gamma: 0.7, u, gamma_u: u, range_lx: Some([1.0, 2.0]) }),
+        Transducer::Position(Position { r0_ohm: 0.0, r1_ohm: 1e4, span: 100.0, unit: unit.clone(), u }),
+        Transducer::Table(Tabled { table, unit, u }),
+    ]
 }
 
 fn instrument() -> InstrumentStats {

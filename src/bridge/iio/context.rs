@@ -13,7 +13,7 @@ const TYPES: &str = "<!DOCTYPE context [<!ELEMENT context (device)*><!ELEMENT de
                      <!ATTLIST channel id CDATA #REQUIRED type (input|output) #REQUIRED name CDATA #IMPLIED>\
                      <!ATTLIST scan-element index CDATA #REQUIRED format CDATA #REQUIRED scale CDATA #IMPLIED>\
                      <!ATTLIST attribute name CDATA #REQUIRED filename CDATA #IMPLIED>]>";
-/// Thousandths of an ohm or a newton are finer than any reading, and 64 bits hold every one.
+/// Thousandths of the unit of a channel are finer than any reading, and 64 bits hold every one.
 const SCALE: f64 = 0.001;
 
 // errno(3), as the protocol has them.
@@ -26,10 +26,57 @@ pub const ENODATA: i32 = 61;
 pub enum Element {
     /// The resistance of the channel of this number.
     Resistance(usize),
-    /// Its force.
-    Force(usize),
+    /// What it shows: its force, or what its law gives.
+    Shown(usize, Quantity),
     /// When: ns since 1970.
     Timestamp,
+}
+
+/// What a channel shows, and with it the name and the unit that IIO has for that (Documentation/ABI/testing/sysfs-bus-iio).
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Quantity {
+    /// Newton; IIO has none.
+    Force,
+    /// Thousandths of a degC.
+    Temperature,
+    /// Lux.
+    Illuminance,
+    /// Metre.
+    Distance,
+    /// In the unit of the channel; IIO has none.
+    Value,
+}
+
+impl Quantity {
+    fn of(unit: &Unit) -> Option<Quantity> {
+        Some(match unit.as_str() {
+            "ohm" => return None,
+            "N" => Quantity::Force,
+            "degC" => Quantity::Temperature,
+            "lx" => Quantity::Illuminance,
+            "mm" => Quantity::Distance,
+            _ => Quantity::Value,
+        })
+    }
+
+    fn name(self) -> &'static str {
+        match self {
+            Quantity::Force => "force",
+            Quantity::Temperature => "temp",
+            Quantity::Illuminance => "illuminance",
+            Quantity::Distance => "distance",
+            Quantity::Value => "value",
+        }
+    }
+
+    /// One of the channel's unit in that of IIO.
+    fn factor(self) -> f64 {
+        match self {
+            Quantity::Temperature => 1000.0,
+            Quantity::Distance => 0.001,
+            Quantity::Force | Quantity::Illuminance | Quantity::Value => 1.0,
+        }
+    }
 }
 
 /// The device as one client was told of it.
@@ -44,9 +91,9 @@ pub struct Context {
 impl Context {
     pub fn new(version: &VersionLine) -> Context {
         let channels = version.channels.clone();
-        let of = |(at, channel): (usize, &ChannelInfo)| match channel.unit {
-            Unit::Newton => vec![Element::Resistance(at), Element::Force(at)],
-            Unit::Ohm => vec![Element::Resistance(at)],
+        let of = |(at, channel): (usize, &ChannelInfo)| {
+            let shown = Quantity::of(&channel.unit).map(|quantity| Element::Shown(at, quantity));
+            [Element::Resistance(at)].into_iter().chain(shown)
         };
         let elements = channels.iter().enumerate().flat_map(of).chain([Element::Timestamp]).collect();
         Context { release: version.release.clone(), channels, elements }
@@ -62,9 +109,10 @@ impl Context {
         for (index, element) in self.elements.iter().enumerate() {
             let id = id(*element);
             let (name, scale) = match element {
-                Element::Resistance(at) | Element::Force(at) => {
-                    (format!(" name=\"{}\"", escaped(&self.channels[*at].id)), format!(" scale=\"{SCALE}\""))
-                }
+                Element::Resistance(at) | Element::Shown(at, _) => (
+                    format!(" name=\"{}\"", escaped(&self.channels[*at].id)),
+                    format!(" scale=\"{}\"", SCALE * factor(*element)),
+                ),
                 Element::Timestamp => (String::new(), String::new()),
             };
             let _ = write!(
@@ -96,15 +144,15 @@ impl Context {
             return Err(ENOENT);
         }
         match name {
-            "scale" => return Ok(SCALE.to_string()),
+            "scale" => return Ok((SCALE * factor(element)).to_string()),
             "status" => return Ok(status(reading)),
             _ => {}
         }
         let (value, u) = reading.map_or((None, None), |reading| numbers(element, reading));
         let text = match name {
             "raw" => value.map(|value| thousandths(value).to_string()),
-            "input" => value.map(|value| value.to_string()),
-            _ => u.map(|u| u.to_string()),
+            "input" => value.map(|value| (value * factor(element)).to_string()),
+            _ => u.map(|u| (u * factor(element)).to_string()),
         };
         text.ok_or(ENODATA)
     }
@@ -118,6 +166,14 @@ pub fn sample(element: Element, reading: Option<&ReadingLine>, time_ns: i64) -> 
     }
 }
 
+/// One of the channel's unit in that of IIO.
+fn factor(element: Element) -> f64 {
+    match element {
+        Element::Shown(_, quantity) => quantity.factor(),
+        Element::Resistance(_) | Element::Timestamp => 1.0,
+    }
+}
+
 fn thousandths(value: f64) -> i64 {
     (value / SCALE).round() as i64
 }
@@ -126,7 +182,8 @@ fn numbers(element: Element, reading: &ReadingLine) -> (Option<f64>, Option<f64>
     let state = &reading.state;
     match element {
         Element::Resistance(_) => (state.r_ohm, state.r_u_ohm),
-        Element::Force(_) => (state.f_n, state.f_u_n),
+        Element::Shown(_, Quantity::Force) => (state.f_n, state.f_u_n),
+        Element::Shown(..) => (state.value, state.value_u),
         Element::Timestamp => (None, None),
     }
 }
@@ -144,7 +201,7 @@ fn status(reading: Option<&ReadingLine>) -> String {
 fn id(element: Element) -> String {
     match element {
         Element::Resistance(at) => format!("resistance{at}"),
-        Element::Force(at) => format!("force{at}"),
+        Element::Shown(at, quantity) => format!("{}{at}", quantity.name()),
         Element::Timestamp => "timestamp".to_owned(),
     }
 }
@@ -172,7 +229,7 @@ mod tests {
         let Heard::Up(version) = up(&["thumb", "<a> & \"b\""]) else { unreachable!() };
         let context = Context::new(&version);
         insta::assert_snapshot!(context.xml().replace("><", ">\n<"));
-        assert_eq!(context.element("force1"), Some(Element::Force(1)));
+        assert_eq!(context.element("force1"), Some(Element::Shown(1, Quantity::Force)));
         assert_eq!(context.element("force2"), None);
     }
 
@@ -197,8 +254,31 @@ mod tests {
         }
         assert_eq!(say("offset", Some(&*good)), Err(ENOENT));
         // No characteristic: no force.
-        assert_eq!(context.attribute(Element::Force(0), "raw", Some(&good)), Err(ENODATA));
+        assert_eq!(context.attribute(Element::Shown(0, Quantity::Force), "raw", Some(&good)), Err(ENODATA));
         assert_eq!(sample(Element::Resistance(0), Some(&open), 7), None);
         assert_eq!(sample(Element::Timestamp, None, 7), Some(7));
+    }
+
+    #[test]
+    fn what_laws_give_is_in_the_units_of_iio() {
+        let channel =
+            |unit: &str| ChannelInfo { id: unit.to_owned(), unit: Unit::named(unit), trigger: false };
+        let units = ["degC", "mm", "lx", "%RH"];
+        let context = Context::new(&VersionLine::new(&units.map(channel)));
+        let state = StateLine { value: Some(23.4567), value_u: Some(0.25), ..ok(1.0) };
+        let Heard::Reading(line, _) = reading("degC", 0, state) else { unreachable!() };
+        let say = |id, name| context.attribute(context.element(id).unwrap(), name, Some(&*line)).unwrap();
+        for (id, scale, input, uncertainty) in [
+            ("temp0", "1", 23_456.7, 250.0),
+            ("distance1", "0.000001", 0.023_456_7, 0.000_25),
+            ("illuminance2", "0.001", 23.4567, 0.25),
+            ("value3", "0.001", 23.4567, 0.25),
+        ] {
+            assert_eq!((say(id, "scale").as_str(), say(id, "raw").as_str()), (scale, "23457"), "{id}");
+            for (name, wanted) in [("input", input), ("uncertainty", uncertainty)] {
+                let number: f64 = say(id, name).parse().unwrap();
+                assert!((number / wanted - 1.0f64).abs() < 1e-9, "{id} {name}: {number}");
+            }
+        }
     }
 }

@@ -28,7 +28,7 @@ impl Rows {
         let of_channel = |at: usize| {
             elements
                 .iter()
-                .any(|element| matches!(element, Element::Resistance(n) | Element::Force(n) if *n == at))
+                .any(|element| matches!(element, Element::Resistance(n) | Element::Shown(n, _) if *n == at))
         };
         // A timestamp alone is that of every channel's.
         let all = elements == [Element::Timestamp];
@@ -69,7 +69,7 @@ impl Rows {
         let mut row = Vec::with_capacity(self.size());
         for element in &self.elements {
             let reading = match element {
-                Element::Resistance(at) | Element::Force(at) => self.slots[*at].1.as_deref(),
+                Element::Resistance(at) | Element::Shown(at, _) => self.slots[*at].1.as_deref(),
                 Element::Timestamp => None,
             };
             row.extend(sample(*element, reading, time_ns)?.to_le_bytes());

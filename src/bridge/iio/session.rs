@@ -114,7 +114,7 @@ impl Session {
         let hub = Arc::clone(&self.hub);
         let context = self.context()?;
         let element = context.element(channel).ok_or(ENOENT)?;
-        let (Element::Resistance(at) | Element::Force(at)) = element else { return Err(ENOENT) };
+        let (Element::Resistance(at) | Element::Shown(at, _)) = element else { return Err(ENOENT) };
         let shared = lock(&hub);
         let mut fresh = shared.board.fresh(now());
         let reading =

@@ -42,19 +42,26 @@ pub fn device_without(
 
 fn of_channel(topics: &Topics, channel: &ChannelInfo, every: Duration, entities: &mut Map<String, Value>) {
     let id = &channel.id;
-    // Of each number: what it is, its unit and the digits that are shown, its keys in the payload.
+    // Of each number: what it is, its unit and the digits that are shown, its keys in the payload, and what Home Assistant calls it.
     let force = ("force", "N", 3, "f_n", ["f_u_n", "f_repeat_u_n", "f_min_n", "f_max_n"]);
     let resistance = ("resistance", "\u{3a9}", 1, "r_ohm", ["r_u_ohm", "r_min_ohm", "r_max_ohm", "method"]);
+    let of_value = ["value_u", "value_repeat_u", "value_min", "value_max"];
+    let (name, class) = quantity(&channel.unit);
+    let value = (name, channel.unit.symbol(), 2, "value", of_value);
     let numbers = match channel.unit {
         Unit::Newton => vec![force, resistance],
         Unit::Ohm => vec![resistance],
+        Unit::Other(_) => vec![value, resistance],
     };
     for (name, unit, digits, key, attributes) in numbers {
-        let more = json!({
+        let mut more = json!({
             "unit_of_measurement": unit, "state_class": "measurement", "suggested_display_precision": digits,
             // No number is no number: unknown, not the last one and not 0.
             "value_template": template(key),
         });
+        if let Some(class) = class.filter(|_| key == "value") {
+            more["device_class"] = class.into();
+        }
         let attributes: Vec<&str> =
             attributes.into_iter().chain(["moving", "settling", "extrapolated"]).collect();
         add(topics, id, name, every, more, &attributes, entities);
@@ -65,6 +72,18 @@ fn of_channel(topics: &Topics, channel: &ChannelInfo, every: Duration, entities:
         "value_template": template("status"),
     });
     add(topics, id, "status", every, more, &["fault", "hint"], entities);
+}
+
+/// What a channel with a law measures, by its unit, and the device class of that in Home Assistant, if there is one.
+/// <https://www.home-assistant.io/integrations/sensor/#device-class>
+fn quantity(unit: &Unit) -> (&'static str, Option<&'static str>) {
+    match unit.as_str() {
+        "degC" => ("temperature", Some("temperature")),
+        "lx" => ("illuminance", Some("illuminance")),
+        "mm" => ("position", Some("distance")),
+        "deg" => ("angle", None),
+        _ => ("value", None),
+    }
 }
 
 fn template(key: &str) -> String {

@@ -1,6 +1,6 @@
 use super::*;
 use crate::bridge::board::tests::{event, ok, reading, up};
-use crate::stream::wire::{InstrumentStats, StatusName};
+use crate::stream::wire::{ChannelInfo, InstrumentStats, StatusName, Unit, VersionLine};
 
 fn teller() -> Teller {
     let options = Options {
@@ -157,6 +157,29 @@ fn a_channel_with_a_trigger_is_a_binary_sensor_too() {
       "value_template": "{{ None if value_json.reason is defined else ('ON' if value_json.event == 'pressed' else 'OFF') }}"
     }
     "#);
+}
+
+#[test]
+fn home_assistant_knows_what_laws_give() {
+    let channel = |unit: &str| ChannelInfo { id: unit.to_owned(), unit: Unit::named(unit), trigger: false };
+    let version = VersionLine::new(&["degC", "lx", "mm", "deg", "%RH"].map(channel));
+    let device = discovery::device(&teller().topics, &version, Duration::from_secs(10));
+    for (key, class, unit) in [
+        ("degC_temperature", Some("temperature"), "\u{b0}C"),
+        ("lx_illuminance", Some("illuminance"), "lx"),
+        ("mm_position", Some("distance"), "mm"),
+        ("deg_angle", None, "\u{b0}"),
+        ("%RH_value", None, "%RH"),
+    ] {
+        let entity = &device["cmps"][key];
+        assert_eq!(
+            (entity["device_class"].as_str(), entity["unit_of_measurement"].as_str()),
+            (class, Some(unit))
+        );
+        assert!(entity["value_template"].as_str().unwrap().contains("value_json.value if"), "{entity}");
+        assert!(entity["json_attributes_template"].as_str().unwrap().contains("'value_u'"), "{entity}");
+    }
+    assert!(device["cmps"].as_object().unwrap().contains_key("mm_resistance"));
 }
 
 #[test]

@@ -123,8 +123,8 @@ const NUMBERS: [Number; 12] = [
     }),
     ("cermd_force_upper_bound_newtons", "newtons", "Open: the force is below.", |s| s.f_max_n),
     ("cermd_force_lower_bound_newtons", "newtons", "Short: the force is above.", |s| s.f_min_n),
-    ("cermd_reading_extrapolated", "", "Whether the force is outside those of the calibration.", |s| {
-        s.f_n.map(|_| f64::from(s.extrapolated))
+    ("cermd_reading_extrapolated", "", "Whether force or value is outside of where its law holds.", |s| {
+        s.f_n.or(s.value).map(|_| f64::from(s.extrapolated))
     }),
     ("cermd_reading_moving", "", "Whether the sensor changed while it was read.", |s| {
         s.r_ohm.map(|_| f64::from(s.moving))
@@ -162,12 +162,31 @@ fn readings(page: &mut Page, channels: &[(&ChannelInfo, Option<&ReadingLine>)]) 
             known().filter_map(|(id, reading)| Some((vec![("channel", id)], number(&reading.state)?)));
         page.family(GAUGE, name, unit, help, samples.collect());
     }
+    values(page, channels);
     let times = known().filter_map(|(id, reading)| {
         let time: Timestamp = reading.time.parse().ok()?;
         Some((vec![("channel", id)], time.as_nanosecond() as f64 * 1e-9))
     });
     let help = "When the reading was taken, in the time of Unix.";
     page.family(GAUGE, "cermd_reading_timestamp_seconds", "seconds", help, times.collect());
+}
+
+/// What laws give: any quantity, so the unit is a label.
+fn values(page: &mut Page, channels: &[(&ChannelInfo, Option<&ReadingLine>)]) {
+    const VALUES: [Number; 5] = [
+        ("cermd_value", "", "What the sensor shows by its law.", |s| s.value),
+        ("cermd_value_uncertainty", "", "All of its uncertainty, 1 sigma.", |s| s.value_u),
+        ("cermd_value_repeatability", "", "That of the readout alone, 1 sigma.", |s| s.value_repeat_u),
+        ("cermd_value_lower_bound", "", "Open or short: the value is above.", |s| s.value_min),
+        ("cermd_value_upper_bound", "", "Open or short: the value is below.", |s| s.value_max),
+    ];
+    for (name, unit, help, number) in VALUES {
+        let samples = channels.iter().filter_map(|(channel, reading)| {
+            let labels = vec![("channel", &*channel.id), ("unit", channel.unit.as_str())];
+            Some((labels, number(&(*reading)?.state)?))
+        });
+        page.family(GAUGE, name, unit, help, samples.collect());
+    }
 }
 
 fn figures(page: &mut Page, stats: &StatsLine) {
@@ -206,7 +225,7 @@ mod tests {
     use super::*;
     use crate::bridge::board::tests::{event, ok, reading, up};
     use crate::bridge::feed::Heard;
-    use crate::stream::wire::{EventName, InstrumentStats};
+    use crate::stream::wire::{EventName, InstrumentStats, Unit, VersionLine};
     use std::time::Duration;
 
     const AT: Nanos = Nanos(1_000);
@@ -237,6 +256,25 @@ mod tests {
         assert_eq!(samples(&text), samples(&open));
         assert!(text.contains("# TYPE cermd_readings_total counter\n"), "{text}");
         assert!(open.ends_with("\n# EOF\n") && !text.contains("# EOF"));
+    }
+
+    #[test]
+    fn values_have_their_unit_as_a_label() {
+        let mut board = Board::new(Duration::from_nanos(100));
+        let bath = ChannelInfo { id: "bath".to_owned(), unit: Unit::named("degC"), trigger: false };
+        board.hear(&Heard::Up(VersionLine::new(&[bath])));
+        let state = StateLine { value: Some(23.5), value_u: Some(0.25), extrapolated: true, ..ok(2841.3) };
+        board.hear(&reading("bath", AT.0, state));
+        let page = render(&board, AT, Format::Text);
+        for line in [
+            "# TYPE cermd_value gauge",
+            "cermd_value{channel=\"bath\",unit=\"degC\"} 23.5",
+            "cermd_value_uncertainty{channel=\"bath\",unit=\"degC\"} 0.25",
+            "cermd_reading_extrapolated{channel=\"bath\"} 1",
+        ] {
+            assert!(page.lines().any(|found| found == line), "{line}:\n{page}");
+        }
+        assert!(!page.contains("newtons") && !page.contains("bound"), "{page}");
     }
 
     #[test]

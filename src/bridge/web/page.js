@@ -36,6 +36,11 @@ function measured(value, u, unit) {
     return `${value.toFixed(shown)} ± ${u.toFixed(shown)} ${prefix}${unit}`;
 }
 
+// Of a unit of VERSION.
+function symbol(unit) {
+    return { ohm: "Ω", degC: "°C", deg: "°" }[unit] ?? unit;
+}
+
 class Channel {
     constructor({ id, unit }) {
         this.id = id;
@@ -79,19 +84,23 @@ class Channel {
         // Drawn where it was measured, not where it came.
         const measured_at = reading.t_mono_ns / 1e6;
         clock = Math.min(clock, this.seen - measured_at);
+        const { status, r_ohm, r_u_ohm, r_min_ohm, r_max_ohm } = reading;
         const newton = this.unit === "N";
-        const { status, r_ohm, r_u_ohm, f_n, f_u_n, r_min_ohm, r_max_ohm, f_min_n, f_max_n } = reading;
+        // A force, or what a law gives; the same of its bounds.
+        const v = newton ? reading.f_n : reading.value, u = newton ? reading.f_u_n : reading.value_u;
+        const least = newton ? reading.f_min_n : reading.value_min, most = newton ? reading.f_max_n : reading.value_max;
+        const shows = this.unit !== "ohm", unit = symbol(this.unit);
         this.state(status, status === "fault" ? reading.fault : status);
         const resistance = measured(r_ohm, r_u_ohm, "Ω");
-        const force = measured(f_n, f_u_n, "N");
+        const own = measured(v, u, unit);
         const bound = (sign, value, unit) => (value === undefined ? "" : `${sign} ${measured(value, undefined, unit)}`);
-        const bounds = [bound("<", f_max_n, "N") || bound(">", f_min_n, "N"), bound(">", r_min_ohm, "Ω") || bound("<", r_max_ohm, "Ω")];
-        const shown = status === "ok" ? [newton ? force : "", resistance] : bounds;
-        const [value, more] = newton && shown[0] ? shown : [shown[1], ""];
+        const bounds = [bound("<", most, unit) || bound(">", least, unit), bound(">", r_min_ohm, "Ω") || bound("<", r_max_ohm, "Ω")];
+        const shown = status === "ok" ? [shows ? own : "", resistance] : bounds;
+        const [value, more] = shows && shown[0] ? shown : [shown[1], ""];
         this.say(".value", value || "\u2014");
         this.say(".more", more);
         this.say(".note", ["moving", "settling", "extrapolated"].filter((flag) => reading[flag]).join(", ") || reading.hint || "");
-        this.add(newton ? f_n : r_ohm, newton ? f_u_n : r_u_ohm, measured_at + clock);
+        this.add(shows ? v : r_ohm, shows ? u : r_u_ohm, measured_at + clock);
     }
 
     // A point without a value is a gap.
@@ -125,7 +134,7 @@ class Channel {
     }
 
     describe(isKnown, low, high, range, span) {
-        const unit = this.unit === "N" ? "N" : "Ω";
+        const unit = symbol(this.unit);
         const from = isKnown ? `from ${end(low, range, unit)}` : "", to = isKnown ? `to ${end(high, range, unit)}` : "";
         const past = `the last ${(span / 1000).toFixed(0)} s`;
         this.say(".low", from);

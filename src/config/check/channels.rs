@@ -2,9 +2,9 @@
 
 use crate::config::Findings;
 use crate::config::limits::{ABSURD_ZERO_OHM, EVERY, LARGEST_ZERO_OHM, LONGEST_ID};
-use crate::config::{ChannelTable, Characteristic, Severity, Source};
+use crate::config::{ChannelTable, Characteristic, LawSource, Severity, Source};
 use crate::pins::MAX_CHANNELS;
-use crate::sensor::{self, SCALES, UNCALIBRATED_U, UNLIKE_PINS_OHM};
+use crate::sensor::{self, Defect, SCALES, UNCALIBRATED_U, UNLIKE_PINS_OHM};
 use crate::units::Ohm;
 
 /// The name of a channel's key: by the channel's id, or by its number (from 1) where the id is unfit to print.
@@ -43,6 +43,9 @@ pub fn check(channels: &[ChannelTable], findings: &mut Findings) {
         scale(index, channel, findings);
         if let Some(characteristic) = &channel.force {
             force(&key(index, channel, "force"), characteristic, findings);
+        }
+        if let Some(source) = &channel.law {
+            law(&key(index, channel, "law"), source, channel.force.is_some(), findings);
         }
     }
 }
@@ -119,9 +122,7 @@ fn scale(index: usize, channel: &ChannelTable, findings: &mut Findings) {
 fn force(key: &str, characteristic: &Characteristic, findings: &mut Findings) {
     let Characteristic { law, u, range_n, tare_n } = characteristic;
     let fault = match law {
-        Source::File(file) if file.as_os_str().is_empty() => {
-            Some(("table names no file".to_owned(), "a CSV file beside the configuration"))
-        }
+        Source::File(file) if file.as_os_str().is_empty() => Some(no_file()),
         Source::File(_) => None,
         Source::Given(law) => law.defect(),
     };
@@ -136,6 +137,36 @@ fn force(key: &str, characteristic: &Characteristic, findings: &mut Findings) {
                 100.0 * UNCALIBRATED_U
             ),
             Some("`cermctl calibrate force`: it stores the residual of the sensor itself"),
+        ),
+        None => {}
+    }
+}
+
+fn no_file() -> Defect {
+    ("table names no file".to_owned(), "a CSV file beside the configuration")
+}
+
+/// A channel follows one law; and what is not known of it.
+fn law(key: &str, source: &LawSource, has_force: bool, findings: &mut Findings) {
+    if has_force {
+        return findings.error(
+            key,
+            "the channel has a force, too",
+            "the one of the two that the sensor follows",
+        );
+    }
+    let (defect, has_u) = match source {
+        LawSource::File { table, .. } if table.as_os_str().is_empty() => (Some(no_file()), false),
+        LawSource::File { unit, u, .. } => (sensor::table::defect_of(unit, *u), u.is_some()),
+        LawSource::Given(law) => (law.defect(), law.has_u()),
+    };
+    match defect {
+        Some((reason, remedy)) => findings.error(key, reason, remedy),
+        None if !has_u => findings.add(
+            Severity::Info,
+            key,
+            "it does not say how far the sensor may be off it: values have no value_u, only value_repeat_u of the readout",
+            Some("u, 1 sigma: 58 % of the tolerance in its data sheet (pt1000: class)"),
         ),
         None => {}
     }

@@ -9,7 +9,8 @@ use crate::instrument::settings::Settings;
 use crate::instrument::{Instrument, Message};
 use crate::pins::Pins;
 use crate::pins::sim::{Scene, Sensor, SimPins};
-use crate::reading::{Measured, MeasuredForce, Status};
+use crate::reading::{Measured, MeasuredValue, Status};
+use crate::sensor::Channel;
 use crate::units::{Nanos, Ohm, Seconds, Volt, measured, rough, rounded};
 
 /// What to expect of readings of a resistance on each channel.
@@ -166,17 +167,21 @@ pub fn readings(config: &Config, settings: &Settings, jitter: Option<Seconds>, f
     let text = all.iter().map(says).collect::<Vec<_>>().join(", ");
     findings.info("measure.method", format!("{} simulated, by {how}: {text}", config.method()));
     for channel in &settings.channels {
-        if channel.force.is_none() {
-            continue;
-        }
+        let key = match channel {
+            Channel { force: Some(_), .. } => "force",
+            Channel { law: Some(_), .. } => "law",
+            _ => continue,
+        };
+        let unit = channel.unit();
         let says = |Expected { r_ohm, u_ohm, .. }: &Expected| {
             let r_ohm = Measured { value: *r_ohm, u: Some((*u_ohm)?) };
-            let MeasuredForce { value, u, repeat_u, .. } = channel.force_at(r_ohm, settings.r_ohm())?;
-            let repeat = repeat_u.map(|u| rough(u, "N")).unwrap_or_default();
-            Some(format!("{} (readout {repeat})", measured(value, u, "N", false)))
+            let MeasuredValue { value, u, repeat_u, .. } = channel.value_at(r_ohm, settings.r_ohm())?;
+            let repeat = repeat_u.map(|u| rough(u, unit)).unwrap_or_default();
+            Some(format!("{} (readout {repeat})", measured(value, u, unit, false)))
         };
         let text = all.iter().filter_map(says).collect::<Vec<_>>().join(", ");
-        findings.info(format!("channel.{}.force", channel.id), format!("at these resistances: {text}"));
+        let text = if text.is_empty() { "none that its law says anything of".to_owned() } else { text };
+        findings.info(format!("channel.{}.{key}", channel.id), format!("at these resistances: {text}"));
     }
 }
 

@@ -152,6 +152,7 @@ mod tests {
     use crate::instrument::{Instrument, Message};
     use crate::pins::Pins;
     use crate::reading::Reading;
+    use crate::stream::wire::Unit;
     use clap::Parser;
     use std::path::Path;
 
@@ -173,7 +174,7 @@ mod tests {
                 .unwrap();
             for reading in readings {
                 let id = &board.config.channels[reading.channel].id;
-                tally.add(&ReadingLine::new(&reading, id, String::new()));
+                tally.add(&ReadingLine::new(&reading, id, &Unit::Newton, String::new()));
             }
         }
         look(&tally)

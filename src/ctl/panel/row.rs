@@ -3,7 +3,7 @@
 use super::bar::Scale;
 use crate::ctl::limits::{BAR_OHM, FULL_N, HISTORY, RATE_WINDOW_NS};
 use crate::stream::wire::{ChannelInfo, ReadingLine, StateLine, StatusName, Unit};
-use crate::units::{ForceUnit, Ohm, measured, rough};
+use crate::units::{ForceUnit, Ohm, measured, rough, rounded};
 use console::Style;
 use std::collections::VecDeque;
 
@@ -18,6 +18,8 @@ pub struct Row {
     last: Option<ReadingLine>,
     /// The force at which a bar is full, in the unit.
     full: f64,
+    /// Where the bar of a value is empty and full, and what these ends are multiples of.
+    span: Option<([f64; 2], f64)>,
     /// When, and how far the bar was filled; the newest last.
     history: VecDeque<(i64, Option<f64>)>,
 }
@@ -25,7 +27,8 @@ pub struct Row {
 /// The last reading, in words.
 #[derive(Debug, Default)]
 pub struct Words {
-    pub force: String,
+    /// A force, or what a law gives.
+    pub value: String,
     /// Or the name of a fault.
     pub ohms: String,
     pub status: &'static str,
@@ -37,13 +40,16 @@ impl Row {
     pub fn new(info: &ChannelInfo, unit: ForceUnit) -> Row {
         // The power of ten that is nearest.
         let full = 10f64.powf((FULL_N / unit.newton()).log10().round());
-        let (id, measures) = (info.id.clone(), info.unit);
-        Row { id, measures, is_pressed: false, unit, last: None, full, history: VecDeque::new() }
+        let (id, measures) = (info.id.clone(), info.unit.clone());
+        Row { id, measures, is_pressed: false, unit, last: None, full, span: None, history: VecDeque::new() }
     }
 
     pub fn feed(&mut self, reading: &ReadingLine) {
         while reading.state.f_n.is_some_and(|f_n| f_n / self.unit.newton() > self.full) {
             self.full *= 2.0;
+        }
+        if let Some(value) = reading.state.value {
+            self.widen(value);
         }
         self.last = Some(reading.clone());
         self.history.push_back((reading.t_mono_ns, self.share()));
@@ -52,9 +58,24 @@ impl Row {
         }
     }
 
+    /// So that the bar holds this value, too.
+    fn widen(&mut self, value: f64) {
+        let power = |value: f64| 10f64.powf(value.abs().max(1e-3).log10().floor());
+        let step = self.span.map_or(power(value), |(_, step)| step);
+        let [from, to] = [(value / step).floor() * step, (value / step + 1.0).floor() * step];
+        let [low, high] = self.span.map_or([from, to], |([low, high], _)| [low.min(from), high.max(to)]);
+        self.span = Some(([low, high], step));
+    }
+
     /// Of the bar. Forces begin at 0; ohms are logarithmic, and little of them is much pressure.
     pub fn scale(&self) -> Scale {
-        let ends = match self.measures {
+        let ends = match &self.measures {
+            Unit::Other(unit) => match self.span {
+                Some(([low, high], _)) => {
+                    [rounded(low, 6).to_string(), format!("{} {unit}", rounded(high, 6))]
+                }
+                None => Default::default(),
+            },
             Unit::Newton => [String::new(), format!("{} {}", self.full, self.unit)],
             Unit::Ohm => {
                 let [full, empty] = BAR_OHM.map(|ohm| Ohm(ohm).to_string());
@@ -67,8 +88,14 @@ impl Row {
     /// How far the bar is filled; `None` where nothing is known.
     pub fn share(&self) -> Option<f64> {
         let state = &self.last.as_ref()?.state;
-        match (state.status, self.measures) {
+        match (state.status, &self.measures) {
             (StatusName::Fault, _) => None,
+            (StatusName::Ok, Unit::Other(_)) => {
+                let ([low, high], _) = self.span?;
+                Some((state.value? - low) / (high - low))
+            }
+            (_, Unit::Other(_)) if state.value_max.is_some() => Some(0.0),
+            (_, Unit::Other(_)) => state.value_min.map(|_| 1.0),
             (StatusName::Open, _) => Some(0.0),
             (StatusName::Short, _) => Some(1.0),
             (StatusName::Ok, Unit::Newton) => Some(state.f_n? / self.unit.newton() / self.full),
@@ -125,31 +152,26 @@ impl Row {
         let bound = |sign: &str, value: Option<f64>, unit| {
             value.map(|value| format!("{sign} {}", rough(value, unit))).unwrap_or_default()
         };
-        let (unit, style) = (self.unit.as_str(), Style::new());
-        let (force, ohms, status, style) = match state.status {
+        let other = if unicode { self.measures.symbol() } else { self.measures.as_str() };
+        let is_other = matches!(self.measures, Unit::Other(_));
+        let (unit, style) = (if is_other { other } else { self.unit.as_str() }, Style::new());
+        let least = state.value_min.or(in_unit(state.f_min_n));
+        let most = state.value_max.or(in_unit(state.f_max_n));
+        let limit = || [bound("<", most, unit), bound(">", least, unit)].concat();
+        let (shown, ohms, status, style) = match state.status {
             StatusName::Ok => (
-                value(in_unit(state.f_n), in_unit(state.f_u_n), unit),
+                value(state.value.or(in_unit(state.f_n)), state.value_u.or(in_unit(state.f_u_n)), unit),
                 value(state.r_ohm, state.r_u_ohm, "ohm"),
                 mark(state),
                 style.green(),
             ),
-            StatusName::Open => (
-                bound("<", in_unit(state.f_max_n), unit),
-                bound(">", state.r_min_ohm, "ohm"),
-                "open",
-                style.dim(),
-            ),
-            StatusName::Short => (
-                bound(">", in_unit(state.f_min_n), unit),
-                bound("<", state.r_max_ohm, "ohm"),
-                "short",
-                style.yellow(),
-            ),
+            StatusName::Open => (limit(), bound(">", state.r_min_ohm, "ohm"), "open", style.dim()),
+            StatusName::Short => (limit(), bound("<", state.r_max_ohm, "ohm"), "short", style.yellow()),
             StatusName::Fault => {
                 (String::new(), state.fault.clone().unwrap_or_default(), "fault", style.red())
             }
         };
-        Words { force, ohms, status, style }
+        Words { value: shown, ohms, status, style }
     }
 
     /// What to look at on the board, if the daemon has said so.
@@ -158,12 +180,12 @@ impl Row {
     }
 
     pub fn plain(&self, unicode: bool) -> String {
-        let Words { force, ohms, status, .. } = self.words(unicode);
+        let Words { value, ohms, status, .. } = self.words(unicode);
         let time = self.last.as_ref().and_then(|reading| reading.time.get(11..23)).unwrap_or_default();
         let rate = self.rate().map(|rate| format!("{rate:.1}/s")).unwrap_or_default();
         let pressed = if self.is_pressed { "pressed" } else { "" };
         let hint = self.hint().unwrap_or_default();
-        let pieces = [time, &self.id, &force, &ohms, status, pressed, &rate, hint];
+        let pieces = [time, &self.id, &value, &ohms, status, pressed, &rate, hint];
         let kept: Vec<&str> = pieces.into_iter().filter(|piece| !piece.is_empty()).collect();
         kept.join("  ")
     }
@@ -174,7 +196,7 @@ fn mark(state: &StateLine) -> &'static str {
     match state {
         StateLine { moving: true, .. } => "moving",
         StateLine { settling: true, .. } => "settling",
-        // Of the force; the ohms are as good as any.
+        // Of the force or value; the ohms are as good as any.
         StateLine { extrapolated: true, .. } => "extrapolated",
         _ => "ok",
     }

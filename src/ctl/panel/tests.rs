@@ -96,6 +96,35 @@ fn every_number_stays_where_there_is_little_room() {
 }
 
 #[test]
+fn values_have_the_unit_of_their_law_and_a_bar_that_holds_them() {
+    let info = ChannelInfo { id: "thumb".to_owned(), unit: Unit::named("degC"), trigger: false };
+    let ok = |degc: f64| {
+        format!(r#""status":"ok","r_ohm":9000,"r_u_ohm":2.5,"value":{degc},"value_u":0.26,"unit":"degC""#)
+    };
+    let mut panel = Panel::new([&info].into_iter(), ForceUnit::Gram, true);
+    panel.feed(&reading(0, &ok(27.35)));
+    assert_eq!(panel.plain("thumb").unwrap(), "03:40:00.123  thumb  27.35 ± 0.26 °C  9000.0 ± 2.5 ohm  ok");
+    assert_eq!(panel.rows[0].scale().in_words(), "20 to 30 degC");
+    assert!((panel.rows[0].share().unwrap() - 0.735).abs() < 1e-9);
+    panel.feed(&reading(100, &ok(-3.5)));
+    assert_eq!(panel.rows[0].scale().in_words(), "-10 to 30 degC");
+    panel.feed(&reading(200, r#""status":"open","r_min_ohm":63000,"value_max":-14.2,"unit":"degC""#));
+    assert!(
+        panel.plain("thumb").unwrap().contains("  < -14.2 °C  > 63000 ohm  open"),
+        "{:?}",
+        panel.plain("thumb")
+    );
+    assert_eq!(panel.rows[0].share(), Some(0.0));
+    panel.feed(&reading(300, r#""status":"short","r_max_ohm":2.5,"value_min":400,"unit":"degC""#));
+    assert!(
+        panel.plain("thumb").unwrap().contains("  > 400 °C  < 2.50 ohm  short"),
+        "{:?}",
+        panel.plain("thumb")
+    );
+    assert_eq!(panel.rows[0].share(), Some(1.0));
+}
+
+#[test]
 fn forces_are_shown_in_the_unit_that_is_wanted() {
     let info = ChannelInfo { id: "thumb".to_owned(), unit: Unit::Newton, trigger: false };
     for (unit, plain, scale) in [

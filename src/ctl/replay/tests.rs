@@ -5,7 +5,7 @@ use crate::config::{Config, tape_header};
 use crate::instrument::{Instrument, Message};
 use crate::pins::sim::{Scene, SimPins};
 use crate::stream::tape::Reader;
-use crate::stream::wire::StatusName;
+use crate::stream::wire::{StatusName, Unit};
 
 fn config(kind: &str, method: &str) -> Config {
     let capacitors =
@@ -42,7 +42,8 @@ fn measured(kind: &str, method: &str, cycles: u64) -> (Vec<(i64, StateLine)>, St
                     tape.push(serde_json::to_string(&header.discharge(seq, &record, is_held)).unwrap());
                 }
                 Message::Reading(reading) if has_record => {
-                    let mut state = StateLine::new(&reading.status, reading.method);
+                    let unit = Unit::named(settings.channels[reading.channel].unit());
+                    let mut state = StateLine::new(&reading.status, reading.method, &unit);
                     state.method = Some(reading.method.to_string());
                     readings.push((reading.at.0, state));
                 }

@@ -134,7 +134,7 @@ fn rate(rate_hz: f64) -> String {
 
 /// What is not in the errors above.
 fn truth(asked: &Asked, best: &Rehearsed) -> Vec<String> {
-    let unknown = Channel { id: String::new(), zero_ohm: None, scale: None, force: None };
+    let unknown = Channel::default();
     let known = best.design.r_c.map(|r| r.0);
     let pins_ohm = unknown.pins_u_ohm(asked.search.need.r_ohm[0] + best.design.r_lim.0, known);
     let pins = rough(pins_ohm, "ohm");

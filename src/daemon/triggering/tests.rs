@@ -1,7 +1,7 @@
 //! The thread without a daemon around it.
 
 use super::*;
-use crate::reading::{Method, Status};
+use crate::reading::{Bound, Method, Status};
 use crate::trigger::{Quantity, Rules, Why};
 
 const STALE: Nanos = Nanos(200_000_000);
@@ -23,7 +23,7 @@ fn pressed(channel: usize, at: Nanos) -> Reading {
         channel,
         seq: 1,
         at,
-        status: Status::Short { r_max_ohm: 4.0, f_min_n: Some(500.0) },
+        status: Status::Short { r_max_ohm: 4.0, shown: Some(Bound::AtLeast(500.0)) },
         suspect: None,
         method: Method::Tracked,
         duration: Nanos::ZERO,

@@ -86,11 +86,10 @@ impl Estimator {
         if let Err(fault) = self.check_paths() {
             return Status::Fault(fault);
         }
-        let (known, force) = ([self.r1_ohm, self.r2_ohm], sensor.force.as_ref());
-        let at_bound = |r_ohm: f64| force.and_then(|force| force.at_bound(r_ohm, known));
+        let known = [self.r1_ohm, self.r2_ohm];
         let open = |r_ohm: f64| {
             let r_min_ohm = sensor.corrected(r_ohm).max(0.0);
-            Status::Open { r_min_ohm, f_max_n: at_bound(r_min_ohm) }
+            Status::Open { r_min_ohm, shown: sensor.bound_above(r_min_ohm, known) }
         };
         if let (None, Some(waited_ns)) = (record.crossing(self.last()), record.waited_ns) {
             // A known resistor was to finish it, and has not: nothing of this is the sensor's.
@@ -139,7 +138,7 @@ impl Estimator {
                 if r_max_ohm > self.r1_ohm {
                     return self.above(record).map_or(Status::Fault(Fault::Implausible), open);
                 }
-                Status::Short { r_max_ohm, f_min_n: at_bound(r_max_ohm) }
+                Status::Short { r_max_ohm, shown: sensor.bound_below(r_max_ohm, known) }
             }
             None if r_ohm.value <= 0.0 => Status::Fault(Fault::Implausible),
             _ => Status::Ok {
@@ -148,7 +147,7 @@ impl Estimator {
                 is_moving: moved.is_some_and(|moved| moved.is_moving),
                 is_settling,
                 // The reciprocal of a resistance that may be 0 is anything.
-                f_n: is_resolved.then(|| sensor.force_at(r_ohm, known)).flatten(),
+                shown: is_resolved.then(|| sensor.value_at(r_ohm, known)).flatten(),
             },
         }
     }

@@ -132,15 +132,14 @@ proptest! {
         let mut x = record(Through::X(0), x);
         x.switch = at.map(|at| Switch { at_ns: at, on_ns: at, to: Through::C2 });
         let sensor = Channel {
-            id: String::new(),
             zero_ohm: zeroed.then_some(0.0),
-            scale: None,
             force: Some(Law::Alpha { alpha_n_ohm: 13346.46 }.into()),
+            ..Channel::default()
         };
         match estimator.status(&x, &sensor) {
-            Status::Ok { r_ohm, f_n, .. } => {
+            Status::Ok { r_ohm, shown, .. } => {
                 prop_assert!(r_ohm.value > 0.0 && r_ohm.value.is_finite());
-                prop_assert!(f_n.is_none_or(|f| f.value > 0.0 && f.value.is_finite()));
+                prop_assert!(shown.is_none_or(|f| f.value > 0.0 && f.value.is_finite()));
             }
             Status::Open { r_min_ohm, .. } => prop_assert!(r_min_ohm > 0.0 && r_min_ohm.is_finite()),
             Status::Short { r_max_ohm, .. } => prop_assert!(r_max_ohm > 0.0 && r_max_ohm.is_finite()),

@@ -37,8 +37,8 @@ impl Cycle {
         let (window, tracker) = (&mut self.memory[channel].window, self.estimator.tracker());
         window.add(judged.status, &judged.basis, [share_began, at], tracker);
         let (sensor, known) = (&self.settings.channels[channel], self.settings.r_ohm());
-        let force_at = |r_ohm| sensor.force_at(r_ohm, known);
-        let over = window.take(length, now, tracker, force_at);
+        let value_at = |r_ohm| sensor.value_at(r_ohm, known);
+        let over = window.take(length, now, tracker, value_at);
         let reading = over.map(|(status, [began, at])| self.told(channel, status, at, now - began));
         self.go_on(channel, now);
         reading

@@ -2,7 +2,7 @@
 
 use crate::estimate::mean::{Basis, Mean};
 use crate::estimate::tracker::Tracker;
-use crate::reading::{Measured, MeasuredForce, Status};
+use crate::reading::{Measured, MeasuredValue, Status};
 use crate::units::Nanos;
 
 /// The readings of one window.
@@ -60,7 +60,7 @@ impl Window {
         length: Nanos,
         now: Nanos,
         tracker: Option<&Tracker>,
-        force_at: impl Fn(Measured) -> Option<MeasuredForce>,
+        value_at: impl Fn(Measured) -> Option<MeasuredValue>,
     ) -> Option<(Status, [Nanos; 2])> {
         let began = self.began.filter(|began| now - *began >= length)?;
         let done = *self;
@@ -73,9 +73,9 @@ impl Window {
         match (mean, done.number) {
             (Some(r_ohm), Some(Status::Ok { branch, .. })) => {
                 let at = began + Nanos((done.at_ns / done.mean.count() as f64) as i64);
-                let f_n = force_at(r_ohm);
+                let shown = value_at(r_ohm);
                 let is_settling = done.is_settling;
-                Some((Status::Ok { branch, r_ohm, f_n, is_moving, is_settling }, [began, at]))
+                Some((Status::Ok { branch, r_ohm, shown, is_moving, is_settling }, [began, at]))
             }
             _ => done.state.map(|(status, at)| (status, [began, at])),
         }

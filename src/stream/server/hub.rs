@@ -4,7 +4,7 @@ use crate::reading::Reading;
 use crate::stream::limits::serving::ACHIEVED_OVER_S;
 use crate::stream::wire::{
     ChannelInfo, ChannelStats, ErrorCode, ErrorLine, EventLine, InstrumentStats, ReadingLine, ReadingTally,
-    StatsLine, VersionLine, excerpt, to_line,
+    StatsLine, Unit, VersionLine, excerpt, to_line,
 };
 use jiff::Timestamp;
 use serde::Serialize;
@@ -55,6 +55,7 @@ pub(super) struct Hub {
 #[derive(Debug)]
 struct Channel {
     id: String,
+    unit: Unit,
     last: Option<(Reading, Timestamp)>,
     event: Option<Arc<Published>>,
     /// Of the present window and of the last one that is full.
@@ -66,7 +67,7 @@ impl Channel {
         if self.tallies[0].span_s() > ACHIEVED_OVER_S {
             self.tallies = [ReadingTally::default(), self.tallies[0]];
         }
-        self.tallies[0].add(reading);
+        self.tallies[0].add(reading, &self.unit);
     }
 
     fn stats(&self) -> ChannelStats {
@@ -76,7 +77,7 @@ impl Channel {
 
     fn last_line(&self) -> Option<ReadingLine> {
         let (reading, time) = self.last.as_ref()?;
-        Some(ReadingLine::new(reading, &self.id, format!("{time:.9}")))
+        Some(ReadingLine::new(reading, &self.id, &self.unit, format!("{time:.9}")))
     }
 }
 
@@ -85,6 +86,7 @@ impl Hub {
         let version = Published::new(Content::Version, &VersionLine::new(channels));
         let new = |channel: &ChannelInfo| Channel {
             id: channel.id.clone(),
+            unit: channel.unit.clone(),
             last: None,
             event: None,
             tallies: Default::default(),

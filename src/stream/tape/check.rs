@@ -2,7 +2,7 @@
 
 use super::{Header, PROTO_MAJOR, TapeCircuit};
 use crate::record::{LONGEST_LATENCY, MAX_CHANNELS, Record};
-use crate::sensor::{Channel, Force, SCALES};
+use crate::sensor::{Channel, SCALES};
 use crate::stream::limits::{LARGEST, LONGEST_NS};
 
 impl Header {
@@ -51,8 +51,7 @@ fn check_channel(channel: &Channel) -> Result<(), String> {
     if let Some(scale) = channel.scale.filter(|scale| !SCALES.contains(scale)) {
         return Err(format!("scale = {scale:e} is no part of a resistance that is near 1"));
     }
-    let defect = channel.force.as_ref().and_then(Force::defect);
-    defect.map_or(Ok(()), |(defect, _)| Err(defect))
+    channel.defect().map_or(Ok(()), |(defect, _)| Err(defect))
 }
 
 /// Whether a resistance is that of a part.

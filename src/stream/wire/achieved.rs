@@ -1,7 +1,7 @@
 //! What the readings of a channel come to: how often they came, how well they are known, and what else they were.
 
-use super::{ReadingLine, StatusName};
-use crate::reading::{Measured, Reading, Status};
+use super::{ReadingLine, StatusName, Unit};
+use crate::reading::{Reading, Status};
 use crate::stream::line::{is_unknown, time, uncertainty};
 use serde::{Deserialize, Serialize};
 
@@ -22,6 +22,9 @@ pub struct ChannelStats {
     /// The same of `f_u_n`, newton.
     #[serde(serialize_with = "uncertainty", skip_serializing_if = "is_unknown")]
     pub f_u_n: Option<f64>,
+    /// The same of `value_u`, in the unit of the channel.
+    #[serde(serialize_with = "uncertainty", skip_serializing_if = "is_unknown")]
+    pub value_u: Option<f64>,
     /// Numbers.
     pub ok: u64,
     /// Those of a sensor that changed while it was read.
@@ -42,8 +45,8 @@ pub struct ReadingTally {
     counts: ChannelStats,
     /// The first and the last instant, ns.
     span_ns: Option<[i64; 2]>,
-    /// Of ohm and newton.
-    squares: [Squares; 2],
+    /// Of ohm, newton and what a law gives.
+    squares: [Squares; 3],
 }
 
 /// A sum of squares, and of how many.
@@ -63,12 +66,13 @@ impl Squares {
 }
 
 impl ReadingTally {
-    /// One more, as the instrument says it.
-    pub fn add(&mut self, reading: &Reading) {
-        let u = |value: Measured| value.u;
+    /// One more, as the instrument says it, of a channel that measures in this unit.
+    pub fn add(&mut self, reading: &Reading, unit: &Unit) {
         match reading.status {
-            Status::Ok { r_ohm, f_n, is_moving, is_settling, .. } => {
-                self.number([u(r_ohm), f_n.and_then(|f_n| f_n.u)], is_moving, is_settling);
+            Status::Ok { r_ohm, shown, is_moving, is_settling, .. } => {
+                let u = shown.and_then(|shown| shown.u);
+                let (f_u_n, value_u) = if *unit == Unit::Newton { (u, None) } else { (None, u) };
+                self.number([r_ohm.u, f_u_n, value_u], is_moving, is_settling);
             }
             Status::Open { .. } => self.counts.open += 1,
             Status::Short { .. } => self.counts.short += 1,
@@ -81,7 +85,9 @@ impl ReadingTally {
     pub fn add_line(&mut self, reading: &ReadingLine) {
         let state = &reading.state;
         match state.status {
-            StatusName::Ok => self.number([state.r_u_ohm, state.f_u_n], state.moving, state.settling),
+            StatusName::Ok => {
+                self.number([state.r_u_ohm, state.f_u_n, state.value_u], state.moving, state.settling);
+            }
             StatusName::Open => self.counts.open += 1,
             StatusName::Short => self.counts.short += 1,
             StatusName::Fault => self.counts.faults += 1,
@@ -89,7 +95,7 @@ impl ReadingTally {
         self.stamp(reading.t_mono_ns);
     }
 
-    fn number(&mut self, u: [Option<f64>; 2], is_moving: bool, is_settling: bool) {
+    fn number(&mut self, u: [Option<f64>; 3], is_moving: bool, is_settling: bool) {
         self.counts.ok += 1;
         self.counts.moving += u64::from(is_moving);
         self.counts.settling += u64::from(is_settling);
@@ -111,28 +117,32 @@ impl ReadingTally {
     /// What they come to.
     pub fn stats(&self) -> ChannelStats {
         let (span_s, intervals) = (self.span_s(), self.counts.readings.saturating_sub(1));
-        let [r_u_ohm, f_u_n] = self.squares.map(Squares::rms);
+        let [r_u_ohm, f_u_n, value_u] = self.squares.map(Squares::rms);
         let rate_hz = (span_s > 0.0).then(|| intervals as f64 / span_s);
-        ChannelStats { span_s, rate_hz, r_u_ohm, f_u_n, ..self.counts }
+        ChannelStats { span_s, rate_hz, r_u_ohm, f_u_n, value_u, ..self.counts }
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::reading::{Branch, Fault, Method};
+    use crate::reading::{Branch, Fault, Measured, Method};
     use crate::units::Nanos;
 
     #[test]
     fn a_line_counts_as_its_reading_does() {
+        [Unit::Newton, Unit::named("degC")].into_iter().for_each(counts_alike);
+    }
+
+    fn counts_alike(unit: Unit) {
         let ok = |u, is_moving| Status::Ok {
             branch: Branch::Direct,
             r_ohm: Measured { value: 1000.0, u: Some(u) },
-            f_n: Some(Measured { value: 13.0, u: Some(u / 100.0) }.into()),
+            shown: Some(Measured { value: 13.0, u: Some(u / 100.0) }.into()),
             is_moving,
             is_settling: false,
         };
-        let open = Status::Open { r_min_ohm: 6e4, f_max_n: None };
+        let open = Status::Open { r_min_ohm: 6e4, shown: None };
         let statuses = [ok(3.0, false), ok(4.0, false), ok(90.0, true), open, Status::Fault(Fault::Pins)];
         let (mut own, mut of_lines) = (ReadingTally::default(), ReadingTally::default());
         for (at, status) in (0..).zip(statuses) {
@@ -145,26 +155,35 @@ mod tests {
                 method: Method::Tracked,
                 duration: Nanos::ZERO,
             };
-            own.add(&reading);
-            of_lines.add_line(&ReadingLine::new(&reading, "thumb", String::new()));
+            own.add(&reading, &unit);
+            of_lines.add_line(&ReadingLine::new(&reading, "thumb", &unit, String::new()));
         }
         let rms = (12.5f64).sqrt();
+        let (f_u_n, value_u) = match unit {
+            Unit::Newton => (Some(rms / 100.0), None),
+            _ => (None, Some(rms / 100.0)),
+        };
         let wanted = ChannelStats {
             span_s: 1.0,
             readings: 5,
             rate_hz: Some(4.0),
             r_u_ohm: Some(rms),
-            f_u_n: Some(rms / 100.0),
+            f_u_n,
+            value_u,
             ok: 3,
             moving: 1,
             open: 1,
             faults: 1,
             ..ChannelStats::default()
         };
-        let close = |a: Option<f64>, b: Option<f64>| (a.unwrap() - b.unwrap()).abs() < 1e-12;
+        let close = |a: Option<f64>, b: Option<f64>| match (a, b) {
+            (Some(a), Some(b)) => (a - b).abs() < 1e-12,
+            (a, b) => a == b,
+        };
         for stats in [own.stats(), of_lines.stats()] {
-            assert!(close(stats.r_u_ohm, wanted.r_u_ohm) && close(stats.f_u_n, wanted.f_u_n), "{stats:?}");
-            assert_eq!(ChannelStats { r_u_ohm: wanted.r_u_ohm, f_u_n: wanted.f_u_n, ..stats }, wanted);
+            assert!(close(stats.r_u_ohm, wanted.r_u_ohm), "{stats:?}");
+            assert!(close(stats.f_u_n, wanted.f_u_n) && close(stats.value_u, wanted.value_u), "{stats:?}");
+            assert_eq!(ChannelStats { r_u_ohm: wanted.r_u_ohm, f_u_n, value_u, ..stats }, wanted);
         }
         assert_eq!(ReadingTally::default().stats(), ChannelStats::default());
     }

@@ -1,7 +1,7 @@
 //! What the server says: VERSION, READING, EVENT, STATS, ERROR and the lines of a tape.
 
 use super::{EventLine, PROTO_MAJOR, PROTO_MINOR, StatsLine};
-use crate::reading::{Method, Reading, Status};
+use crate::reading::{Bound, MeasuredValue, Method, Reading, Status};
 use crate::stream::line::{Class, is_unknown, uncertainty, value};
 use crate::stream::tape::{DischargeLine, Header};
 use serde::de::DeserializeOwned;
@@ -86,7 +86,7 @@ pub struct ChannelInfo {
 }
 
 /// What the values of a channel are measured in.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Unit {
     /// The channel has a force calibration.
     #[serde(rename = "N")]
@@ -94,6 +94,39 @@ pub enum Unit {
     /// The channel is read as a resistance.
     #[serde(rename = "ohm")]
     Ohm,
+    /// The channel has a law: "degC", "lx", "mm", or as its table says.
+    #[serde(untagged)]
+    Other(String),
+}
+
+impl Unit {
+    /// By its name.
+    pub fn named(name: &str) -> Unit {
+        match name {
+            "N" => Unit::Newton,
+            "ohm" => Unit::Ohm,
+            other => Unit::Other(other.to_owned()),
+        }
+    }
+
+    /// Its name.
+    pub fn as_str(&self) -> &str {
+        match self {
+            Unit::Newton => "N",
+            Unit::Ohm => "ohm",
+            Unit::Other(name) => name,
+        }
+    }
+
+    /// As it is written where there are more letters than those of ASCII.
+    pub fn symbol(&self) -> &str {
+        match self.as_str() {
+            "degC" => "\u{b0}C",
+            "deg" => "\u{b0}",
+            "ohm" => "\u{3a9}",
+            name => name,
+        }
+    }
 }
 
 impl VersionLine {
@@ -168,7 +201,19 @@ pub struct StateLine {
     /// 1 sigma of the readout alone: how well readings of one sensor can be told apart, newton.
     #[serde(serialize_with = "uncertainty", skip_serializing_if = "is_unknown")]
     pub f_repeat_u_n: Option<f64>,
-    /// The force is outside those that the sensor was calibrated with.
+    /// What the sensor shows by its law, in `unit`.
+    #[serde(serialize_with = "value", skip_serializing_if = "is_unknown")]
+    pub value: Option<f64>,
+    /// 1 sigma of all, readout and law, in `unit`.
+    #[serde(serialize_with = "uncertainty", skip_serializing_if = "is_unknown")]
+    pub value_u: Option<f64>,
+    /// 1 sigma of the readout alone, in `unit`.
+    #[serde(serialize_with = "uncertainty", skip_serializing_if = "is_unknown")]
+    pub value_repeat_u: Option<f64>,
+    /// Of the values beside it: that of the channel in VERSION.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub unit: Option<String>,
+    /// The force is outside those that the sensor was calibrated with, or the value is outside of where its law holds.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub extrapolated: bool,
     /// The sensor changed while it was read; `r_u_ohm` and what follows from it contain that.
@@ -189,6 +234,12 @@ pub struct StateLine {
     /// Short: lower bound, newton.
     #[serde(serialize_with = "value", skip_serializing_if = "is_unknown")]
     pub f_min_n: Option<f64>,
+    /// Open or short: lower bound, in `unit`.
+    #[serde(serialize_with = "value", skip_serializing_if = "is_unknown")]
+    pub value_min: Option<f64>,
+    /// Open or short: upper bound, in `unit`.
+    #[serde(serialize_with = "value", skip_serializing_if = "is_unknown")]
+    pub value_max: Option<f64>,
     /// Why there is no number; a text, because later releases know more faults.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub fault: Option<String>,
@@ -202,14 +253,14 @@ pub struct StateLine {
 
 impl ReadingLine {
     /// With nothing lost. `channel`: its id; `time`: `reading.at` on the wall clock, RFC 3339.
-    pub fn new(reading: &Reading, channel: &str, time: String) -> ReadingLine {
+    pub fn new(reading: &Reading, channel: &str, unit: &Unit, time: String) -> ReadingLine {
         let is_fault = matches!(reading.status, Status::Fault(_));
         ReadingLine {
             channel: channel.to_owned(),
             seq: reading.seq,
             time,
             t_mono_ns: reading.at.0,
-            state: StateLine::new(&reading.status, reading.method),
+            state: StateLine::new(&reading.status, reading.method, unit),
             hint: reading.suspect.filter(|_| is_fault).map(|suspect| suspect.to_string()),
             duration_us: (!is_fault).then(|| (reading.duration.0.max(0).unsigned_abs() + 500) / 1000),
             lost: 0,
@@ -218,32 +269,68 @@ impl ReadingLine {
 }
 
 impl StateLine {
-    /// By this method.
-    pub fn new(status: &Status, method: Method) -> StateLine {
+    /// By this method, of a channel that measures in this unit.
+    pub fn new(status: &Status, method: Method, unit: &Unit) -> StateLine {
         let mut line = StateLine::default();
         match *status {
-            Status::Ok { branch, r_ohm, f_n, is_moving, is_settling } => {
+            Status::Ok { branch, r_ohm, shown, is_moving, is_settling } => {
                 line.status = StatusName::Ok;
                 (line.r_ohm, line.r_u_ohm) = (Some(r_ohm.value), r_ohm.u);
-                line.f_n = f_n.map(|f_n| f_n.value);
-                line.f_u_n = f_n.and_then(|f_n| f_n.u);
-                line.f_repeat_u_n = f_n.and_then(|f_n| f_n.repeat_u);
-                line.extrapolated = f_n.is_some_and(|f_n| f_n.is_extrapolated);
+                if let Some(shown) = shown {
+                    line.set_value(shown, unit);
+                }
                 (line.moving, line.settling) = (is_moving, is_settling);
                 line.method = Some(method.to_string());
                 line.branch = Some(branch.to_string());
             }
-            Status::Open { r_min_ohm, f_max_n } => {
+            Status::Open { r_min_ohm, shown } => {
                 line.status = StatusName::Open;
-                (line.r_min_ohm, line.f_max_n) = (Some(r_min_ohm), f_max_n);
+                line.r_min_ohm = Some(r_min_ohm);
+                line.set_bound(shown, unit);
             }
-            Status::Short { r_max_ohm, f_min_n } => {
+            Status::Short { r_max_ohm, shown } => {
                 line.status = StatusName::Short;
-                (line.r_max_ohm, line.f_min_n) = (Some(r_max_ohm), f_min_n);
+                line.r_max_ohm = Some(r_max_ohm);
+                line.set_bound(shown, unit);
             }
             Status::Fault(fault) => line.fault = Some(fault.to_string()),
         }
         line
+    }
+
+    fn set_value(
+        &mut self,
+        MeasuredValue { value, u, repeat_u, is_extrapolated }: MeasuredValue,
+        unit: &Unit,
+    ) {
+        self.extrapolated = is_extrapolated;
+        if *unit == Unit::Newton {
+            (self.f_n, self.f_u_n, self.f_repeat_u_n) = (Some(value), u, repeat_u);
+        } else {
+            (self.value, self.value_u, self.value_repeat_u) = (Some(value), u, repeat_u);
+            self.unit = Some(unit.as_str().to_owned());
+        }
+    }
+
+    fn set_bound(&mut self, bound: Option<Bound>, unit: &Unit) {
+        let is_force = *unit == Unit::Newton;
+        match bound {
+            None => return,
+            Some(Bound::AtLeast(f_n)) if is_force => self.f_min_n = Some(f_n),
+            Some(Bound::AtMost(f_n)) if is_force => self.f_max_n = Some(f_n),
+            Some(Bound::AtLeast(value)) => self.value_min = Some(value),
+            Some(Bound::AtMost(value)) => self.value_max = Some(value),
+        }
+        self.unit = (!is_force).then(|| unit.as_str().to_owned());
+    }
+
+    /// What the channel shows, in its unit, with 1 sigma of all: a force, a value by a law, or the resistance itself.
+    pub fn shown(&self, unit: &Unit) -> (Option<f64>, Option<f64>) {
+        match unit {
+            Unit::Newton => (self.f_n, self.f_u_n),
+            Unit::Ohm => (self.r_ohm, self.r_u_ohm),
+            Unit::Other(_) => (self.value, self.value_u),
+        }
     }
 }
 

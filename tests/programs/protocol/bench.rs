@@ -1,6 +1,6 @@
 //! A server and its clients in one thread.
 
-use cermd::reading::{Branch, Measured, MeasuredForce, Method, Reading, Status};
+use cermd::reading::{Branch, Measured, MeasuredValue, Method, Reading, Status};
 use cermd::stream::server::{Limits, Listener, Server};
 use cermd::stream::wire::{ChannelInfo, InstrumentStats, Unit};
 use cermd::units::Nanos;
@@ -26,13 +26,13 @@ pub fn channels() -> [ChannelInfo; 2] {
 pub fn reading(channel: usize, seq: u64) -> Reading {
     let r_ohm = Measured { value: 2841.3 + seq as f64, u: Some(1.2) };
     let u = Some(0.002);
-    let force = MeasuredForce { value: 4.697, u, repeat_u: u, is_extrapolated: false };
-    let f_n = (channel == 0).then_some(force);
+    let force = MeasuredValue { value: 4.697, u, repeat_u: u, is_extrapolated: false };
+    let shown = (channel == 0).then_some(force);
     Reading {
         channel,
         seq,
         at: Nanos(81_234_567_890 + seq as i64 * 10_000_000),
-        status: Status::Ok { branch: Branch::Direct, r_ohm, f_n, is_moving: false, is_settling: false },
+        status: Status::Ok { branch: Branch::Direct, r_ohm, shown, is_moving: false, is_settling: false },
         suspect: None,
         method: Method::Cerm,
         duration: Nanos(9_000_000),

@@ -26,6 +26,16 @@ class Reading:
     newtons_u: Optional[float] = None
     #: That of the readout alone: how well two readings of one sensor can be told apart.
     newtons_repeat_u: Optional[float] = None
+    #: What the sensor shows by a law beside force: a temperature, an illuminance, a position, in `unit`.
+    value: Optional[float] = None
+    #: All of its uncertainty; None also where nobody has said how well the law is known.
+    value_u: Optional[float] = None
+    #: That of the readout alone.
+    value_repeat_u: Optional[float] = None
+    #: Of the values: "degC", "lx", "mm", or as a table says.
+    unit: Optional[str] = None
+    value_min: Optional[float] = None
+    value_max: Optional[float] = None
     ohms_min: Optional[float] = None
     ohms_max: Optional[float] = None
     newtons_min: Optional[float] = None
@@ -38,7 +48,7 @@ class Reading:
     moving: bool = False
     #: The uncertainty is still a wide prior.
     settling: bool = False
-    #: The force is outside those of the calibration.
+    #: Force or value is outside of where its law holds.
     extrapolated: bool = False
     #: Readings that were missed since the one before.
     lost: int = 0
@@ -73,6 +83,12 @@ class Reading:
             ohms=message.get("r_ohm"),
             ohms_u=message.get("r_u_ohm"),
             newtons=message.get("f_n"),
+            value=message.get("value"),
+            value_u=message.get("value_u"),
+            value_repeat_u=message.get("value_repeat_u"),
+            unit=message.get("unit"),
+            value_min=message.get("value_min"),
+            value_max=message.get("value_max"),
             newtons_u=message.get("f_u_n"),
             newtons_repeat_u=message.get("f_repeat_u_n"),
             ohms_min=message.get("r_min_ohm"),

@@ -1,7 +1,7 @@
 //! The lines of the protocol, byte by byte and read back.
 
 use super::*;
-use crate::reading::{Branch, Fault, Measured, MeasuredForce, Method, Suspect};
+use crate::reading::{Bound, Branch, Fault, Measured, MeasuredValue, Method, Suspect};
 use crate::stream::wire::ChannelStats;
 use crate::stream::wire::{InstrumentStats, to_line};
 use crate::units::Nanos;
@@ -25,14 +25,39 @@ fn line(message: &impl Serialize) -> String {
 }
 
 fn written(status: Status) -> String {
-    line(&ReadingLine::new(&reading(status), "thumb", TIME.to_owned()))
+    line(&ReadingLine::new(&reading(status), "thumb", &Unit::Newton, TIME.to_owned()))
 }
 
 fn ok() -> Status {
     let r_ohm = Measured { value: 2841.3, u: Some(1.2) };
-    let f_n = MeasuredForce { value: 4.697, u: Some(0.41), repeat_u: Some(0.002), is_extrapolated: false };
-    let f_n = Some(f_n);
-    Status::Ok { branch: Branch::Direct, r_ohm, f_n, is_moving: false, is_settling: false }
+    let shown = MeasuredValue { value: 4.697, u: Some(0.41), repeat_u: Some(0.002), is_extrapolated: false };
+    let shown = Some(shown);
+    Status::Ok { branch: Branch::Direct, r_ohm, shown, is_moving: false, is_settling: false }
+}
+
+#[test]
+fn a_law_gives_values_with_their_unit_and_a_force_none() {
+    let written =
+        |status, unit| serde_json::to_string(&StateLine::new(&status, Method::Cerm, &unit)).unwrap();
+    let of_law = |status| written(status, Unit::named("degC"));
+    let ok = of_law(ok());
+    assert!(
+        ok.contains("\"value\":4.697,\"value_u\":0.41,\"value_repeat_u\":0.002,\"unit\":\"degC\""),
+        "{ok}"
+    );
+    assert!(!ok.contains("f_n"), "{ok}");
+    let open = |shown| Status::Open { r_min_ohm: 1.9e6, shown };
+    let short = |shown| Status::Short { r_max_ohm: 4.5, shown };
+    let least = "\"value_min\":7";
+    let (below, above) = (Some(Bound::AtMost(7.0)), Some(Bound::AtLeast(7.0)));
+    assert!(of_law(open(below)).contains("\"value_max\":7") && of_law(open(below)).contains("\"degC\""));
+    assert!(of_law(open(above)).contains(least) && of_law(short(above)).contains(least));
+    assert_eq!(of_law(open(None)), "{\"status\":\"open\",\"r_min_ohm\":1900000}");
+    assert_eq!(of_law(Status::Fault(Fault::Pins)), "{\"status\":\"fault\",\"fault\":\"pins\"}");
+    // What a later release may measure in is a unit, too.
+    let unit: Unit = serde_json::from_str("\"furlong\"").unwrap();
+    assert_eq!((unit.as_str(), serde_json::from_str("\"N\"").ok()), ("furlong", Some(Unit::Newton)));
+    assert_eq!(serde_json::to_string(&Unit::named("degC")).unwrap(), "\"degC\"");
 }
 
 #[test]
@@ -44,7 +69,7 @@ fn the_lines_of_the_protocol_byte_by_byte() {
          \"f_u_n\":0.41,\"f_repeat_u_n\":0.002,\"method\":\"cerm\",\"branch\":\"direct\",\"duration_us\":18230,\"lost\":0}\n"
     );
     let Status::Ok { branch, r_ohm, .. } = ok() else { panic!("{:?}", ok()) };
-    let moving = written(Status::Ok { branch, r_ohm, f_n: None, is_moving: true, is_settling: true });
+    let moving = written(Status::Ok { branch, r_ohm, shown: None, is_moving: true, is_settling: true });
     assert!(
         moving.contains(
             "\"r_ohm\":2841.3,\"r_u_ohm\":1.2,\"moving\":true,\"settling\":true,\"method\":\"cerm\""
@@ -54,13 +79,13 @@ fn the_lines_of_the_protocol_byte_by_byte() {
     let head = "{\"class\":\"READING\",\"channel\":\"thumb\",\"seq\":1041,\
                 \"time\":\"2026-11-21T03:40:00.123456789Z\",\"t_mono_ns\":81234567890,\"status\":";
     assert_eq!(
-        written(Status::Open { r_min_ohm: 1.9e6, f_max_n: Some(0.007) }),
+        written(Status::Open { r_min_ohm: 1.9e6, shown: Some(Bound::AtMost(0.007)) }),
         format!(
             "{head}\"open\",\"r_min_ohm\":1900000,\"f_max_n\":0.007,\"duration_us\":18230,\"lost\":0}}\n"
         )
     );
     assert_eq!(
-        written(Status::Short { r_max_ohm: 4.5, f_min_n: None }),
+        written(Status::Short { r_max_ohm: 4.5, shown: None }),
         format!("{head}\"short\",\"r_max_ohm\":4.5,\"duration_us\":18230,\"lost\":0}}\n")
     );
     assert_eq!(
@@ -70,7 +95,7 @@ fn the_lines_of_the_protocol_byte_by_byte() {
     let suspected =
         Reading { suspect: Some(Suspect::SecondOpen), ..reading(Status::Fault(Fault::NoCalibration)) };
     assert_eq!(
-        line(&ReadingLine::new(&suspected, "thumb", TIME.to_owned())),
+        line(&ReadingLine::new(&suspected, "thumb", &Unit::Newton, TIME.to_owned())),
         format!(
             "{head}\"fault\",\"fault\":\"no-calibration\",\"hint\":\"nothing falls in a discharge through Rc2; look at \
              the wire from sink-c2 through Rc2 to node A (series calibration: to Rc1)\",\"lost\":0}}\n"

@@ -1,70 +1,11 @@
-//! What is known of a sensor before it is measured.
-//!
-//! For: its zero, and how its resistance becomes a force, as a configuration gives them and a tape carries them. Must not know:
-//! how the resistance is measured.
+//! `force`: how the resistance of a piezoresistive sensor becomes a force: the four ways to say it, how well it is known, and
+//! what lies on the sensor.
 
-use crate::reading::{Measured, MeasuredForce};
+use super::{Defect, Shown};
 use crate::units::{Newton, NewtonOhm, rounded};
 use serde::{Deserialize, Serialize};
 use std::fmt::Display;
 use std::ops::RangeInclusive;
-
-/// A sensor.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct Channel {
-    /// Its name.
-    pub id: String,
-    /// What a short circuit in its place reads, ohm; absent: as pins are that nobody has looked at.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub zero_ohm: Option<f64>,
-    /// What a known resistor in its place reads, less the zero, as a part of its resistance; absent: as for the zero.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub scale: Option<f64>,
-    /// Its characteristic, if it is to give forces.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub force: Option<Force>,
-}
-
-/// How far the output resistance of a pin is off that of its neighbours, ohm, 1 sigma, as long as nobody has looked. Data sheets
-/// bound it by 70 or 100 ohm and say no more: 40 ohm, to 14 either way and nothing more likely between (GUM, rectangular).
-pub const UNLIKE_PINS_OHM: f64 = 8.0;
-
-/// A scale beyond this is a mistake: the pins would differ by a tenth of R_2.
-pub const SCALES: std::ops::RangeInclusive<f64> = 0.9..=1.1;
-
-impl Channel {
-    /// The sensor's own resistance of one that was read, ohm.
-    pub fn corrected(&self, r_ohm: f64) -> f64 {
-        (r_ohm - self.zero_ohm.unwrap_or(0.0)) / self.scale.unwrap_or(1.0)
-    }
-
-    /// The other way round.
-    pub fn as_read(&self, r_ohm: f64) -> f64 {
-        r_ohm * self.scale.unwrap_or(1.0) + self.zero_ohm.unwrap_or(0.0)
-    }
-
-    /// What a resistance is uncertain by because the pins of the sensor and of R_1 and R_2 may differ, 1 sigma, ohm; it is the same
-    /// in all readings. Theirs bend what is between: a resistance of R_1 reads too high by what the sensor's pin has more than
-    /// that of R_1, and so on in proportion. A zero takes out what there is at 0 ohm, a scale the rest.
-    pub fn pins_u_ohm(&self, r_ohm: f64, [r1, r2]: [f64; 2]) -> f64 {
-        let share = |r_ohm: f64| (r_ohm - r1) / (r2 - r1);
-        UNLIKE_PINS_OHM
-            * match (self.zero_ohm, self.scale) {
-                (None, _) => (1.0 + (1.0 - share(r_ohm)).powi(2) + share(r_ohm).powi(2)).sqrt(),
-                (Some(_), None) => 2f64.sqrt() * (share(r_ohm) - share(0.0)).abs(),
-                (Some(_), Some(_)) => 0.0,
-            }
-    }
-}
-
-impl Channel {
-    /// The force at a resistance whose uncertainty contains what pins may differ by. `known`: R_1 and R_2, ohm.
-    pub fn force_at(&self, Measured { value, u }: Measured, known: [f64; 2]) -> Option<MeasuredForce> {
-        let pins_u_ohm = self.pins_u_ohm(value, known);
-        let u = u.map(|u| (u * u - pins_u_ohm * pins_u_ohm).max(0.0).sqrt());
-        self.force.as_ref()?.at(Measured { value, u }, pins_u_ohm, known)
-    }
-}
 
 /// The characteristic of a sensor.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -104,9 +45,6 @@ impl From<Law> for Force {
     }
 }
 
-/// What is wrong with a characteristic, and what to write instead.
-type Defect = (String, &'static str);
-
 fn absurd(value: impl Display) -> Defect {
     (format!("{value} is beyond any sensor"), "another prefix: M is mega, m is milli")
 }
@@ -141,21 +79,18 @@ impl Force {
         self.law.defect().or(defect_of_bounds(self.u, self.range_n, self.tare_n))
     }
 
-    /// The force at a resistance with the uncertainty of its readout; `None` where the characteristic gives no positive, finite
-    /// force. `common_u_ohm`: what all readings of the sensor have in common besides. `known`: R_1 and R_2, ohm.
-    pub fn at(&self, r_ohm: Measured, common_u_ohm: f64, known: [f64; 2]) -> Option<MeasuredForce> {
-        let (value, slope) = self.law.at(r_ohm.value, known)?;
-        let repeat_u = r_ohm.u.map(|u| u * slope.abs()).filter(|u| u.is_finite());
-        let own_u = (self.u.unwrap_or(UNCALIBRATED_U) * r_ohm.value).hypot(common_u_ohm) * slope.abs();
+    /// The force at a resistance; `None` where the characteristic gives no positive, finite force. `known`: R_1 and R_2, ohm.
+    pub fn shown(&self, r_ohm: f64, known: [f64; 2]) -> Option<Shown> {
+        let (f_n, slope) = self.law.at(r_ohm, known)?;
         let [least, greatest] = self.range_n.unwrap_or(UNCALIBRATED_N);
         // Outside of its pairs a table gives no force at all.
         let is_table = matches!(self.law, Law::Table { .. });
-        // What the sensor is off its law by at the tare is mostly in both, and u is that of the greater one alone.
-        Some(MeasuredForce {
-            value: self.net(value),
-            u: repeat_u.map(|u| u.hypot(own_u)),
-            repeat_u,
-            is_extrapolated: !is_table && !(least..=greatest).contains(&value),
+        Some(Shown {
+            value: self.net(f_n),
+            slope,
+            // What the sensor is off its law by at the tare is mostly in both, and u is that of the greater one alone.
+            own_u: Some(self.u.unwrap_or(UNCALIBRATED_U) * r_ohm * slope.abs()),
+            is_extrapolated: !is_table && !(least..=greatest).contains(&f_n),
         })
     }
 
@@ -333,11 +268,20 @@ impl From<Table> for Vec<(f64, f64)> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::reading::{Measured, MeasuredValue};
+    use crate::sensor::Channel;
     use proptest::prelude::*;
 
     /// The FSR 402 of the paper: alpha = 13346.46 N ohm at Rc1 = 2320 and Rc2 = 12700 ohm.
     const ALPHA: f64 = 13346.46;
     const KNOWN: [f64; 2] = [2320.0, 12700.0];
+
+    /// Of a sensor whose pins are known.
+    fn shown(force: Force, r_ohm: Measured) -> MeasuredValue {
+        let channel =
+            Channel { zero_ohm: Some(0.0), scale: Some(1.0), force: Some(force), ..Channel::default() };
+        channel.value_at(r_ohm, KNOWN).unwrap()
+    }
 
     #[test]
     fn the_calibration_forces_of_the_paper_belong_to_its_alpha() {
@@ -359,7 +303,7 @@ mod tests {
                 Law::Table { table: Table::try_from(table).unwrap() },
             ];
             for form in forms.map(Force::from) {
-                let force = form.at(Measured { value: r, u: Some(u) }, 0.0, KNOWN).unwrap();
+                let force = shown(form.clone(), Measured { value: r, u: Some(u) });
                 prop_assert!((force.value * r / ALPHA - 1.0).abs() < 1e-9, "{form:?}");
                 let slope = (form.at_bound(r * (1.0 - 1e-6), KNOWN).unwrap() - form.at_bound(r * (1.0 + 1e-6), KNOWN).unwrap()) / (2e-6 * r);
                 prop_assert!((force.repeat_u.unwrap() / (slope * u) - 1.0).abs() < 1e-4, "{form:?}");
@@ -371,7 +315,7 @@ mod tests {
     fn a_force_is_as_uncertain_as_the_sensor_and_says_where_it_is_extrapolated() {
         let of = |law: Law, u, range_n| Force { law, u, range_n, tare_n: None };
         let r_ohm = Measured { value: 2266.0, u: Some(2.6) };
-        let force = |force: Force| force.at(r_ohm, 0.0, KNOWN).unwrap();
+        let force = |force: Force| shown(force, r_ohm);
         let alpha = || Law::Alpha { alpha_n_ohm: ALPHA };
         let known = force(of(alpha(), Some(0.087), Some([1.0, 10.0])));
         assert!((known.repeat_u.unwrap() - 5.89 * 2.6 / 2266.0).abs() < 1e-4, "{known:?}");
@@ -381,45 +325,10 @@ mod tests {
         assert!((unknown.u.unwrap() / unknown.value - UNCALIBRATED_U).abs() < 1e-3, "{unknown:?}");
         assert!(force(of(alpha(), None, Some([1.0, 5.0]))).is_extrapolated);
         assert!(alpha().at(50_000.0, KNOWN).is_some_and(|(f_n, _)| f_n > UNCALIBRATED_N[0]));
-        assert!(
-            Force::from(alpha()).at(Measured { value: 1e5, u: None }, 0.0, KNOWN).unwrap().is_extrapolated
-        );
+        assert!(shown(alpha().into(), Measured { value: 1e5, u: None }).is_extrapolated);
         // The deviation is one of the resistance: a steeper sensor makes more of it.
         let steep = force(of(Law::Power { at_1_kohm_n: 13.3, exponent: 2.0 }, Some(0.05), None));
         assert!((steep.u.unwrap() / steep.value - 0.1).abs() < 1e-3, "{steep:?}");
-    }
-
-    /// Pins of their own at R_1, R_2 and the sensor, by the two-point formula.
-    #[test]
-    fn what_pins_make_of_a_reading_is_in_its_uncertainty_until_it_is_known() {
-        let reads = |r: f64, [c1, c2, x]: [f64; 3]| {
-            KNOWN[0] + (r + x - KNOWN[0] - c1) / (KNOWN[1] + c2 - KNOWN[0] - c1) * (KNOWN[1] - KNOWN[0])
-        };
-        let sensor = |zero_ohm, scale| Channel { id: String::new(), zero_ohm, scale, force: None };
-        for r in [0.0, 100.0, 2320.0, 5000.0, 12_700.0, 50_000.0] {
-            let mut squares = [0.0; 2];
-            for pin in 0..3 {
-                let mut pins = [0.0; 3];
-                pins[pin] = UNLIKE_PINS_OHM;
-                let zero = reads(0.0, pins);
-                let known = sensor(Some(zero), Some((reads(12_000.0, pins) - zero) / 12_000.0));
-                assert!(
-                    (known.corrected(reads(r, pins)) - r).abs() < 1e-9 && known.pins_u_ohm(r, KNOWN) == 0.0
-                );
-                assert!((known.corrected(known.as_read(r)) - r).abs() < 1e-9);
-                for (square, zero_ohm) in squares.iter_mut().zip([None, Some(zero)]) {
-                    *square += (sensor(zero_ohm, None).corrected(reads(r, pins)) - r).powi(2);
-                }
-            }
-            for (square, zero_ohm) in squares.into_iter().zip([None, Some(0.0)]) {
-                let u = sensor(zero_ohm, None).pins_u_ohm(r, KNOWN);
-                assert!(
-                    (u - square.sqrt()).abs() < 0.003 * u + 1e-9,
-                    "{r} {zero_ohm:?}: {u} {}",
-                    square.sqrt()
-                );
-            }
-        }
     }
 
     #[test]

@@ -1,0 +1,26 @@
+//! The constants of judgement of this room.
+//!
+//! | constant | value | unit | reason | source |
+//! |---|---|---|---|---|
+//! | `UNLIKE_PINS_OHM` | 8 | ohm | how far pins differ | data sheets of processors, GUM |
+//! | `SCALES` | 0.9 to 1.1 | | beyond it pins would differ by a tenth of R_2 | judgement |
+//! | `PARTS_OHM` | 0.01 to 1e9 | ohm | outside is a slip of a prefix | judgement |
+//! | `BETAS_K` | 500 to 10000 | K | sold are 2000 to 5500 | data sheets of NTCs |
+//! | `NTC_DEGC` | -40 to 125 | degC | what most coated parts are rated for | Vishay NTCLE100E3, EPCOS B57330 |
+//! | `GAMMAS` | 0.1 to 2 | | sold are 0.5 to 1 | data sheets of the GL55 series |
+//! | `LDR_LX` | 1 to 1000 | lx | a decade on either side of the two points that gamma is defined by | judgement |
+//! | `LONGEST_UNIT` | 16 | bytes | a unit is shown beside every number | judgement |
+
+use std::ops::RangeInclusive;
+
+/// How far the output resistance of a pin is off that of its neighbours, ohm, 1 sigma, as long as nobody has looked. Data sheets
+/// bound it by 70 or 100 ohm and say no more: 40 ohm, to 14 either way and nothing more likely between (GUM, rectangular).
+pub const UNLIKE_PINS_OHM: f64 = 8.0;
+/// A scale beyond this is a mistake: the pins would differ by a tenth of R_2.
+pub const SCALES: RangeInclusive<f64> = 0.9..=1.1;
+pub const PARTS_OHM: RangeInclusive<f64> = 0.01..=1e9;
+pub const BETAS_K: RangeInclusive<f64> = 500.0..=10_000.0;
+pub const NTC_DEGC: [f64; 2] = [-40.0, 125.0];
+pub const GAMMAS: RangeInclusive<f64> = 0.1..=2.0;
+pub const LDR_LX: [f64; 2] = [1.0, 1000.0];
+pub const LONGEST_UNIT: usize = 16;
