@@ -63,11 +63,11 @@ impl Requested {
     pub fn release(&self) -> Result<bool, OpenError> {
         let Some(wiring) = &self.wiring else { return Ok(false) };
         let way = backend::way(self.backend);
-        let outputs = self.outputs.iter().map(|line| output::release(line, way));
         // Each of them, whatever becomes of the others.
-        let outputs = outputs.fold(Ok(()), |first, next| first.and(next));
-        let circuit = backend::release_lines(self.backend, wiring);
-        outputs.map_err(OpenError::from).and(circuit).map(|()| true)
+        let outputs: Vec<_> = self.outputs.iter().map(|line| output::release(line, way)).collect();
+        backend::release_lines(self.backend, wiring)?;
+        outputs.into_iter().collect::<Result<Vec<()>, _>>()?;
+        Ok(true)
     }
 }
 

@@ -9,7 +9,6 @@ use cermd::circuit::Node;
 use cermd::estimate::method::{Switched, Times, cerm, tcdic, tpcm};
 use cermd::instrument::discharge::{Charge, Plan, run};
 use cermd::pins::sim::{Scene, Sensor, SimPins};
-use cermd::reading::Measured;
 use cermd::record::{Record, Through};
 use cermd::sensor::{Force, Law};
 use cermd::units::{Farad, Nanos, Ohm};
@@ -246,7 +245,7 @@ proptest! {
         let law = Law::Calibrated { fc1_n: f_n[0], fc2_n: f_n[1] };
         let pair = Force { law, u: None, range_n: None, tare_n: None };
         let force = |ratio: f64| {
-            pair.at(Measured { value: R_C1 + ratio * (R_C2 - R_C1), u: None }, 0.0, [R_C1, R_C2]).unwrap().value
+            pair.shown(R_C1 + ratio * (R_C2 - R_C1), [R_C1, R_C2]).unwrap().value
         };
         let direct = full.x.map(|crossing| crossing.unwrap() - d);
         for (found, printed) in [
