@@ -10,6 +10,8 @@ use std::process::ExitCode;
 
 /// EX_CONFIG of sysexits.h, which the service manager does not start again (systemd/cermd.service).
 const NO_USE_TO_RESTART: u8 = 78;
+/// EX_UNAVAILABLE: the chip is not there, which is no failure of the service.
+const NO_CHIP: u8 = 69;
 
 fn main() -> ExitCode {
     let arguments: Cermd = match cli::arguments() {
@@ -40,8 +42,11 @@ fn main() -> ExitCode {
         Ok(false) => ExitCode::FAILURE,
         Err(error) => {
             log::error!("{error}");
-            let is_lasting = error.downcast_ref::<DaemonError>().is_some_and(DaemonError::is_lasting);
-            if is_lasting { ExitCode::from(NO_USE_TO_RESTART) } else { ExitCode::FAILURE }
+            match error.downcast_ref::<DaemonError>() {
+                Some(error) if error.is_absent() => ExitCode::from(NO_CHIP),
+                Some(error) if error.is_lasting() => ExitCode::from(NO_USE_TO_RESTART),
+                _ => ExitCode::FAILURE,
+            }
         }
     }
 }

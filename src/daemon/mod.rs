@@ -56,7 +56,10 @@ pub enum DaemonError {
     /// There is no socket.
     #[error(transparent)]
     Listen(#[from] ListenError),
-    /// The configuration cannot work, or the system refuses something basic.
+    /// The configuration cannot work.
+    #[error("{0}")]
+    NotUsable(String),
+    /// The system refuses something basic.
     #[error("{0}")]
     Refused(String),
     /// The measuring thread cannot be stopped.
@@ -70,9 +73,19 @@ pub enum DaemonError {
 }
 
 impl DaemonError {
-    /// Whether the next start would end in the same way: the wiring asks for what the chip does not have.
+    /// Whether the next start would end in the same way: only another configuration or another wiring helps.
     pub fn is_lasting(&self) -> bool {
-        matches!(self, DaemonError::Open(OpenError::Hardware(ChardevError::Wiring(_))))
+        match self {
+            DaemonError::Config(_) | DaemonError::NotUsable(_) | DaemonError::Settings(_) => true,
+            DaemonError::Open(OpenError::Hardware(error)) => matches!(error, ChardevError::Wiring(_)),
+            DaemonError::Open(_) => true,
+            DaemonError::Listen(_) | DaemonError::Refused(_) | DaemonError::Stuck(_) | DaemonError::Died => false,
+        }
+    }
+
+    /// Whether there is nothing to measure with until the chip comes.
+    pub fn is_absent(&self) -> bool {
+        matches!(self, DaemonError::Open(OpenError::Hardware(ChardevError::NoChip { .. })))
     }
 }
 
@@ -107,7 +120,7 @@ impl Loaded {
         let findings = config.check();
         if findings.has_errors() {
             let errors = findings.errors();
-            return Err(DaemonError::Refused(format!("{}: not usable\n{errors}", path.display())));
+            return Err(DaemonError::NotUsable(format!("{}: not usable\n{errors}", path.display())));
         }
         for finding in findings.of(Severity::Warning) {
             log::warn!("{finding}");
@@ -127,7 +140,13 @@ impl Loaded {
 pub fn run(path: &Path) -> Result<(), DaemonError> {
     let signals = Signals::new().map_err(system("signals"))?;
     let loaded = Loaded::load(path)?;
-    Daemon::start(loaded, signals, open)?.serve(Some(path))
+    let started = Daemon::start(loaded, signals, open).inspect_err(|error| {
+        // To the service manager that is no failure, as a condition of its own would be none: ready, and over.
+        if error.is_absent() {
+            notify(&[NotifyState::Ready, NotifyState::Status(&error.to_string())]);
+        }
+    });
+    started?.serve(Some(path))
 }
 
 /// The parts of a running daemon.
@@ -367,8 +386,10 @@ mod tests {
 
     #[test]
     fn a_chip_that_is_away_may_come_a_line_without_an_interrupt_stays_so() {
-        let opened = |error| DaemonError::Open(OpenError::Hardware(error)).is_lasting();
-        assert!(opened(ChardevError::Wiring("sense-a (GPIO5) has no interrupt".into())));
-        assert!(!opened(ChardevError::NoChip { wanted: "pinctrl-rp1".into(), present: String::new() }));
+        let opened = |error| DaemonError::Open(OpenError::Hardware(error));
+        let wiring = opened(ChardevError::Wiring("sense-a (GPIO5) has no interrupt".into()));
+        let chip = opened(ChardevError::NoChip { wanted: "pinctrl-rp1".into(), present: String::new() });
+        assert!(wiring.is_lasting() && !wiring.is_absent());
+        assert!(!chip.is_lasting() && chip.is_absent());
     }
 }

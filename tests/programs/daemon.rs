@@ -4,6 +4,7 @@ mod crowd;
 mod killed;
 pub mod process;
 
+use crate::common::config::ConfigFile;
 use crate::waiting::until_so;
 use nix::sys::signal::Signal;
 use process::{Daemon, Home, config, program};
@@ -11,7 +12,7 @@ use serde_json::{Value, json};
 use std::fs::{self, File};
 use std::os::fd::OwnedFd;
 use std::os::unix::fs::MetadataExt;
-use std::os::unix::net::UnixListener;
+use std::os::unix::net::{UnixDatagram, UnixListener};
 use std::process::{Command, Stdio};
 
 const FAST: &str = "offset = \"8 us\"";
@@ -219,23 +220,39 @@ fn check_says_what_the_library_says() {
 
 #[test]
 fn what_keeps_it_from_starting_is_said_in_a_sentence() {
-    for (name, value, because) in [
-        ("mock.scene", "nowhere.toml", "nowhere.toml"),
-        ("server.socket", "/nowhere/s", "create its directory"),
-        ("circuit.r-c1", "22 kohm", "not usable"),
+    // 78: the next start would end in the same way, so the unit leaves it.
+    for (name, value, because, code) in [
+        ("mock.scene", "nowhere.toml", "nowhere.toml", 78),
+        ("server.socket", "/nowhere/s", "create its directory", 1),
+        ("circuit.r-c1", "22 kohm", "not usable", 78),
+        ("circuit.r-c0", "22 kohm", "r-c0", 78),
     ] {
         let home = Home::new(config(&["thumb"], FAST).set(name, value));
-        assert_eq!(home.start().end().code(), Some(1));
+        assert_eq!(home.start().end().code(), Some(code), "{name}");
         assert!(home.log().contains(because) && home.log().contains("ERROR"), "{}", home.log());
         assert!(!home.log().contains("panicked"), "{}", home.log());
     }
+}
+
+/// As a unit whose condition does not hold: started, over, and why.
+#[test]
+fn without_its_chip_it_is_over_and_no_failure() {
+    let mut text = ConfigFile::of(include_str!("../../hw/cermd.toml"));
+    let home = Home::new(text.set("gpio.chip", "no-such-chip").set("server.socket", "s"));
+    let manager = UnixDatagram::bind(home.path().join("manager")).unwrap();
+    let status = Daemon::spawn(home.command().env("NOTIFY_SOCKET", home.path().join("manager"))).end();
+    assert_eq!(status.code(), Some(69));
+    let mut said = [0; 500];
+    let bytes = manager.recv(&mut said).unwrap();
+    let said = std::str::from_utf8(&said[..bytes]).unwrap();
+    assert!(said.starts_with("READY=1\nSTATUS=there is no GPIO chip") && said.contains("no-such-chip"), "{said}");
 }
 
 /// Starts a daemon that cannot start, its log in a file, JOURNAL_STREAM naming that file by `device` and `inode`.
 fn log_lines(home: &Home, device: u64, inode: u64) -> Vec<String> {
     let mut command = home.command();
     command.env("JOURNAL_STREAM", format!("{device}:{inode}"));
-    assert_eq!(Daemon::spawn(&mut command).end().code(), Some(1));
+    assert_eq!(Daemon::spawn(&mut command).end().code(), Some(78));
     home.log().lines().map(str::to_owned).collect()
 }
 

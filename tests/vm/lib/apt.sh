@@ -64,11 +64,15 @@ apt_closure() {
 # A tree is kept until it is asked for with other packages, or --refresh.
 tree_is() { [ "$(cat "$cache/tree/$1.packages" 2>/dev/null)" = "$2" ]; }
 
+# Beside the tree, in TREE.status: what is in it, as a dpkg would know that has installed it.
 tree_unpack() {
     local deb
     rm -rf "${cache:?}/tree/$1"
     mkdir -p "$cache/tree/$1"
-    for deb in "$cache/deb/$1"/*.deb; do dpkg -x "$deb" "$cache/tree/$1"; done
+    for deb in "$cache/deb/$1"/*.deb; do
+        dpkg -x "$deb" "$cache/tree/$1"
+        dpkg -f "$deb" | sed '/^Package: /a Status: install ok installed' && echo
+    done >"$cache/tree/$1.status"
     rm -rf "${cache:?}/deb/$1"
     echo "$2" >"$cache/tree/$1.packages"
 }

@@ -65,3 +65,16 @@ build_rust() {
         cargo build --quiet --locked --release --bins --example contract --manifest-path "$root_of_crate/Cargo.toml" \
         --target $target --target-dir "$cache/build/target"
 }
+
+# build_package: the Debian package of these programs, and a newer one with another configuration file, in $cache/build/packages-vm.
+build_package() {
+    local out=$cache/build/packages-vm
+    rm -rf "$out"
+    mkdir -p "$out"
+    CERMD_VM_CACHE=$cache "$root_of_crate/packaging/build" --built "$cache/build/target" --out "$out" arm64
+    dpkg-deb -R "$out"/cermd_*_arm64.deb "$out/newer"
+    sed -i 's/^Version: .*/&+newer/' "$out/newer/DEBIAN/control"
+    echo "# Of the newer package." >>"$out/newer/etc/cermd/cermd.toml"
+    SOURCE_DATE_EPOCH=1767225600 dpkg-deb --root-owner-group -b "$out/newer" "$out/newer.deb" >/dev/null
+    rm -rf "$out/newer"
+}

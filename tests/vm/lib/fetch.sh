@@ -54,9 +54,10 @@ fetch_kernel() {
 kernel_base() { echo "${1%-*-arm64}"; }
 kernel_common() { case $1 in *-rt-arm64) echo "$(kernel_base "$1")-common-rt" ;; *) echo "$(kernel_base "$1")-common" ;; esac; }
 
-# What runs there: the small image has libgpiod and its tools beside busybox, the other one systemd and udev.
+# What runs there: the small image has libgpiod and its tools beside busybox, another one systemd and udev; and what any Debian has.
 fetch_guest() {
     apt_closure guest guest busybox-static gpiod libgpiod-dev libgcc-s1 mawk
     apt_closure guest system base-files base-passwd bash coreutils dash dbus findutils gpiod grep gzip hostname kmod \
         libgcc-s1 mawk mount passwd procps sed systemd-sysv tar udev util-linux
+    apt_closure guest debian '?essential' apt dbus gpiod kmod libgcc-s1 mawk mount passwd procps systemd-sysv udev
 }

@@ -16,15 +16,20 @@ image_small() {
     printf '%s\n' 'root:x:0:0::/:/bin/sh' 'user:x:1000:1000::/tmp:/bin/sh' >"$root/etc/passwd"
     printf '%s\n' 'root:x:0:' 'gpio:x:997:' 'user:x:1000:' >"$root/etc/group"
     image_tests "$root" "$1"
+    image_programs "$root"
     install -m 755 "$here/guest/init" "$root/init"
     pack_initramfs "$root" "$1"
 }
 
-# image_tests ROOT SUITE: what both root file systems have: /test and the programs.
+# image_tests ROOT SUITE: what all root file systems have: /test.
 image_tests() {
     mkdir -p "$1/test"
     cp -r "$here"/guest/. "$1/test"
     with_cross $cross-strip -g -o "$1/test/gpio-cermd.ko" "$cache/build/module-$2/gpio-cermd.ko"
+}
+
+# image_programs ROOT: the programs under test, and those of the tests.
+image_programs() {
     cp "$cache/build/target/$target/release"/{cermd,cermctl} "$cache/build/target/$target/release/examples/contract" \
         "$cache"/build/{probe,raw,hang,tpcm} "$1/usr/bin"
 }
