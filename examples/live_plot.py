@@ -2,6 +2,7 @@
 """A live plot of a channel with its uncertainty: live_plot.py [CHANNEL]. Needs clients/python and matplotlib."""
 
 import sys
+import time
 from collections import deque
 
 import matplotlib.pyplot as plt
@@ -24,15 +25,12 @@ def draw(_frame):
         unit = reading.unit or unit
         unit = "N" if "f_n" in reading.raw or "f_max_n" in reading.raw or "f_min_n" in reading.raw else unit
         # A state is a gap, not a zero.
-        value, u = reading.ohms, reading.ohms_u
-        if reading.newtons is not None:
-            value, u = reading.newtons, reading.newtons_u
-        elif unit != "ohm":
-            value, u = reading.value, reading.value_u
+        value, u = {"N": (reading.newtons, reading.newtons_u), "ohm": (reading.ohms, reading.ohms_u)}.get(
+            unit, (reading.value, reading.value_u)
+        )
         points.append((reading.monotonic_ns * 1e-9, float("nan") if value is None else value, u or 0.0))
-    if not points:
-        return
-    times = [at - points[-1][0] for at, _, _ in points]
+    # cermd and this run on one clock, so an outage moves out of the picture.
+    times = [at - time.monotonic() for at, _, _ in points]
     values = [value for _, value, _ in points]
     axes.clear()
     axes.plot(times, values)

@@ -13,6 +13,7 @@
 //! | `HISTORY_S` | 10 | s | how far back the sparklines go |
 //! | `HISTORY` | 10 000 | readings | that are kept for them |
 //! | `RATE_WINDOW_NS` | 2e9 | ns | readings per second are counted over it |
+//! | `SILENT_S`, `SILENT_READINGS` | 2, 3 | s, readings | after this much silence, the longer of both, a number is no longer shown as one of now |
 //! | `FULL_N` | 10 | N | a bar is full at about so much, 10 to the something of what is shown, until a reading is beyond it |
 //! | `NAME_COLUMNS` | 11 | columns | a longer name is cut where numbers need the room |
 //! | `BAR_OHM` | 10 to 1e6 | ohm | a bar of ohms is logarithmic, full at the first and empty at the second |
@@ -49,6 +50,8 @@ pub const SAY_AFTER: Duration = Duration::from_millis(500);
 pub const HISTORY_S: f64 = 10.0;
 pub const HISTORY: usize = 10_000;
 pub const RATE_WINDOW_NS: i64 = 2_000_000_000;
+pub const SILENT_S: f64 = 2.0;
+pub const SILENT_READINGS: f64 = 3.0;
 pub const FULL_N: f64 = 10.0;
 pub const BAR_OHM: [f64; 2] = [10.0, 1e6];
 pub const BAR_COLUMNS: RangeInclusive<usize> = 6..=30;

@@ -10,7 +10,7 @@ mod tests;
 use super::limits::{BAR_COLUMNS, HISTORY_COLUMNS, NAME_COLUMNS};
 use super::terminal::wrapped;
 use crate::stream::wire::{ChannelInfo, EventLine, ReadingLine, Unit};
-use crate::units::ForceUnit;
+use crate::units::{ForceUnit, Nanos};
 use bar::Scale;
 use console::{Alignment, measure_text_width, pad_str, style, truncate_str};
 use row::{Row, Words};
@@ -50,6 +50,11 @@ impl Panel {
         if let Some(row) = self.rows.iter_mut().find(|row| row.id == reading.channel) {
             row.feed(reading);
         }
+    }
+
+    /// Looks whether readings still come. `now`: `CLOCK_MONOTONIC`.
+    pub fn look(&mut self, now: Nanos) {
+        self.rows.iter_mut().for_each(|row| row.look(now));
     }
 
     /// Takes an event of a trigger, likewise.

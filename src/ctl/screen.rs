@@ -5,7 +5,7 @@ use super::limits::{HISTORY_S, REDRAW_AFTER};
 use super::panel::Panel;
 use super::terminal::Terminal;
 use crate::stream::wire::{ChannelInfo, EventLine, ReadingLine};
-use crate::units::ForceUnit;
+use crate::units::{ForceUnit, Nanos};
 use std::time::{Duration, Instant};
 
 /// What `watch` and `demo` show.
@@ -60,6 +60,11 @@ impl Screen {
     pub fn press(&mut self, event: &EventLine) -> Result<(), CtlError> {
         self.panel.press(event);
         self.redraw()
+    }
+
+    /// Looks whether readings still come. `now`: `CLOCK_MONOTONIC`.
+    pub fn look(&mut self, now: Nanos) {
+        self.panel.look(now);
     }
 
     /// Brings live lines up to date, whether something came or not.

@@ -8,6 +8,7 @@ use super::screen::Screen;
 use super::stream::{Next, Stream};
 use super::{CtlError, achieved, print};
 use crate::ctl::cli;
+use crate::pins::monotonic;
 use crate::stream::client::ClientError;
 use crate::stream::wire::{ReadingTally, ServerMessage, Unit};
 use crate::units::ForceUnit;
@@ -91,6 +92,7 @@ fn follow(
     while !interrupt.is_set() {
         // A program reads a refusal as it reads every other line.
         let next = if json { stream.next_line() } else { stream.next() };
+        screen.look(monotonic());
         match next? {
             Next::Line(line, _) if json => print(&(line + "\n"))?,
             Next::Line(_, ServerMessage::Reading(reading)) => {

@@ -79,7 +79,9 @@ impl DaemonError {
             DaemonError::Config(_) | DaemonError::NotUsable(_) | DaemonError::Settings(_) => true,
             DaemonError::Open(OpenError::Hardware(error)) => matches!(error, ChardevError::Wiring(_)),
             DaemonError::Open(_) => true,
-            DaemonError::Listen(_) | DaemonError::Refused(_) | DaemonError::Stuck(_) | DaemonError::Died => false,
+            DaemonError::Listen(_) | DaemonError::Refused(_) | DaemonError::Stuck(_) | DaemonError::Died => {
+                false
+            }
         }
     }
 

@@ -245,7 +245,10 @@ fn without_its_chip_it_is_over_and_no_failure() {
     let mut said = [0; 500];
     let bytes = manager.recv(&mut said).unwrap();
     let said = std::str::from_utf8(&said[..bytes]).unwrap();
-    assert!(said.starts_with("READY=1\nSTATUS=there is no GPIO chip") && said.contains("no-such-chip"), "{said}");
+    assert!(
+        said.starts_with("READY=1\nSTATUS=there is no GPIO chip") && said.contains("no-such-chip"),
+        "{said}"
+    );
 }
 
 /// Starts a daemon that cannot start, its log in a file, JOURNAL_STREAM naming that file by `device` and `inode`.

@@ -2,7 +2,7 @@
 //! <https://www.home-assistant.io/integrations/mqtt/#device-discovery-payload>
 
 use super::Topics;
-use crate::bridge::limits::SILENCES;
+use crate::bridge::limits::{SILENCES, STATS_EVERY};
 use crate::stream::wire::{ChannelInfo, StatusName, Unit, VersionLine};
 use serde_json::{Map, Value, json};
 use std::time::Duration;
@@ -104,7 +104,7 @@ fn add(
     let mut entity = json!({
         "p": "sensor", "name": format!("{channel} {name}"), "state_topic": topic,
         "unique_id": format!("cermd-{}-{channel}-{name}", topics.id),
-        "expire_after": (every * SILENCES).as_secs_f64().ceil() as u64,
+        "expire_after": expiry(every),
         "json_attributes_topic": topic,
         "json_attributes_template": format!(
             "{{{{ dict(value_json.items() | selectattr(0, 'in', [{}])) | tojson }}}}", kept.join(", ")
@@ -122,7 +122,7 @@ fn of_trigger(topics: &Topics, channel: &str, every: Duration, entities: &mut Ma
         "unique_id": format!("cermd-{}-{channel}-pressed", topics.id),
         "value_template":
             "{{ None if value_json.reason is defined else ('ON' if value_json.event == 'pressed' else 'OFF') }}",
-        "expire_after": (every * SILENCES).as_secs_f64().ceil() as u64,
+        "expire_after": expiry(every.max(STATS_EVERY)),
         "json_attributes_topic": topic,
     });
     entities.insert(format!("{channel}_pressed"), entity);
@@ -142,11 +142,16 @@ fn of_instrument(topics: &Topics, every: Duration, entities: &mut Map<String, Va
     for (key, mut entity) in [("rate", rate), ("gpio", trouble)] {
         let more = json!({
             "unique_id": format!("cermd-{}-{key}", topics.id), "state_topic": topics.instrument(),
-            "entity_category": "diagnostic", "expire_after": (every * SILENCES).as_secs_f64().ceil() as u64,
+            "entity_category": "diagnostic", "expire_after": expiry(every.max(STATS_EVERY)),
         });
         merge(&mut entity, more);
         entities.insert(key.to_owned(), entity);
     }
+}
+
+/// After so many seconds of silence nothing is known any more, of what is told at such intervals.
+fn expiry(every: Duration) -> u64 {
+    (every * SILENCES).as_secs_f64().ceil() as u64
 }
 
 fn merge(entity: &mut Value, more: Value) {

@@ -80,10 +80,12 @@ class Channel {
     }
 
     hear(reading) {
-        this.seen = performance.now();
+        const now = performance.now();
         // Drawn where it was measured, not where it came.
         const measured_at = reading.t_mono_ns / 1e6;
-        clock = Math.min(clock, this.seen - measured_at);
+        clock = Math.min(clock, now - measured_at);
+        // It may have waited on its way: fresh is what was measured now.
+        this.seen = measured_at + clock;
         const { status, r_ohm, r_u_ohm, r_min_ohm, r_max_ohm } = reading;
         const newton = this.unit === "N";
         // A force, or what a law gives; the same of its bounds.

@@ -1,9 +1,9 @@
 //! One channel: its last reading in words, and what it did before.
 
 use super::bar::Scale;
-use crate::ctl::limits::{BAR_OHM, FULL_N, HISTORY, RATE_WINDOW_NS};
+use crate::ctl::limits::{BAR_OHM, FULL_N, HISTORY, RATE_WINDOW_NS, SILENT_READINGS, SILENT_S};
 use crate::stream::wire::{ChannelInfo, ReadingLine, StateLine, StatusName, Unit};
-use crate::units::{ForceUnit, Ohm, measured, rough, rounded};
+use crate::units::{ForceUnit, Nanos, Ohm, measured, rough, rounded};
 use console::Style;
 use std::collections::VecDeque;
 
@@ -16,6 +16,8 @@ pub struct Row {
     pub is_pressed: bool,
     unit: ForceUnit,
     last: Option<ReadingLine>,
+    /// Nothing has come for long: what was last is not shown as if it were so now.
+    is_silent: bool,
     /// The force at which a bar is full, in the unit.
     full: f64,
     /// Where the bar of a value is empty and full, and what these ends are multiples of.
@@ -41,7 +43,17 @@ impl Row {
         // The power of ten that is nearest.
         let full = 10f64.powf((FULL_N / unit.newton()).log10().round());
         let (id, measures) = (info.id.clone(), info.unit.clone());
-        Row { id, measures, is_pressed: false, unit, last: None, full, span: None, history: VecDeque::new() }
+        Row {
+            id,
+            measures,
+            is_pressed: false,
+            unit,
+            last: None,
+            is_silent: false,
+            full,
+            span: None,
+            history: VecDeque::new(),
+        }
     }
 
     pub fn feed(&mut self, reading: &ReadingLine) {
@@ -52,9 +64,19 @@ impl Row {
             self.widen(value);
         }
         self.last = Some(reading.clone());
+        self.is_silent = false;
         self.history.push_back((reading.t_mono_ns, self.share()));
         if self.history.len() > HISTORY {
             self.history.pop_front();
+        }
+    }
+
+    /// Looks whether readings still come. `now`: `CLOCK_MONOTONIC`.
+    pub fn look(&mut self, now: Nanos) {
+        let Some(reading) = &self.last else { return };
+        let patience_s = self.rate().map_or(0.0, |rate| SILENT_READINGS / rate).max(SILENT_S);
+        if (now - Nanos(reading.t_mono_ns)).as_seconds() > patience_s {
+            (self.last, self.is_silent) = (None, true);
         }
     }
 
@@ -143,7 +165,8 @@ impl Row {
     /// The last reading.
     pub fn words(&self, unicode: bool) -> Words {
         let Some(ReadingLine { state, .. }) = &self.last else {
-            return Words { status: "waiting", style: Style::new().dim(), ..Words::default() };
+            let status = if self.is_silent { "silent" } else { "waiting" };
+            return Words { status, style: Style::new().dim(), ..Words::default() };
         };
         let in_unit = |f_n: Option<f64>| f_n.map(|f_n| f_n / self.unit.newton());
         let value = |value: Option<f64>, u, unit| {

@@ -125,6 +125,23 @@ fn values_have_the_unit_of_their_law_and_a_bar_that_holds_them() {
 }
 
 #[test]
+fn what_was_long_ago_is_not_shown_as_if_it_were_now() {
+    let info = ChannelInfo { id: "thumb".to_owned(), unit: Unit::Ohm, trigger: false };
+    let mut panel = Panel::new([&info].into_iter(), ForceUnit::Newton, true);
+    let said = |panel: &Panel| panel.plain("thumb").unwrap();
+    // One in a second: three may be missing.
+    for at_ms in [0, 1000, 2000] {
+        panel.feed(&reading(at_ms, r#""status":"ok","r_ohm":9000,"r_u_ohm":2.5"#));
+    }
+    panel.look(Nanos(4_900_000_000));
+    assert!(said(&panel).contains("9000.0 ± 2.5 ohm"));
+    panel.look(Nanos(5_100_000_000));
+    assert!(said(&panel).contains("silent") && !said(&panel).contains("9000"), "{}", said(&panel));
+    panel.feed(&reading(9000, r#""status":"ok","r_ohm":9000,"r_u_ohm":2.5"#));
+    assert!(said(&panel).contains("9000.0 ± 2.5 ohm"));
+}
+
+#[test]
 fn forces_are_shown_in_the_unit_that_is_wanted() {
     let info = ChannelInfo { id: "thumb".to_owned(), unit: Unit::Newton, trigger: false };
     for (unit, plain, scale) in [
