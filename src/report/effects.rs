@@ -25,28 +25,10 @@ pub fn budget(rows: &[Row], board: &str) -> Option<Figure> {
     }
     let cell = |setting: &Setting, effect: &str, r_ohm: f64| {
         let is_own = |row: &&Row| row.r_ohm == r_ohm && Setting::nominal(row) == *setting;
+        let is_without = |row: &&Row| is_own(row) && row.vary_name.as_deref() == Some(effect);
         let all = plain(rows).find(is_own)?.rms_ohm?;
-        let less = without
-            .iter()
-            .copied()
-            .filter(is_own)
-            .find(|row| row.vary_name.as_deref() == Some(effect))?
-            .rms_ohm?;
-        let part = 1.0 - (less / all).powi(2);
-        let name = setting.name(&settings);
-        Some(Cell {
-            // Without the sign of a zero.
-            text: format!("{:.0}", (100.0 * part).round() + 0.0),
-            says: format!(
-                "{name}, {}: {} with all, {} without {effect}: {} of the variance",
-                ohms(r_ohm),
-                ohms(all),
-                ohms(less),
-                percent(part)
-            ),
-            share: Some(part),
-            failed: None,
-        })
+        let less = without.iter().copied().find(is_without)?.rms_ohm?;
+        Some(part_of(&format!("{}, {}", setting.name(&settings), ohms(r_ohm)), effect, [all, less]))
     };
     let grid = |setting: &Setting| Grid {
         name: format!("{}, %", setting.name(&settings)),
@@ -72,6 +54,19 @@ pub fn budget(rows: &[Row], board: &str) -> Option<Figure> {
         drawing: Drawing::Heat(heat),
         text,
     })
+}
+
+/// Errors with all effects and without one, ohm.
+fn part_of(name: &str, effect: &str, [all, less]: [f64; 2]) -> Cell {
+    let part = 1.0 - (less / all).powi(2);
+    let (with_all, without, percent) = (ohms(all), ohms(less), percent(part));
+    Cell {
+        // Without the sign of a zero.
+        text: format!("{:.0}", (100.0 * part).round() + 0.0),
+        says: format!("{name}: {with_all} with all, {without} without {effect}: {percent} of the variance"),
+        share: Some(part),
+        failed: None,
+    }
 }
 
 /// The parts of the time of a reading.

@@ -54,7 +54,7 @@
   const resistances = [...new Set(choices.map((choice) => choice.r_ohm))].sort((a, b) => a - b);
   const ohms = (value) => value >= 1e6 ? +(value / 1e6).toPrecision(3) + " Mohm" : value >= 1e3 ? +(value / 1e3).toPrecision(3) + " kohm" : +value.toPrecision(3) + " ohm";
   const seconds = (value) => value >= 1 ? +value.toPrecision(3) + " s" : +(1e3 * value).toPrecision(3) + " ms";
-  // Null where nothing is typed, NaN where it is no number: half of what was meant is none.
+  // Null where nothing is typed. The first half of what was meant is no answer: "2 kohm" is not 2.
   const number = (text) => text.trim() ? Number(text.trim().replace(",", ".")) : null;
   byId("want-r").append(...resistances.map((r) => new Option(ohms(r), r, false, r === 1000)));
   // How the answer is measured again; other capacitors than the scene's, and a configuration, are no option of a command.
