@@ -1,7 +1,7 @@
 //! A cell of a sweep: a board, how it is read, and what comes of it over many instruments.
 
 use super::change::Change;
-use super::limits::{RAMP, SINCE_START, TOLERANCE, WARM};
+use super::limits::{COLD, SINCE_START, SWING, TOLERANCE, WARM};
 use super::watch::{Found, Watch, watch};
 use crate::config::{Config, SettingsError};
 use crate::instrument::Instrument;
@@ -12,6 +12,7 @@ use crate::units::{Farad, Nanos, Ohm, Seconds};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use std::fmt;
+use std::path::PathBuf;
 
 /// What is asked.
 #[derive(Debug, Clone, PartialEq)]
@@ -62,19 +63,29 @@ impl Cell {
     fn sensor(&self) -> Sensor {
         match self.change {
             Some(Change::Speed(share_per_s)) => {
-                let [from, to] = RAMP.map(|share| Ohm(share * self.r_ohm));
-                let duration = Seconds((RAMP[1] - RAMP[0]) / share_per_s);
-                Sensor::Ramp { from, to, start: WARM.into(), duration }
+                Sensor::File { path: PathBuf::new(), points: self.back_and_forth(share_per_s) }
             }
             _ => Sensor::Constant(Ohm(self.r_ohm)),
         }
     }
 
+    /// Seconds and ohm where it turns: always as fast, with the resistance in the middle, once through it in the time of all readings,
+    /// or, where that would go too far, again and again.
+    fn back_and_forth(&self, share_per_s: f64) -> Vec<(f64, f64)> {
+        let takes_s = self.seconds() - WARM.as_seconds();
+        let swing = SWING.min(0.5 * share_per_s * takes_s);
+        let step_s = 2.0 * swing / share_per_s;
+        // Without an offset, readings count late.
+        let steps = ((COLD.as_seconds() + 2.0 * takes_s) / step_s).ceil() as u32;
+        let turn = |index: u32| {
+            let part = if index % 2 == 0 { 1.0 - swing } else { 1.0 + swing };
+            (WARM.as_seconds() + f64::from(index) * step_s, part * self.r_ohm)
+        };
+        (0..=steps).map(turn).collect()
+    }
+
     fn watch(&self) -> Watch {
         let (from, until) = match self.change {
-            Some(Change::Speed(share_per_s)) => {
-                (Some(WARM), WARM + Nanos::from_seconds((RAMP[1] - RAMP[0]) / share_per_s))
-            }
             Some(Change::SinceStart) => (None, Nanos::from_seconds(SINCE_START[SINCE_START.len() - 1])),
             _ => (Some(WARM), Nanos::MAX),
         };
@@ -88,7 +99,8 @@ impl Cell {
     pub fn measure(&self, is_stopped: &dyn Fn() -> bool) -> Result<Option<Vec<Found>>, CellError> {
         let (scene, settings) = self.parts()?;
         let mut all = Vec::new();
-        for seed in self.seed..self.seed + self.instruments {
+        for index in 0..self.instruments {
+            let seed = self.seed.wrapping_add(index);
             let pins = SimPins::new(&of_its_own(&scene, seed), Some(seed));
             let mut instrument = Instrument::new(pins, settings.clone());
             let truth = |pins: &SimPins, at| pins.r_x(0, at).unwrap_or(self.r_ohm);
@@ -156,4 +168,56 @@ fn of_its_own(scene: &Scene, seed: u64) -> Scene {
         }
     }
     scene
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::limits::{MAP_OHM, SPEEDS};
+    use super::super::sweep::Sweep;
+    use super::*;
+    use crate::reading::Method;
+
+    fn moving(seed: u64) -> Vec<Cell> {
+        let scene = Scene::builtin("pi4").unwrap();
+        let sweep = Sweep {
+            name: "pi4".to_owned(),
+            scene,
+            config: None,
+            methods: vec![Method::Tracked, Method::Tpcm],
+            kinds: Vec::new(),
+            r_ohm: Vec::new(),
+            averages: Vec::new(),
+            instruments: Some(2),
+            seed,
+        };
+        let cells = sweep.maps().unwrap().into_iter();
+        cells.filter(|cell| matches!(cell.change, Some(Change::Speed(_)))).collect()
+    }
+
+    #[test]
+    fn a_moving_sensor_has_the_stated_resistance_in_the_middle_and_the_stated_speed_throughout() {
+        let cells = moving(1);
+        assert!(cells.len() >= 2 * SPEEDS.len() * MAP_OHM.len());
+        for cell in cells {
+            let Some(Change::Speed(speed)) = cell.change else { panic!("{cell}") };
+            let points = cell.back_and_forth(speed);
+            let last = WARM.as_seconds() + 2.0 * (cell.seconds() - WARM.as_seconds());
+            assert!(points.last().unwrap().0 > last, "{cell}: it stops");
+            for pair in points.windows(2) {
+                let [(t0, r0), (t1, r1)] = [pair[0], pair[1]];
+                assert!(((r1 - r0).abs() / (t1 - t0) / (speed * cell.r_ohm) - 1.0).abs() < 1e-6, "{cell}");
+                assert!((0.5 * (r0 + r1) / cell.r_ohm - 1.0).abs() < 1e-9, "{cell}");
+                assert!(r0.min(r1) > 0.499 * cell.r_ohm, "{cell}");
+            }
+        }
+    }
+
+    /// With seeds that reach beyond the last one.
+    #[test]
+    fn the_fastest_sensor_is_read_as_often_as_the_slowest() {
+        for cell in moving(u64::MAX).iter().filter(|cell| cell.r_ohm == 1000.0) {
+            let found = cell.measure(&|| false).unwrap().unwrap();
+            assert!(found.iter().all(|found| found.told.len() == cell.readings), "{cell}: {found:?}");
+        }
+    }
 }

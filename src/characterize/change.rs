@@ -17,7 +17,7 @@ pub enum Change {
     Capacitor(f64),
     /// [`Vary::Leakage`].
     Leakage(Ohm),
-    /// [`Vary::Speed`]: linear in time, from half of the resistance to one and a half of it.
+    /// [`Vary::Speed`]: always as fast, back and forth about the resistance.
     Speed(f64),
     /// [`Vary::Without`].
     Without(Effect),

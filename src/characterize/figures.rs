@@ -96,7 +96,7 @@ pub fn filled(row: Row, found: &[Found], is_moving: bool) -> Row {
     let row = Row {
         readings: readings as u64,
         no_number: rounded(1.0 - share(&|_| true), DIGITS),
-        reason: most_frequent(told().filter_map(|told| told.what.err())),
+        reason: most_frequent(told().filter_map(|told| told.what.err())).map(str::to_owned),
         settling: share(&|number| number.is_settling),
         moving: share(&|number| number.is_moving),
         bias_ohm: figure(bias),
@@ -137,10 +137,15 @@ pub fn blocks(found: &Found, length: Nanos) -> Found {
     let block = |told: &Told| (told.at - first).0 / length.0.max(1);
     let last = found.told.last().map_or(0, block);
     let mean_of = |told: &[Told]| {
-        let errors: Vec<f64> =
-            told.iter().filter_map(|told| told.what.as_ref().ok()).map(|number| number.error_ohm).collect();
-        let what = mean(&errors).map(|error_ohm| Number { error_ohm, ..Number::default() }).ok_or("open");
-        Told { at: told[0].at, what }
+        let numbers = || told.iter().filter_map(|told| told.what.as_ref().ok());
+        // As in a row, what says of a resting sensor that it moves is not among the others.
+        let number = |is_moving: bool| {
+            let own = numbers().filter(|number| number.is_moving == is_moving);
+            let error_ohm = mean(&own.map(|number| number.error_ohm).collect::<Vec<_>>())?;
+            Some(Number { error_ohm, is_moving, ..Number::default() })
+        };
+        let reason = || most_frequent(told.iter().filter_map(|told| told.what.err())).unwrap_or_default();
+        Told { at: told[0].at, what: number(false).or_else(|| number(true)).ok_or_else(reason) }
     };
     let blocks = found.told.chunk_by(|one, next| block(one) == block(next));
     // The last one is not whole.
@@ -157,8 +162,34 @@ fn rms(values: impl Iterator<Item = f64>) -> Option<f64> {
     mean(&values.map(|value| value * value).collect::<Vec<_>>()).map(f64::sqrt)
 }
 
-fn most_frequent(reasons: impl Iterator<Item = &'static str>) -> Option<String> {
+fn most_frequent(reasons: impl Iterator<Item = &'static str>) -> Option<&'static str> {
     let mut counts = BTreeMap::new();
     reasons.for_each(|reason| *counts.entry(reason).or_insert(0u64) += 1);
-    counts.into_iter().max_by_key(|(_, count)| *count).map(|(reason, _)| reason.to_owned())
+    counts.into_iter().max_by_key(|(_, count)| *count).map(|(reason, _)| reason)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_block_is_the_mean_of_what_rests_or_says_why_it_is_none() {
+        let number = |error_ohm: f64, is_moving: bool| {
+            Ok(Number { error_ohm, is_moving, u_ohm: Some(1.0), ..Number::default() })
+        };
+        let what = [
+            [number(1.0, false), number(3.0, false), number(90.0, true)],
+            [number(90.0, true), Err("open"), number(70.0, true)],
+            [Err("open"), Err("leakage"), Err("leakage")],
+            // The last one is not whole.
+            [number(5.0, false); 3],
+        ];
+        let at = |index: usize| Nanos(index as i64);
+        let told = what.concat().into_iter().enumerate().map(|(index, what)| Told { at: at(index), what });
+        let found = blocks(&Found { told: told.collect(), ..Found::default() }, Nanos(3));
+        let moving =
+            |error_ohm: f64, is_moving: bool| Ok(Number { error_ohm, is_moving, ..Number::default() });
+        let blocks: Vec<_> = found.told.iter().map(|told| told.what).collect();
+        assert_eq!(blocks, [moving(2.0, false), moving(80.0, true), Err("leakage")]);
+    }
 }

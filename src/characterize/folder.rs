@@ -46,6 +46,8 @@ pub struct Folder {
     path: PathBuf,
     /// What is known already.
     pub rows: Vec<Row>,
+    /// Where it comes from, by all commands that have gone on with it.
+    pub provenance: Provenance,
     file: File,
 }
 
@@ -56,7 +58,7 @@ impl Folder {
     /// It cannot be written, or what is in it is of another provenance.
     pub fn open(path: &Path, provenance: &Provenance) -> Result<Folder, FolderError> {
         fs::create_dir_all(path).map_err(failed(path))?;
-        begin(&path.join(PROVENANCE), provenance)?;
+        let provenance = begin(&path.join(PROVENANCE), provenance)?;
         let points = path.join(POINTS);
         let rows = match files::read_text(&points, TABLE_BYTES) {
             Ok(text) => table::read(&text)
@@ -67,7 +69,7 @@ impl Folder {
         // Whole rows only: the last one may have been cut off.
         replace(&points, &rows)?;
         let file = OpenOptions::new().append(true).open(&points).map_err(failed(&points))?;
-        Ok(Folder { path: path.to_owned(), rows, file })
+        Ok(Folder { path: path.to_owned(), rows, provenance, file })
     }
 
     /// Whether all of these questions have an answer.
@@ -75,11 +77,12 @@ impl Folder {
         asked.iter().all(|asked| self.rows.iter().any(|row| row.is_same_cell(asked)))
     }
 
-    /// Adds rows, all of them or none.
+    /// Adds rows, all of them or none, but for those that are there already.
     ///
     /// # Errors
     /// They cannot be written.
-    pub fn add(&mut self, rows: Vec<Row>) -> Result<(), FolderError> {
+    pub fn add(&mut self, mut rows: Vec<Row>) -> Result<(), FolderError> {
+        rows.retain(|row| !self.has(std::slice::from_ref(row)));
         let failed = failed(&self.path.join(POINTS));
         let text = table::text(&rows, self.rows.is_empty()).map_err(|error| failed(error.into()))?;
         self.file.write_all(text.as_bytes()).map_err(failed)?;
@@ -103,22 +106,29 @@ fn failed(path: &Path) -> impl Fn(io::Error) -> FolderError + use<> {
     move |error| FolderError::Io { path: path.clone(), error }
 }
 
-/// Writes where a table comes from, unless that stands there already.
-fn begin(path: &Path, provenance: &Provenance) -> Result<(), FolderError> {
+/// Writes where a table comes from, or, where that stands there already, by which command it goes on; all of it comes back.
+fn begin(path: &Path, provenance: &Provenance) -> Result<Provenance, FolderError> {
+    let write = |provenance: &Provenance| {
+        let text = serde_json::to_string_pretty(provenance).unwrap_or_default() + "\n";
+        files::replace(path, &text).map_err(failed(path))
+    };
     let text = match files::read_text(path, SETTINGS_BYTES) {
         Ok(text) => text,
         Err(error) if error.kind() == io::ErrorKind::NotFound => {
-            let text = serde_json::to_string_pretty(provenance).unwrap_or_default() + "\n";
-            return files::replace(path, &text).map_err(failed(path));
+            return write(provenance).map(|()| provenance.clone());
         }
         Err(error) => return Err(failed(path)(error)),
     };
     let foreign = |reason: String| FolderError::Foreign { path: path.to_owned(), reason };
-    let there: Provenance = serde_json::from_str(&text).map_err(|error| foreign(error.to_string()))?;
-    match there.differs(provenance) {
-        None => Ok(()),
-        Some(what) => Err(foreign(format!("the table there has {what}"))),
+    let mut there: Provenance = serde_json::from_str(&text).map_err(|error| foreign(error.to_string()))?;
+    if let Some(what) = there.differs(provenance) {
+        return Err(foreign(format!("the table there has {what}")));
     }
+    if there.commands().all(|known| *known != provenance.command) {
+        there.later_commands.push(provenance.command.clone());
+        write(&there)?;
+    }
+    Ok(there)
 }
 
 /// Puts a table in the place of the old one.
@@ -147,6 +157,7 @@ mod tests {
             version: "1".to_owned(),
             date: "2026-11-22".to_owned(),
             command: "cermctl characterize".to_owned(),
+            later_commands: Vec::new(),
         }
     }
 
@@ -163,10 +174,23 @@ mod tests {
         let later = Provenance { date: "2026-11-23".to_owned(), ..provenance(1) };
         let mut second = Folder::open(&path, &later).unwrap();
         assert!(second.has(&[row(300.0), row(100.0)]) && !second.has(&[row(200.0)]));
-        second.add(vec![row(200.0)]).unwrap();
+        // A cell may have several rows, of which some were written.
+        second.add(vec![row(100.0), row(200.0)]).unwrap();
         second.sort(&[row(100.0), row(200.0)]).unwrap();
         let rows = table::read(&fs::read_to_string(&points).unwrap()).unwrap();
         assert_eq!(rows.iter().map(|row| row.r_ohm).collect::<Vec<_>>(), [100.0, 200.0, 300.0]);
+    }
+
+    #[test]
+    fn every_command_that_a_table_is_of_is_told_once() {
+        let folder = tempfile::tempdir().unwrap();
+        let by = |command: &str| {
+            let provenance = Provenance { command: command.to_owned(), ..provenance(1) };
+            let kept = Folder::open(folder.path(), &provenance).unwrap().provenance;
+            kept.commands().map(String::as_str).collect::<Vec<_>>().join("; ")
+        };
+        assert_eq!(by("a"), "a");
+        assert_eq!((by("b").as_str(), by("a").as_str(), by("b").as_str()), ("a; b", "a; b", "a; b"));
     }
 
     #[test]
@@ -180,7 +204,7 @@ mod tests {
         );
         let other = Provenance { text: Some("[circuit]".to_owned()), ..provenance(1) };
         let said = Folder::open(folder.path(), &other).unwrap_err().to_string();
-        assert!(said.contains("another scene or configuration"), "{said}");
+        assert!(said.contains("another scene, configuration or tape"), "{said}");
         fs::write(folder.path().join(PROVENANCE), "{}").unwrap();
         assert!(Folder::open(folder.path(), &provenance(1)).is_err());
     }

@@ -6,7 +6,7 @@
 //! | `MOST_DISCHARGES`, `LEAST_INSTRUMENTS` | 3e5, 3 | | of a cell: a circuit for microseconds takes fewer instruments |
 //! | `LONGEST_MEAN` | 20 000 | cycles | the same of what is averaged |
 //! | `SINCE_START` | 0.05 to 10 | s | ends of the stretches in which settling is looked at |
-//! | `RAMP` | 0.5 to 1.5 | R_x | a moving sensor goes through its resistance once, slowly enough to be read at low speeds, and far enough at high ones |
+//! | `SWING` | 0.5 | R_x | so far a moving sensor goes to either side of its resistance at the most: a share of what it is there stays one of R_x |
 //! | `TOLERANCE` | 0.01 | | capacitors differ by so much where a clock quantises: else every crossing of a board would fall at the same place in a cycle |
 //! | `FRONT_OHM`, `AVERAGES` | 100 to 16 200; 0 to 10 | ohm; s | those of docs/methods.md, and times of a decade each; 0: each reading |
 //! | `MAP_OHM` | 30 to 100 000 | ohm | those of the front, and half-decades beside them |
@@ -23,7 +23,7 @@ pub const MOST_DISCHARGES: f64 = 3e5;
 pub const LEAST_INSTRUMENTS: u64 = 3;
 pub const LONGEST_MEAN: f64 = 20_000.0;
 pub const SINCE_START: [f64; 8] = [0.05, 0.1, 0.2, 0.5, 1.0, 2.0, 5.0, 10.0];
-pub const RAMP: [f64; 2] = [0.5, 1.5];
+pub const SWING: f64 = 0.5;
 pub const TOLERANCE: f64 = 0.01;
 pub const DIGITS: usize = 6;
 pub const FRONT_OHM: [f64; 4] = [100.0, 1000.0, 5000.0, 16_200.0];

@@ -27,7 +27,7 @@ const MAPPED: [(Kind, Method); 4] = [
 /// What is swept; what is absent is chosen.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Sweep {
-    /// The name of the scene.
+    /// The name of the scene; of one of a file, that of the file with its ending.
     pub name: String,
     /// The board.
     pub scene: Scene,
@@ -120,9 +120,9 @@ impl Sweep {
         .collect()
     }
 
-    /// Whether it is of the board of the paper, whose figures take their time.
+    /// Whether it is of the board of the paper, read as the paper says, whose figures take their time.
     pub fn is_papers(&self) -> bool {
-        self.name == PAPER
+        self.name == PAPER && self.config.is_none()
     }
 
     /// Whether nothing is left out.
@@ -160,6 +160,8 @@ impl Sweep {
     ) -> Result<Cell, SceneError> {
         let scene = self.scene.clone().with_kind(kind)?;
         let mut config = self.config.clone().unwrap_or_else(|| config_of(&self.name, &scene));
+        // How often is what is swept.
+        (config.measure.rate_hz, config.measure.idle) = (None, false);
         config.measure.method = Some(method);
         config.measure.average = Some(average).filter(|average| *average > Nanos::ZERO);
         let (name, seed) = (self.name.clone(), self.seed);
@@ -221,6 +223,7 @@ fn config_of(name: &str, scene: &Scene) -> Config {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::config_file::config;
 
     fn sweep(name: &str) -> Sweep {
         let scene = Scene::builtin(name).unwrap();
@@ -256,6 +259,18 @@ mod tests {
     }
 
     #[test]
+    fn a_rate_in_a_configuration_is_not_in_the_way_of_means() {
+        for line in ["rate-hz = 20.0", "rate-hz = 20.0\nidle = true"] {
+            let file = config(|c| c.channel("x").set("mock.scene", "pi4").lines("measure", line));
+            let sweep = Sweep { config: Some(file.parse()), ..sweep("pi4") };
+            for cell in sweep.front().unwrap() {
+                cell.check().unwrap();
+                assert_eq!((cell.config.period(), cell.config.measure.rate_hz), (None, None), "{cell}");
+            }
+        }
+    }
+
+    #[test]
     fn what_is_asked_for_is_all_that_is_swept() {
         let only = Sweep {
             methods: vec![Method::Tracked, Method::Qerm],
@@ -269,6 +284,8 @@ mod tests {
         let names: Vec<String> = cells.iter().map(ToString::to_string).collect();
         assert_eq!(names, ["tracked, one-capacitor, 470 ohm", "qerm, series-calibration, 470 ohm"]);
         assert!(cells.iter().all(|cell| cell.instruments == 7));
+        let file = Sweep { name: "fpga-paper.toml".to_owned(), ..sweep("fpga-paper") };
+        assert!(!file.is_papers(), "whatever is in it");
         let whole = sweep("fpga-paper").front().unwrap();
         assert_eq!(whole.iter().filter(|cell| cell.readings == PAPER_READINGS).count(), 3 * PAPER_OHM.len());
     }

@@ -174,6 +174,17 @@ impl Row {
         Row { c_a_f: farad(c_a), c_b_f: c_b.and_then(farad), ..self }
     }
 
+    /// The share of readings that its errors are of.
+    pub fn counted(&self) -> f64 {
+        let moving = if self.vary == Some(Vary::Speed) { 0.0 } else { self.moving };
+        (1.0 - self.no_number - moving).max(0.0)
+    }
+
+    /// Time for each of those, everything included, mean, s.
+    pub fn counted_s(&self) -> Option<f64> {
+        self.published_s.map(|seconds| seconds / self.counted()).filter(|seconds| seconds.is_finite())
+    }
+
     /// Whether both answer the same question.
     pub fn is_same_cell(&self, other: &Row) -> bool {
         let with_figures_of_other = Row {
@@ -198,13 +209,49 @@ impl Row {
     }
 }
 
+/// Why a table cannot be read.
+#[derive(Debug, thiserror::Error)]
+pub enum TableError {
+    /// It has other columns, or words where numbers are to be.
+    #[error(transparent)]
+    Csv(#[from] csv::Error),
+    /// A number that nothing measured can have.
+    #[error("line {line}: {column} cannot be {text}")]
+    Number {
+        /// In the file, from 1 on.
+        line: u64,
+        /// Its name.
+        column: String,
+        /// What stands there.
+        text: String,
+    },
+}
+
+/// The columns with any words.
+const WORDS: [&str; 3] = ["scene", "vary_name", "reason"];
+
 /// Rows of a table from its text; an unfinished last row, of a writer that was killed, is left out.
 ///
 /// # Errors
 /// Which row cannot be read, and why.
-pub fn read(text: &str) -> Result<Vec<Row>, csv::Error> {
+pub fn read(text: &str) -> Result<Vec<Row>, TableError> {
     let whole = text.rfind('\n').map_or("", |end| &text[..=end]);
-    csv::Reader::from_reader(whole.as_bytes()).into_deserialize().collect()
+    let mut reader = csv::Reader::from_reader(whole.as_bytes());
+    let names = reader.headers()?.clone();
+    let mut rows = Vec::new();
+    for record in reader.records() {
+        let record = record?;
+        let is_odd = |(name, text): &(&str, &str)| {
+            let is_wrong = |value: f64| !value.is_finite() || (*name == "r_ohm" && value <= 0.0);
+            !WORDS.contains(name) && text.parse().is_ok_and(is_wrong)
+        };
+        if let Some((column, text)) = names.iter().zip(&record).find(is_odd) {
+            let line = record.position().map_or(0, csv::Position::line);
+            return Err(TableError::Number { line, column: column.to_owned(), text: text.to_owned() });
+        }
+        rows.push(record.deserialize(Some(&names))?);
+    }
+    Ok(rows)
 }
 
 /// Rows as text, their line of names first if it is wanted.
@@ -225,7 +272,7 @@ pub struct Provenance {
     pub source: Source,
     /// The board: the name of the scene, or the model of the machine with its chip of lines.
     pub board: String,
-    /// The whole text of the scene, or of the configuration.
+    /// The whole text of the scene and of the configuration; of a tape how it begins and ends.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub text: Option<String>,
     /// Of the first instrument of each cell.
@@ -235,11 +282,25 @@ pub struct Provenance {
     pub version: String,
     /// When it was begun, RFC 3339.
     pub date: String,
-    /// The command line that makes it again.
+    /// The command line that has begun it.
     pub command: String,
+    /// Those that have gone on with it, each once: all of them together make it again.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub later_commands: Vec<String>,
 }
 
 impl Provenance {
+    /// All command lines, in the order in which they came.
+    pub fn commands(&self) -> impl Iterator<Item = &String> {
+        std::iter::once(&self.command).chain(&self.later_commands)
+    }
+
+    /// Whether all of it is of a simulated board, read as its parts tell and no configuration.
+    pub fn is_of_a_scene_alone(&self) -> bool {
+        let is_config = |word: &str| word == "--config" || word.starts_with("--config=");
+        self.source == Source::Simulated && !self.commands().any(|line| line.split(' ').any(is_config))
+    }
+
     /// What keeps the rows of both out of one table; `None`: nothing.
     pub fn differs(&self, other: &Provenance) -> Option<String> {
         let seed = |of: &Provenance| of.seed.map_or("none".to_owned(), |seed| seed.to_string());
@@ -251,7 +312,7 @@ impl Provenance {
         ];
         let named = pairs.into_iter().find(|(_, own, others)| own != others);
         let named = named.map(|(what, own, others)| format!("{what} {own}, not {others}"));
-        named.or_else(|| (self.text != other.text).then(|| "another scene or configuration".to_owned()))
+        named.or_else(|| (self.text != other.text).then(|| "another scene, configuration or tape".to_owned()))
     }
 }
 
@@ -308,6 +369,20 @@ mod tests {
         assert_eq!(read(&text[..text.len() - 20]).unwrap(), rows[..1]);
         let wrong = text.replace("two-capacitor", "three-capacitor");
         assert!(read(&wrong).unwrap_err().to_string().contains("three-capacitor"));
+        let named = Row { scene: "inf".to_owned(), ..row() };
+        assert_eq!(read(&super::text(&[named.clone()], true).unwrap()).unwrap(), [named]);
+    }
+
+    #[test]
+    fn numbers_that_nothing_measured_has_are_refused_and_named() {
+        for (row, says) in [
+            (Row { rms_ohm: Some(f64::NAN), ..row() }, "line 2: rms_ohm cannot be NaN"),
+            (Row { published_s: Some(f64::INFINITY), ..row() }, "line 2: published_s cannot be inf"),
+            (Row { r_ohm: 0.0, ..row() }, "line 2: r_ohm cannot be 0.0"),
+            (Row { r_ohm: -5.0, ..row() }, "line 2: r_ohm cannot be -5.0"),
+        ] {
+            assert_eq!(read(&text(&[row], true).unwrap()).unwrap_err().to_string(), says);
+        }
     }
 
     #[test]

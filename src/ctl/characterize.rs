@@ -32,16 +32,13 @@ pub fn run(arguments: &Characterize) -> Result<(), CtlError> {
         }
         (None, config) => simulated(arguments, config),
     };
-    let (rows, provenance) = measured?;
+    let Folder { rows, provenance, .. } = measured?;
     report::write(&arguments.out, &rows, &provenance)?;
     let named = |name: &str| arguments.out.join(name).display().to_string();
     let (points, page) = (named(POINTS), named(report::PAGE));
     let Provenance { source, board, .. } = provenance;
     print(&format!("{page}: open it in a browser\n{points}: {} points, {source}, {board}\n", rows.len()))
 }
-
-/// The rows of a folder, and where they come from.
-type Table = (Vec<Row>, Provenance);
 
 /// A configuration that can be run.
 fn usable(path: &Path) -> Result<Config, CtlError> {
@@ -53,7 +50,8 @@ fn usable(path: &Path) -> Result<Config, CtlError> {
     Ok(config)
 }
 
-fn simulated(arguments: &Characterize, config: Option<Config>) -> Result<Table, CtlError> {
+/// What is swept, and the text that it comes from.
+fn sweep(arguments: &Characterize, config: Option<Config>) -> Result<(Sweep, String), CtlError> {
     let mock = config.as_ref().and_then(|config| config.mock.clone());
     let (name, folder) = match (&arguments.scene, &config) {
         (None, Some(config)) => (mock.as_ref().map(|mock| mock.scene.clone()), config.base.clone()),
@@ -76,7 +74,8 @@ fn simulated(arguments: &Characterize, config: Option<Config>) -> Result<Table, 
         .as_ref()
         .map(|path| files::read_text(path, SETTINGS_BYTES).map_err(CtlError::file(path)));
     let text = given.transpose()?.unwrap_or_default() + &Scene::text_of(&name, &folder)?;
-    let name = Path::new(&name).file_stem().map_or(name.clone(), |stem| stem.to_string_lossy().into_owned());
+    // With its ending, lest a file pass for the built-in scene of its name.
+    let name = Path::new(&name).file_name().map_or(name.clone(), |name| name.to_string_lossy().into_owned());
     let seed = arguments.seed.or(mock.and_then(|mock| mock.seed)).unwrap_or(scene.seed);
     let sweep = Sweep {
         name,
@@ -89,6 +88,11 @@ fn simulated(arguments: &Characterize, config: Option<Config>) -> Result<Table, 
         instruments: arguments.instruments,
         seed,
     };
+    Ok((sweep, text))
+}
+
+fn simulated(arguments: &Characterize, config: Option<Config>) -> Result<Folder, CtlError> {
+    let (sweep, text) = sweep(arguments, config)?;
     let mut cells = sweep.front()?;
     if arguments.maps || sweep.is_whole() && !sweep.is_papers() {
         cells.extend(sweep.maps()?);
@@ -99,21 +103,22 @@ fn simulated(arguments: &Characterize, config: Option<Config>) -> Result<Table, 
     for cell in &cells {
         cell.check().map_err(CtlError::Said)?;
     }
-    let provenance = provenance(Source::Simulated, sweep.name.clone(), Some(text), Some(seed));
-    Ok((measure(&arguments.out, &provenance, &cells)?, provenance))
+    let provenance = provenance(Source::Simulated, sweep.name.clone(), Some(text), Some(sweep.seed));
+    measure(&arguments.out, &provenance, &cells)
 }
 
 /// Measures the cells that are not in the folder yet.
-fn measure(out: &Path, provenance: &Provenance, cells: &[Cell]) -> Result<Vec<Row>, CtlError> {
+fn measure(out: &Path, provenance: &Provenance, cells: &[Cell]) -> Result<Folder, CtlError> {
     let interrupt = Interrupt::new()?;
     let mut folder = Folder::open(out, provenance)?;
     let missing: Vec<Cell> = cells.iter().filter(|cell| !folder.has(&cell.asked())).cloned().collect();
     let costs = missing.iter().map(Cell::cost).collect();
     let (mut progress, mut remaining) = (Progress::new(), Remaining::new(cells.len() - missing.len(), costs));
     run::run(&missing, &|| interrupt.is_set(), |index, rows| {
+        folder.add(rows)?;
         remaining.done(index);
         progress.show(|| format!("{}, {}", remaining.in_words(), missing[index]));
-        folder.add(rows).map_err(CtlError::from)
+        Ok::<(), CtlError>(())
     })?;
     drop(progress);
     let asked: Vec<Row> = cells.iter().flat_map(Cell::asked).collect();
@@ -126,7 +131,7 @@ fn measure(out: &Path, provenance: &Provenance, cells: &[Cell]) -> Result<Vec<Ro
             out.display()
         )));
     }
-    Ok(folder.rows)
+    Ok(folder)
 }
 
 /// With its first channel only, which is commissioned: simulated pins are alike.
@@ -144,5 +149,6 @@ fn provenance(source: Source, board: String, text: Option<String>, seed: Option<
     });
     let command = std::iter::once("cermctl".to_owned()).chain(words).collect::<Vec<_>>().join(" ");
     let date = Timestamp::now().strftime("%Y-%m-%dT%H:%M:%SZ").to_string();
-    Provenance { source, board, text, seed, version: env!("CARGO_PKG_VERSION").to_owned(), date, command }
+    let version = env!("CARGO_PKG_VERSION").to_owned();
+    Provenance { source, board, text, seed, version, date, command, later_commands: Vec::new() }
 }

@@ -29,6 +29,7 @@
 //! | `METERED` | 1 | s | of a rehearsal for the processor time: fifty discharges at the least, or those of the longest mean |
 //! | `REHEARSED`, `REHEARSED_READINGS` | 2, 200 | s, | how long it counts on each board at the most |
 //! | `REHEARSED_BOARDS` | 8 | | what a board states scatters by a tenth (`tcdic`, 50 kohm): a mean of so many, by 4 % |
+//! | `BEYOND_CHANCE` | 2 | standard errors | of what boards of a kind are off by, above what they state: the error is then what is to be expected |
 //! | `REHEARSED_RESISTANCES` | 5 | | of the range of a sensor, for `size` |
 //! | `GOOD` | 0.95 | of the error asked for | boards of a kind differ: a few percent are left for that |
 //! | `TUNINGS`, `TOO_GOOD` | 4, 0.8 | , of the error asked for | how often the mean is made longer or shorter, and until where |
@@ -73,6 +74,7 @@ pub const LIVE_MEANS: usize = 10;
 pub const MISTAKEN: [f64; 2] = [0.2, 50.0];
 pub const REHEARSED_READINGS: usize = 200;
 pub const REHEARSED_BOARDS: usize = 8;
+pub const BEYOND_CHANCE: f64 = 2.0;
 pub const REHEARSED_RESISTANCES: usize = 5;
 pub const TUNINGS: u32 = 4;
 pub const GOOD: f64 = 0.95;

@@ -2,7 +2,8 @@
 
 use super::front::priced;
 use super::setting::Setting;
-use crate::characterize::table::Row;
+use crate::characterize::table::{Provenance, Row};
+use crate::units::rounded;
 use serde::Serialize;
 
 /// One measured row, as the script of the page reads it; absent: unknown.
@@ -21,6 +22,9 @@ struct Choice {
     error_ohm: f64,
     #[serde(skip_serializing_if = "Option::is_none")]
     u_ohm: Option<f64>,
+    /// The share of readings that its errors are not of.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    lost: Option<f64>,
 }
 
 const FORM: &str = r#"<form id="chooser">
@@ -32,11 +36,8 @@ const FORM: &str = r#"<form id="chooser">
 <noscript><p>The chooser needs scripts; the figures above and points.csv have the same numbers.</p></noscript>
 "#;
 
-/// The form with its data.
-///
-/// # Errors
-/// Never, as far as numbers are finite.
-pub fn html(rows: &[Row]) -> Result<String, serde_json::Error> {
+/// The form with its data, and whether an answer is measured again by `cermctl characterize --scene`.
+pub fn html(rows: &[Row], provenance: &Provenance) -> String {
     let priced = priced(rows);
     let settings = Setting::all(priced.iter().map(|priced| Setting::of(priced.row)));
     let choice = |setting: Setting, priced: &super::front::Priced| Choice {
@@ -49,26 +50,42 @@ pub fn html(rows: &[Row]) -> Result<String, serde_json::Error> {
         seconds: priced.seconds,
         error_ohm: priced.error,
         u_ohm: priced.row.u_ohm,
+        lost: Some(rounded(1.0 - priced.row.counted(), 3)).filter(|share| *share > 0.0),
     };
     let choices: Vec<Choice> = priced.iter().map(|priced| choice(Setting::of(priced.row), priced)).collect();
-    // Nothing in it may end the element that it stands in.
-    let data = serde_json::to_string(&choices)?.replace("</", "<\\/");
-    Ok(format!("{FORM}<script type=\"application/json\" id=\"choices\">{data}</script>\n"))
+    // It has no map whose keys are no text, which is all that can go wrong. Nothing in it may end the element that it stands in.
+    let data = serde_json::to_string(&choices).unwrap_or_default().replace("</", "<\\/");
+    let again = if provenance.is_of_a_scene_alone() { " data-again" } else { "" };
+    format!("{FORM}<script type=\"application/json\" id=\"choices\"{again}>{data}</script>\n")
 }
 
 #[cfg(test)]
 mod tests {
     use super::super::fixture;
     use super::*;
+    use crate::characterize::table::Source;
 
     #[test]
     fn every_measured_point_can_be_chosen() {
         let rows = fixture::rows();
-        let html = html(&rows).unwrap();
-        let data = html.split("id=\"choices\">").nth(1).unwrap().split("</script>").next().unwrap();
+        let html = html(&rows, &fixture::provenance());
+        let data =
+            html.split("id=\"choices\" data-again>").nth(1).unwrap().split("</script>").next().unwrap();
         let choices: Vec<serde_json::Value> = serde_json::from_str(data).unwrap();
         assert_eq!(choices.len(), priced(&rows).len());
         assert_eq!(choices[0]["method"], "tpcm");
         assert!(choices[0].get("average_s").is_none(), "absent means unknown or none, never null");
+    }
+
+    #[test]
+    fn what_a_scene_alone_does_not_make_again_is_not_said_to_be() {
+        let again = |provenance: Provenance| html(&fixture::rows(), &provenance).contains("data-again");
+        let by = |words: &str| Provenance {
+            command: format!("cermctl characterize {words}"),
+            ..fixture::provenance()
+        };
+        assert!(again(by("--scene pi4 --out --configured")));
+        assert!(!again(by("--config a.toml --out b")) && !again(by("--config=a.toml --out b")));
+        assert!(!again(Provenance { source: Source::Live, ..fixture::provenance() }));
     }
 }

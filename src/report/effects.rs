@@ -7,9 +7,6 @@ use super::setting::{Setting, resistances};
 use super::{Drawing, Figure};
 use crate::characterize::table::{Row, Vary};
 
-/// The middle of the range.
-const SETTLING_OHM: f64 = 1000.0;
-
 /// Single readings of the scene as it is.
 fn plain(rows: &[Row]) -> impl Iterator<Item = &Row> + Clone {
     rows.iter().filter(|row| row.vary.is_none() && row.average_s.is_none())
@@ -28,28 +25,10 @@ pub fn budget(rows: &[Row], board: &str) -> Option<Figure> {
     }
     let cell = |setting: &Setting, effect: &str, r_ohm: f64| {
         let is_own = |row: &&Row| row.r_ohm == r_ohm && Setting::nominal(row) == *setting;
+        let is_without = |row: &&Row| is_own(row) && row.vary_name.as_deref() == Some(effect);
         let all = plain(rows).find(is_own)?.rms_ohm?;
-        let less = without
-            .iter()
-            .copied()
-            .filter(is_own)
-            .find(|row| row.vary_name.as_deref() == Some(effect))?
-            .rms_ohm?;
-        let part = 1.0 - (less / all).powi(2);
-        let name = setting.name(&settings);
-        Some(Cell {
-            // Without the sign of a zero.
-            text: format!("{:.0}", (100.0 * part).round() + 0.0),
-            says: format!(
-                "{name}, {}: {} with all, {} without {effect}: {} of the variance",
-                ohms(r_ohm),
-                ohms(all),
-                ohms(less),
-                percent(part)
-            ),
-            share: Some(part),
-            failed: None,
-        })
+        let less = without.iter().copied().find(is_without)?.rms_ohm?;
+        Some(part_of(&format!("{}, {}", setting.name(&settings), ohms(r_ohm)), effect, [all, less]))
     };
     let grid = |setting: &Setting| Grid {
         name: format!("{}, %", setting.name(&settings)),
@@ -75,6 +54,19 @@ pub fn budget(rows: &[Row], board: &str) -> Option<Figure> {
         drawing: Drawing::Heat(heat),
         text,
     })
+}
+
+/// Errors with all effects and without one, ohm.
+fn part_of(name: &str, effect: &str, [all, less]: [f64; 2]) -> Cell {
+    let part = 1.0 - (less / all).powi(2);
+    let (with_all, without, percent) = (ohms(all), ohms(less), percent(part));
+    Cell {
+        // Without the sign of a zero.
+        text: format!("{:.0}", (100.0 * part).round() + 0.0),
+        says: format!("{name}: {with_all} with all, {without} without {effect}: {percent} of the variance"),
+        share: Some(part),
+        failed: None,
+    }
 }
 
 /// The parts of the time of a reading.
@@ -133,13 +125,15 @@ pub fn times(rows: &[Row], board: &str) -> Option<Figure> {
     (!split.is_empty()).then(|| Figure { name: "times".to_owned(), drawing: Drawing::Heat(heat), text })
 }
 
-/// Error and stated uncertainty against the time since the start, at the resistance next to [`SETTLING_OHM`].
-pub fn settling(rows: &[Row], board: &str) -> Option<Figure> {
-    let since: Vec<&Row> = rows.iter().filter(|row| row.vary == Some(Vary::SinceStart)).collect();
-    let distance = |r_ohm: &f64| (r_ohm / SETTLING_OHM).ln().abs();
-    let known = resistances(since.iter().copied()).into_iter();
-    let r_ohm = known.min_by(|a, b| distance(a).total_cmp(&distance(b)))?;
-    let own: Vec<&Row> = since.into_iter().filter(|row| row.r_ohm == r_ohm).collect();
+/// Error and stated uncertainty against the time since the start, a figure for each resistance.
+pub fn settling(rows: &[Row], board: &str) -> Vec<Figure> {
+    let since = rows.iter().filter(|row| row.vary == Some(Vary::SinceStart));
+    let known = resistances(since.clone()).into_iter();
+    let own = |r_ohm: f64| since.clone().filter(move |row| row.r_ohm == r_ohm).collect::<Vec<_>>();
+    known.filter_map(|r_ohm| settling_at(r_ohm, &own(r_ohm), board)).collect()
+}
+
+fn settling_at(r_ohm: f64, own: &[&Row], board: &str) -> Option<Figure> {
     let settings = Setting::all(own.iter().copied().map(Setting::nominal));
     let line = |setting: &Setting, what: &str, of: fn(&Row) -> Option<f64>, stroke: &str| {
         let name = setting.name(&settings);
@@ -176,7 +170,8 @@ pub fn settling(rows: &[Row], board: &str) -> Option<Figure> {
     let text = "Each point is of the readings since the one before. Full: root mean square error. Hollow, dashed: what is stated, a wide prior until \
                 the circuit has shown its noise."
         .to_owned();
-    Some(Figure { name: "settling".to_owned(), drawing: Drawing::Plot(Plot { title, x, y, series }), text })
+    let name = format!("settling-{r_ohm}-ohm");
+    Some(Figure { name, drawing: Drawing::Plot(Plot { title, x, y, series }), text })
 }
 
 /// The share of readings within 2u, by method and by what is not as it should be.
@@ -248,6 +243,13 @@ mod tests {
         let cells = cells(&times(&rows, "pi4").unwrap());
         let shares: f64 = cells.iter().take(PARTS.len()).filter_map(|cell| cell.share).sum();
         assert!((shares - 1.0).abs() < 1e-9, "{shares}");
+    }
+
+    #[test]
+    fn settling_is_shown_at_every_resistance_where_it_was_looked_at() {
+        let figures = settling(&fixture::rows(), "pi4");
+        let names: Vec<&str> = figures.iter().map(|figure| figure.name.as_str()).collect();
+        assert_eq!(names, ["settling-100-ohm", "settling-1000-ohm", "settling-16200-ohm"]);
     }
 
     #[test]

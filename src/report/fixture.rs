@@ -1,5 +1,6 @@
 //! A made-up table of the right shape: two circuits, three resistances, means, and some of all that can be varied.
 
+use crate::characterize::limits::PAPER_OHM;
 use crate::characterize::table::{Provenance, Row, Source, Vary};
 use crate::circuit::Kind;
 use crate::reading::Method;
@@ -107,6 +108,25 @@ pub fn rows() -> Vec<Row> {
     rows
 }
 
+/// The paper's board, its three methods with its resistances, and the fourth.
+pub fn papers_rows() -> Vec<Row> {
+    let methods = [Method::Tpcm, Method::Tcdic, Method::Cerm, Method::Tracked].into_iter();
+    let rows = methods.flat_map(|method| PAPER_OHM.map(|r_ohm| row(method, r_ohm)));
+    let on_board = |row: Row| Row {
+        scene: "fpga-paper".to_owned(),
+        circuit: if row.method == Method::Tpcm { Kind::OneCapacitor } else { Kind::TwoCapacitor },
+        c_a_f: Some(20e-9),
+        c_b_f: Some(6.8e-9).filter(|_| row.method != Method::Tpcm),
+        r_c1_ohm: 2320.0,
+        sd_ohm: row
+            .sd_ohm
+            .map(|sd| if row.method == Method::Cerm && row.r_ohm < 700.0 { 0.8 * sd } else { sd }),
+        readings: 500 * row.instruments,
+        ..row
+    };
+    rows.map(on_board).collect()
+}
+
 pub fn provenance() -> Provenance {
     Provenance {
         source: Source::Simulated,
@@ -116,5 +136,6 @@ pub fn provenance() -> Provenance {
         version: "0.1.0".to_owned(),
         date: "2026-11-22T10:00:00Z".to_owned(),
         command: "cermctl characterize --out report".to_owned(),
+        later_commands: Vec::new(),
     }
 }

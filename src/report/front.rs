@@ -1,6 +1,6 @@
 //! The front: error against time for each published reading, beside the bound of each circuit and what one would take instead.
 
-use super::axis::{Axis, ohms, seconds};
+use super::axis::{Axis, ohms, percent, seconds};
 use super::plot::{Mark, Plot, Point, Series};
 use super::rivals::RIVALS;
 use super::setting::{Setting, resistances};
@@ -12,7 +12,7 @@ const TIMES: [f64; 2] = [1e-3, 10.0];
 /// Resistances of which there is a figure: the measured ones next to these, ohm.
 const SHOWN: [f64; 3] = [100.0, 1000.0, 16_200.0];
 
-/// A row with what a front needs: seconds and ohm.
+/// A row with what a front needs: seconds for each reading that it counts, and ohm.
 #[derive(Debug, Clone, Copy)]
 pub struct Priced<'a> {
     pub row: &'a Row,
@@ -22,12 +22,12 @@ pub struct Priced<'a> {
 
 /// Of rows with numbers on a scene that is as it should be; with other capacitors, where there are the scene's own to compare.
 pub fn priced(rows: &[Row]) -> Vec<Priced<'_>> {
-    let with = |row: &'_ Row| Some((row.published_s?, row.rms_ohm?));
+    let with = |row: &'_ Row| Some((row.counted_s()?, row.rms_ohm?));
     let known = resistances(rows.iter().filter(|row| row.vary.is_none()));
     let is_other = |row: &Row| is_resized(row) && row.vary_value != Some(1.0) && known.contains(&row.r_ohm);
     let is_own = |row: &&Row| row.vary.is_none() || is_other(row);
     rows.iter()
-        .filter(|row| row.no_number < 0.5)
+        .filter(|row| row.counted() > 0.5)
         .filter(is_own)
         .filter_map(|row| with(row).map(|(seconds, error)| Priced { row, seconds, error }))
         .filter(|priced| priced.seconds > 0.0 && priced.error > 0.0)
@@ -183,7 +183,7 @@ fn sizes(setting: &Setting, all: &[Setting], resized: &[Priced]) -> Option<Serie
 
 /// Of a root mean square of so many errors, if they have nothing in common; `None` where it is smaller than a mark.
 fn scatter(row: &Row) -> Option<f64> {
-    let count = row.readings as f64 * (1.0 - row.no_number);
+    let count = row.readings as f64 * row.counted();
     Some((0.5 / count).sqrt()).filter(|part| *part > 0.05 && *part < 1.0)
 }
 
@@ -194,28 +194,41 @@ fn says(name: &str, priced: &Priced) -> String {
         .map_or("single readings".to_owned(), |time| format!("means over {}", seconds(time)));
     let u = priced.row.u_ohm.map_or(String::new(), |u| format!(", stated {}", ohms(u)));
     let (error, each) = (ohms(priced.error), seconds(priced.seconds));
+    let lost = 1.0 - priced.row.counted();
+    let lost = if lost > 0.0 { format!(", {} of them lost", percent(lost)) } else { String::new() };
     format!(
-        "{name}, {average}: error {error}{u}, one in {each}; {} readings, {}",
+        "{name}, {average}: error {error}{u}, one in {each}; {} readings{lost}, {}",
         priced.row.readings, priced.row.source
     )
 }
 
-/// Where a rival is better than all of ours at the same time, and by how much at its fastest.
+/// When a rival is better than all of ours at the same time, and by how much at its fastest.
 fn beside_rivals(best: &[Priced], r_ohm: f64, last: f64) -> String {
     let ours = |time: f64| best.iter().rev().find(|priced| priced.seconds <= time);
     let mut better = Vec::new();
     for rival in &RIVALS {
         let points = rival.points(r_ohm, last);
-        let ahead =
-            |[time, error]: &&[f64; 2]| ours(time.max(TIMES[0])).is_none_or(|ours| *error < ours.error);
-        if let Some([time, error]) = points.iter().find(ahead) {
-            let against = ours(*time)
+        let is_ahead =
+            |[time, error]: &[f64; 2]| ours(time.max(TIMES[0])).is_none_or(|ours| *error < ours.error);
+        let runs = points.chunk_by(|one, next| is_ahead(one) == is_ahead(next));
+        let ahead: Vec<&[[f64; 2]]> = runs.filter(|run| is_ahead(&run[0])).collect();
+        if let Some([time, error]) = ahead.first().map(|run| run[0]) {
+            let against = ours(time)
                 .map_or("nothing of ours is as fast".to_owned(), |ours| format!("ours {}", ohms(ours.error)));
-            better.push(format!("{} (from {} on: {}; {against})", rival.name, seconds(*time), ohms(*error)));
+            let when = ahead.iter().map(|run| span(run)).collect::<Vec<_>>().join(" and ");
+            better.push(format!("{} ({when}: {}; {against})", rival.name, ohms(error)));
         }
     }
     let named = if better.is_empty() { "none of them".to_owned() } else { better.join(", ") };
     format!("Better than the front at {} at the same time per reading: {named}.", ohms(r_ohm))
+}
+
+/// From the first to the last of these points.
+fn span(run: &[[f64; 2]]) -> String {
+    match run {
+        [[first, _], .., [last, _]] => format!("from {} to {}", seconds(*first), seconds(*last)),
+        _ => run.iter().map(|[at, _]| format!("at {}", seconds(*at))).collect(),
+    }
 }
 
 #[cfg(test)]
@@ -263,6 +276,21 @@ mod tests {
     }
 
     #[test]
+    fn what_is_no_use_costs_time() {
+        let row = Row {
+            no_number: 0.2,
+            moving: 0.05,
+            published_s: Some(0.75),
+            ..fixture::row(crate::reading::Method::Cerm, 1000.0)
+        };
+        let rows = [row];
+        let priced = priced(&rows);
+        assert!((priced[0].seconds - 1.0).abs() < 1e-9, "{priced:?}");
+        let said = says("cerm", &priced[0]);
+        assert!(said.contains("one in 1 s; 400 readings, 25 % of them lost"), "{said}");
+    }
+
+    #[test]
     fn a_better_rival_is_named() {
         let rows = fixture::rows();
         let figures = figures(&rows, "pi4");
@@ -273,5 +301,10 @@ mod tests {
             figures[1].text
         );
         assert!(!figures[1].text.contains("RCtime"), "{}", figures[1].text);
+        // A reading that is soon better than any mean of it.
+        let good = Row { published_s: Some(0.01), rms_ohm: Some(0.001), ..rows[0].clone() };
+        let all = [Priced { row: &good, seconds: 0.01, error: 0.001 }];
+        let text = beside_rivals(&all, good.r_ohm, 10.0);
+        assert!(text.contains("ADS1115, 860/s (from 1.16 ms to 3.49 ms: "), "{text}");
     }
 }

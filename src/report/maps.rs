@@ -86,6 +86,9 @@ pub fn failure(row: &Row) -> Option<String> {
     if row.no_number >= SILENT {
         return Some(format!("no number: {}", row.reason.as_deref().unwrap_or("for reasons not told")));
     }
+    if row.vary != Some(Vary::Speed) && row.no_number + row.moving >= SILENT {
+        return Some("says that the sensor moves".to_owned());
+    }
     if row.coverage.is_some_and(|coverage| coverage < HONEST) {
         let is_bias = row.bias_ohm.zip(row.sd_ohm).is_some_and(|(bias, sd)| bias.abs() > sd);
         let cause = if is_bias { "a bias that it does not know" } else { "scatter that it does not know" };
@@ -127,6 +130,7 @@ fn says(row: &Row, name: &str) -> String {
         said("stated", row.u_ohm, ohms),
         said("within 2u", row.coverage, percent),
         said("without a number", Some(row.no_number).filter(|share| *share > 0.0), percent),
+        said("told as moving", Some(row.moving).filter(|share| *share > 0.0), percent),
         failure(row).map_or(String::new(), |why| format!("; {why}")),
     ];
     format!("{name}{}", parts.concat())
@@ -143,6 +147,10 @@ mod tests {
         assert_eq!(failure(&row), None);
         let silent = Row { no_number: 0.8, reason: Some("leakage".to_owned()), ..row.clone() };
         assert_eq!(failure(&silent).unwrap(), "no number: leakage");
+        let at_rest = Row { no_number: 0.2, moving: 0.4, ..row.clone() };
+        assert_eq!(failure(&at_rest).unwrap(), "says that the sensor moves");
+        assert!(says(&at_rest, "").contains("told as moving 40 %"), "{}", says(&at_rest, ""));
+        assert_eq!(failure(&Row { vary: Some(Vary::Speed), ..at_rest }), None, "it does move");
         let biased = Row { coverage: Some(0.2), bias_ohm: Some(-9.0), sd_ohm: Some(2.0), ..row.clone() };
         assert!(failure(&biased).unwrap().ends_with("a bias that it does not know"));
         let coarse = Row { rms_ohm: Some(200.0), ..row };

@@ -21,6 +21,7 @@ mod setting;
 mod svg;
 
 use crate::characterize::table::{Provenance, Row};
+use crate::files::{self, TABLE_BYTES};
 use page::Section;
 use plot::Width;
 use std::io;
@@ -42,9 +43,6 @@ pub enum ReportError {
         /// What the system says.
         error: io::Error,
     },
-    /// A number that is none, which no row should have.
-    #[error("the data of the chooser: {0}")]
-    Data(#[from] serde_json::Error),
 }
 
 /// What is drawn.
@@ -71,7 +69,7 @@ struct Figure {
 }
 
 const FRONT: &str = "<p>Each point is measured: the root mean square error of what is published, against the time for each published reading, charges, \
-calibration and calls included. Down and to the left is better. The broad line is the front: nothing measured is both faster and more accurate. \
+calibration, calls and readings that are lost included: those without a number, or that say of a resting sensor that it moves. Down and to the left is better. The broad line is the front: nothing measured is both faster and more accurate. \
 A bar is 1 sigma of a point of few readings, if these have nothing in common. \
 Hollow, dashed, in the colour and shape of a full line: the same with capacitors of other \
 sizes. Thin and broken, black: what no estimator from such discharges can beat (Cram\u{e9}r-Rao), were all time spent on charges and discharges of the sensor. Grey: what one would take instead, \
@@ -82,11 +80,17 @@ const CHOOSE: &str = "<p>Type the error that you can bear, the rate that you nee
 const PAPER: &str = "<p>The set-up of section IV, on the scene <code>fpga-paper</code>.</p>\n";
 const MAPS: &str = "<p>Colours that all eyes see alike; every cell says its numbers when it is pointed at, or by the arrow keys.</p>\n";
 
-fn sections(rows: &[Row], board: &str) -> Result<Vec<Section>, ReportError> {
-    let effects = [effects::budget, effects::times, effects::settling, effects::coverage];
+fn sections(rows: &[Row], board: &str, provenance: &Provenance) -> Vec<Section> {
+    let mut effects: Vec<Figure> =
+        [effects::budget, effects::times].into_iter().filter_map(|of| of(rows, board)).collect();
+    effects.extend(effects::settling(rows, board));
+    effects.extend(effects::coverage(rows, board));
     let fronts = front::figures(rows, board);
-    let (rivals, chooser) =
-        if fronts.is_empty() { Default::default() } else { (page::rivals(), chooser::html(rows)?) };
+    let (rivals, chooser) = if fronts.is_empty() {
+        Default::default()
+    } else {
+        (page::rivals(), chooser::html(rows, provenance))
+    };
     let section = |id, heading, words: &str, figures, after| Section {
         id,
         heading,
@@ -94,23 +98,28 @@ fn sections(rows: &[Row], board: &str) -> Result<Vec<Section>, ReportError> {
         figures,
         after,
     };
-    Ok(vec![
+    vec![
         section("front", "The front", FRONT, fronts, rivals),
         section("choose", "Choose", CHOOSE, Vec::new(), chooser),
         section("paper", "The paper's figures", PAPER, paper::figures(rows), paper::numbers::html(rows)),
         section("fails", "Where methods fail", MAPS, maps::figures(rows, board), String::new()),
-        section(
-            "effects",
-            "What an error is made of",
-            "",
-            effects.iter().filter_map(|of| of(rows, board)).collect(),
-            String::new(),
-        ),
-    ])
+        section("effects", "What an error is made of", "", effects, String::new()),
+    ]
 }
 
 fn put(path: PathBuf, text: &str) -> Result<(), ReportError> {
-    std::fs::write(&path, text).map_err(|error| ReportError::Write { path, error })
+    files::replace(&path, text).map_err(|error| ReportError::Write { path, error })
+}
+
+/// Removes the figures of a page that is there: of what was measured then, and no other file.
+fn clear(folder: &Path) {
+    let page = files::read_text(&folder.join(PAGE), TABLE_BYTES).unwrap_or_default();
+    let link = format!("href=\"{FIGURES}/");
+    let named = page.split(&link).skip(1).filter_map(|text| text.split('"').next());
+    for name in named.filter(|name| !name.contains('/')) {
+        // One that stays is nobody's harm: the new page has no link to it.
+        let _ = std::fs::remove_file(folder.join(FIGURES).join(name));
+    }
 }
 
 /// Writes [`PAGE`] and the folder [`FIGURES`] into a folder that is there.
@@ -120,7 +129,8 @@ fn put(path: PathBuf, text: &str) -> Result<(), ReportError> {
 pub fn write(folder: &Path, rows: &[Row], provenance: &Provenance) -> Result<(), ReportError> {
     // A picture may be met without its page.
     let board = format!("{}, {}", provenance.board, provenance.source);
-    let sections = sections(rows, &board)?;
+    let sections = sections(rows, &board, provenance);
+    clear(folder);
     let figures = folder.join(FIGURES);
     std::fs::create_dir_all(&figures).map_err(|error| ReportError::Write { path: figures.clone(), error })?;
     for figure in sections.iter().flat_map(|section| &section.figures) {
@@ -152,6 +162,51 @@ mod tests {
             assert!(!page.contains(fetching), "{fetching}");
         }
         assert!(!page.contains("NaN") && !page.contains("inf"), "a number that is none");
+    }
+
+    /// Of the paper's board; kept where `CERMD_REPORT` says, for a look in a browser (tests/browser).
+    #[test]
+    fn the_papers_figures_are_there_with_all_their_numbers() {
+        let folder = tempfile::tempdir().unwrap();
+        let kept = std::env::var_os("CERMD_REPORT").map(PathBuf::from);
+        let folder = kept.as_deref().unwrap_or(folder.path());
+        let provenance = Provenance { board: "fpga-paper".to_owned(), ..fixture::provenance() };
+        write(folder, &fixture::papers_rows(), &provenance).unwrap();
+        let page = std::fs::read_to_string(folder.join(PAGE)).unwrap();
+        for figure in ["4", "5b", "6a", "6b", "7", "8"] {
+            assert!(page.contains(&format!("<figure id=\"paper-fig-{figure}\">")), "{figure}");
+        }
+        assert!(page.contains("Every number of section V") && !page.contains("not measured</td>"));
+        assert!(!page.contains("NaN") && !page.contains("inf "), "a number that is none");
+        // The same name, another board.
+        let rows: Vec<Row> = fixture::papers_rows()
+            .into_iter()
+            .map(|row| Row { source: crate::characterize::table::Source::Tape, ..row })
+            .collect();
+        assert!(paper::figures(&rows).is_empty());
+    }
+
+    #[test]
+    fn figures_of_an_earlier_choice_go_and_files_of_others_stay() {
+        let folder = tempfile::tempdir().unwrap();
+        write(folder.path(), &fixture::rows(), &fixture::provenance()).unwrap();
+        let figures = folder.path().join(FIGURES);
+        std::fs::write(figures.join("mine.svg"), "").unwrap();
+        assert!(figures.join("times.svg").exists());
+        write(folder.path(), &[], &fixture::provenance()).unwrap();
+        let left: Vec<_> = std::fs::read_dir(figures).unwrap().map(|it| it.unwrap().file_name()).collect();
+        assert_eq!(left, ["mine.svg"]);
+    }
+
+    #[test]
+    fn every_command_of_a_table_is_on_its_page() {
+        let folder = tempfile::tempdir().unwrap();
+        let later_commands = vec!["cermctl characterize --r '<5 ohm'".to_owned()];
+        let provenance = Provenance { later_commands, ..fixture::provenance() };
+        write(folder.path(), &fixture::rows(), &provenance).unwrap();
+        let page = std::fs::read_to_string(folder.path().join(PAGE)).unwrap();
+        let both = "<code>cermctl characterize --out report</code>, then <code>cermctl characterize --r '&lt;5 ohm'</code>";
+        assert!(page.contains(both), "{page}");
     }
 
     #[test]

@@ -47,17 +47,18 @@
     svg.addEventListener("pointerleave", () => show(svg, null));
   }
 
-  // The chooser. A setting holds where its error is small enough, at one resistance or, in parts of R, at all of them.
+  // The chooser.
   const source = document.getElementById("choices");
   if (!source) return;
   const choices = JSON.parse(source.textContent), byId = (id) => document.getElementById(id);
   const resistances = [...new Set(choices.map((choice) => choice.r_ohm))].sort((a, b) => a - b);
   const ohms = (value) => value >= 1e6 ? +(value / 1e6).toPrecision(3) + " Mohm" : value >= 1e3 ? +(value / 1e3).toPrecision(3) + " kohm" : +value.toPrecision(3) + " ohm";
   const seconds = (value) => value >= 1 ? +value.toPrecision(3) + " s" : +(1e3 * value).toPrecision(3) + " ms";
-  const number = (text) => { const value = parseFloat(text.replace(",", ".")); return value > 0 ? value : null; };
+  // Null where nothing is typed. The first half of what was meant is no answer: "2 kohm" is not 2.
+  const number = (text) => text.trim() ? Number(text.trim().replace(",", ".")) : null;
   byId("want-r").append(...resistances.map((r) => new Option(ohms(r), r, false, r === 1000)));
-  // How the answer is measured again; other capacitors than the scene's are no option of a command.
-  const again = (choice) => choice.size ? [] : [" Measured again, with the --scene of this report: ", { code: `cermctl characterize --circuit ${choice.kind.split("-")[0]} ` +
+  // How the answer is measured again; other capacitors than the scene's, and a configuration, are no option of a command.
+  const again = (choice) => choice.size || !("again" in source.dataset) ? [] : [" Measured again, with the --scene of this report: ", { code: `cermctl characterize --circuit ${choice.kind.split("-")[0]} ` +
     `--method ${choice.method} --r "${choice.r_ohm} ohm" --average "${choice.average_s ? seconds(choice.average_s) : "0 s"}" --out again` }];
   const settings = (choice) => `method = "${choice.method}"` + (choice.average_s ? `, average = "${seconds(choice.average_s)}"` : "");
   const say = (parts) => {
@@ -69,6 +70,8 @@
   };
   const choose = () => {
     const r = +byId("want-r").value, error = number(byId("want-error").value), rate = number(byId("want-rate").value);
+    if (error !== null && !(error > 0)) return say(["As an error a number of ohm is wanted, such as 2.5."]);
+    if (rate !== null && !(rate > 0)) return say(["As a rate a number of readings a second is wanted, such as 50."]);
     if (!error && !rate) return say(["Type an error or a rate."]);
     const here = choices.filter((choice) => choice.r_ohm === r);
     const fits = here.filter((choice) => (!error || choice.error_ohm <= error) && (!rate || 1 / choice.seconds >= rate));
@@ -80,7 +83,8 @@
     // What was not asked for is what is left to be had.
     const best = fits.reduce((a, b) => (error && !rate ? a.seconds <= b.seconds : a.error_ohm <= b.error_ohm) ? a : b);
     const u = best.u_ohm ? `, stated ${ohms(best.u_ohm)}` : "";
-    say([`${best.name}: error ${ohms(best.error_ohm)}${u}, one reading in ${seconds(best.seconds)}, ${+(1 / best.seconds).toPrecision(3)} a second. In [circuit]: `,
+    const lost = best.lost ? `, ${+(100 * best.lost).toPrecision(2)} % of all readings lost` : "";
+    say([`${best.name}: error ${ohms(best.error_ohm)}${u}, one reading in ${seconds(best.seconds)}, ${+(1 / best.seconds).toPrecision(3)} a second${lost}. In [circuit]: `,
       { code: `kind = "${best.kind}"` }, ", in [measure]: ", { code: settings(best) }, ".", ...again(best)]);
   };
   byId("chooser").addEventListener("input", choose);

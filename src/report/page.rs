@@ -85,9 +85,11 @@ pub fn rivals() -> String {
 }
 
 fn head(provenance: &Provenance) -> String {
-    let [board, version, date, command] =
-        [&provenance.board, &provenance.version, &provenance.date, &provenance.command]
-            .map(|text| escaped(text));
+    let [board, version, date] =
+        [&provenance.board, &provenance.version, &provenance.date].map(|text| escaped(text));
+    let commands: Vec<String> =
+        provenance.commands().map(|command| format!("<code>{}</code>", escaped(command))).collect();
+    let commands = commands.join(", then ");
     let seed = provenance.seed.map_or(String::new(), |seed| format!(", seed {seed}"));
     let badge = match provenance.source {
         Source::Simulated => "simulated",
@@ -95,7 +97,7 @@ fn head(provenance: &Provenance) -> String {
         Source::Tape => "from a tape",
     };
     format!(
-        "<header>\n<h1>Speed against accuracy: {board}</h1>\n<p><span class=\"badge\">{badge}</span> cermd {version}, {date}{seed}. The same again: <code>{command}</code></p>\n"
+        "<header>\n<h1>Speed against accuracy: {board}</h1>\n<p><span class=\"badge\">{badge}</span> cermd {version}, {date}{seed}. The same again: {commands}</p>\n"
     )
 }
 
@@ -106,7 +108,7 @@ pub fn html(sections: &[Section], provenance: &Provenance) -> String {
         shown.iter().map(|it| format!("<li><a href=\"#{}\">{}</a></li>", it.id, it.heading)).collect();
     let body: String = shown.iter().map(|section| section.html()).collect();
     let text = provenance.text.as_ref().map_or(String::new(), |text| {
-        format!("<details><summary>The scene or configuration, as it was</summary><pre tabindex=\"0\">{}</pre></details>\n", escaped(text))
+        format!("<details><summary>The scene, configuration or tape, as it was</summary><pre tabindex=\"0\">{}</pre></details>\n", escaped(text))
     });
     format!(
         "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n\

@@ -5,7 +5,7 @@ pub mod numbers;
 use super::axis::{Axis, Writer, ohms, percent, plain};
 use super::plot::{Mark, Plot, Point, Series};
 use super::{Drawing, Figure};
-use crate::characterize::table::Row;
+use crate::characterize::table::{Row, Source};
 use crate::circuit::Kind;
 use crate::reading::Method;
 
@@ -25,7 +25,8 @@ pub fn rows(rows: &[Row]) -> Vec<&Row> {
         let is_plain = row.vary.is_none() && row.average_s.is_none();
         let each = row.readings as f64 / row.instruments.max(1) as f64;
         let is_long = (0.5 * READINGS..=2.0 * READINGS).contains(&each);
-        row.scene == SCENE && is_plain && is_long && METHODS.contains(&row.method) && row.circuit == kind
+        let is_papers = row.source == Source::Simulated && row.scene == SCENE;
+        is_papers && is_plain && is_long && METHODS.contains(&row.method) && row.circuit == kind
     };
     rows.iter().filter(own).collect()
 }
@@ -88,13 +89,12 @@ struct Over {
     label: &'static str,
     methods: &'static [Method],
     value: fn(&Row) -> Option<f64>,
-    printed: fn(f64, f64) -> f64,
+    /// Of a resistance and its printed MAE, ohm; `None` where the paper prints nothing.
+    printed: Option<fn(f64, f64) -> f64>,
     write: Writer,
     highest_ohm: f64,
     text: &'static str,
 }
-
-const NOTHING: fn(f64, f64) -> f64 = |_, _| f64::NAN;
 
 const OVER: [Over; 4] = [
     Over {
@@ -103,7 +103,7 @@ const OVER: [Over; 4] = [
         label: "MAE",
         methods: &METHODS,
         value: |row| row.mae_ohm,
-        printed: |_, mae| mae,
+        printed: Some(|_, mae| mae),
         write: ohms,
         highest_ohm: 1500.0,
         text: "Crosses: all values that the paper prints; its curves have no numbers.",
@@ -114,7 +114,7 @@ const OVER: [Over; 4] = [
         label: "standard deviation of readings",
         methods: &METHODS,
         value: |row| row.sd_ohm,
-        printed: NOTHING,
+        printed: None,
         write: ohms,
         highest_ohm: f64::INFINITY,
         text: "The paper forces CERM's first line of (19) at all resistances here; ours is CERM as it chooses. Fig. 5(a), the uncertainty of inferred \
@@ -126,7 +126,7 @@ const OVER: [Over; 4] = [
         label: "MAE",
         methods: &[Method::Tpcm, Method::Cerm],
         value: |row| row.mae_ohm,
-        printed: |_, mae| mae,
+        printed: Some(|_, mae| mae),
         write: ohms,
         highest_ohm: f64::INFINITY,
         text: "Crosses: all values that the paper prints.",
@@ -137,7 +137,7 @@ const OVER: [Over; 4] = [
         label: "MRE",
         methods: &METHODS,
         value: |row| row.mre_percent.map(|mre| 0.01 * mre),
-        printed: |r_ohm, mae| mae / r_ohm,
+        printed: Some(|r_ohm, mae| mae / r_ohm),
         write: percent,
         highest_ohm: f64::INFINITY,
         text: "Crosses: the printed MAE over the resistance.",
@@ -153,10 +153,8 @@ fn over(over: &Over, rows: &[&Row]) -> Option<Figure> {
     for method in over.methods {
         let own = MAE.iter().filter(|(of, r_ohm, _)| of == method && *r_ohm <= over.highest_ohm);
         let points: Vec<[f64; 2]> =
-            own.map(|(_, r_ohm, mae)| [*r_ohm, (over.printed)(*r_ohm, *mae)]).collect();
-        if points.iter().any(|point| point[1].is_finite()) {
-            series.push(printed(*method, &points, over.write));
-        }
+            own.filter_map(|(_, r_ohm, mae)| Some([*r_ohm, (over.printed?)(*r_ohm, *mae)])).collect();
+        series.push(printed(*method, &points, over.write));
     }
     series.retain(|series| !series.points.is_empty());
     figure(over.name, over.title, ["resistance", over.label], [ohms, over.write], series, over.text)

@@ -11,6 +11,7 @@
 //! | `R_2_RATIO`, `R_2_PER_DECADE`, `GREATEST_R_2` | 4, 3, 100 k | , , ohm | R_2 above R_1, how many are looked at, up to where leaks of pins begin to count |
 //! | `POINTS` | 7 | | resistances at which a candidate is looked at |
 //! | `CALLS` | 4 | calls | that switch lines for a discharge: charge, release, sink, and a switch or the release of B |
+//! | `STAMP` | 1 | ns | the kernel stamps in whole ones: no board scatters by less |
 //! | `READS` | 2 | reads | of levels before calls that are timed |
 //! | `CALIBRATIONS` | 0.25 | discharges of R_2 | for each reading, roughly: the rehearsal knows it better |
 //! | `PERIOD_SHARES` | 0.85, 0.6, 0.4 | period | that the longest discharge of a sensor may take where a rate is asked for, less where calibration needs more |
@@ -22,6 +23,8 @@
 //! | `FILM_EUR` | | F, EUR | single film capacitors up to a size, 2026, as big distributors sell them; roughly |
 //! | `EXACT_EUR`, `USUAL_EUR` | 0.5, 0.05 | EUR | a resistor of 0.1 %, of 1 %; the same |
 //! | `CLASSES_EUR` | 2, 5 | EUR | where the price classes end |
+
+use crate::units::Seconds;
 
 pub const SUPPLY_HIGH: f64 = 1.05;
 pub const PART_LOW: f64 = 0.99;
@@ -36,6 +39,7 @@ pub const R_2_PER_DECADE: f64 = 3.0;
 pub const GREATEST_R_2: f64 = 100e3;
 pub const POINTS: usize = 7;
 pub const CALLS: f64 = 4.0;
+pub const STAMP: Seconds = Seconds(1e-9);
 pub const READS: f64 = 2.0;
 pub const CALIBRATIONS: f64 = 0.25;
 pub const PERIOD_SHARES: [f64; 3] = [0.85, 0.6, 0.4];

@@ -11,7 +11,7 @@
 //! the instrument. Calibrations are not in it.
 
 use super::Design;
-use super::limits::{CALLS, READS};
+use super::limits::{CALLS, READS, STAMP};
 use crate::circuit::{Circuit, Node};
 use crate::instrument::limits::{SHORTEST_TAIL_NS, SWITCH_FRACTIONS};
 use crate::pins::sim::Scene;
@@ -54,7 +54,7 @@ impl Board {
             v_dd: scene.circuit.v_dd,
             v_th: scene.circuit.threshold.falling,
             r_o: scene.circuit.r_o,
-            jitter_s: jitter.hypot(clock),
+            jitter_s: jitter.hypot(clock).max(uniform(STAMP.0)),
             move_s,
             noise: scene.noise.map_or(Volt(0.0), |noise| noise.voltage),
             calls_s: CALLS * (each_s + 2.0 * seconds(reads.clock))

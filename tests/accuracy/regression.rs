@@ -14,6 +14,8 @@ use std::fmt::Write;
 /// Enough for a change of a fifth; docs/methods.md has more of each.
 const INSTRUMENTS: u64 = 4;
 const READINGS: usize = 25;
+/// Rows whose u does not hold, or that take rest for motion: not mended yet.
+const OPEN: [&str; 1] = ["ideal two-capacitor tracked 16200"];
 
 fn cells(name: &str) -> Vec<Cell> {
     let scene = Scene::builtin(name).unwrap();
@@ -49,6 +51,7 @@ fn accuracy_and_speed_are_as_they_were() {
         return;
     }
     let cells: Vec<Cell> = Scene::builtin_names().flat_map(cells).collect();
+    let mut wrong = Vec::new();
     let mut text = String::from("scene circuit method R/ohm | error/ohm u/ohm time/ms, no number, moving\n");
     for row in measured(&cells) {
         let figure = |value: Option<f64>| value.map_or("-".to_owned(), |value| rounded(value, 3).to_string());
@@ -57,7 +60,12 @@ fn accuracy_and_speed_are_as_they_were() {
         let (none, moving) = (rounded(row.no_number, 2), rounded(row.moving, 2));
         let what = format!("{name} {} {} {}", row.circuit, row.method, row.r_ohm);
         writeln!(text, "{what} | {error} {u} {ms}, {none}, {moving}").unwrap();
+        let holds = row.rms_ohm.zip(row.u_ohm).is_some_and(|(error, u)| error < 1.5 * u);
+        if (holds && row.moving < 0.05) == OPEN.contains(&what.as_str()) {
+            wrong.push(what);
+        }
     }
+    assert!(wrong.is_empty(), "not sound, or sound though it stands in OPEN: {wrong:#?}");
     insta::assert_snapshot!(text);
 }
 

@@ -72,6 +72,10 @@ async function used(name, page) {
   const answer = await page.locator("#chosen").textContent();
   const told = [fastest.name, `method = "${fastest.method}"`, String(+fastest.error_ohm.toPrecision(3))].every((part) => answer.includes(part));
   check(told, `${name}: the chooser says "${answer}", not ${fastest.name}`);
+  await page.fill("#want-error", "2 kohm");
+  check((await page.locator("#chosen").textContent()).includes("a number of ohm is wanted"), `${name}: 2 kohm is taken for a number`);
+  await page.fill("#want-error", "2,5");
+  check(!(await page.locator("#chosen").textContent()).includes("wanted"), `${name}: a comma is refused`);
   await page.fill("#want-rate", "1e9");
   check((await page.locator("#chosen").textContent()).startsWith("Nothing"), `${name}: a rate that nothing has is chosen`);
 }

@@ -1,6 +1,6 @@
 //! The circuit of this machine, with one known resistor after another in the place of a sensor.
 
-use super::{Table, provenance};
+use super::provenance;
 use crate::characterize::figures::{asked, filled};
 use crate::characterize::folder::Folder;
 use crate::characterize::limits::WARM;
@@ -22,7 +22,7 @@ use crate::units::{Nanos, Ohm, rough};
 use std::fs;
 
 /// Measures as long as there are resistors.
-pub fn run(arguments: &Characterize, config: &Config) -> Result<Table, CtlError> {
+pub fn run(arguments: &Characterize, config: &Config) -> Result<Folder, CtlError> {
     let simulated =
         [("--seed", arguments.seed.is_some()), ("--instruments", arguments.instruments.is_some())];
     if let Some((option, _)) = simulated.into_iter().find(|(_, is_given)| *is_given) {
@@ -45,7 +45,7 @@ pub fn run(arguments: &Characterize, config: &Config) -> Result<Table, CtlError>
         is_stopped: &|| interrupt.is_set(),
     };
     bench.measure_all(&arguments.r, &mut folder)?;
-    Ok((folder.rows, provenance))
+    Ok(folder)
 }
 
 /// The board of this machine.
@@ -76,6 +76,8 @@ fn ways(arguments: &Characterize, config: &Config) -> Vec<Config> {
     each.map(|(method, average)| {
         let mut config = config.clone();
         config.channels.truncate(1);
+        // How often is what is characterised.
+        (config.measure.rate_hz, config.measure.idle) = (None, false);
         config.measure.method = Some(method);
         config.measure.average = Some(average).filter(|average| *average > Nanos::ZERO);
         config
@@ -100,7 +102,7 @@ impl Bench<'_> {
         let place = format!("in the place of {}'s sensor", channel.map_or("", |channel| &channel.id));
         for r_ohm in given {
             let question = format!("{:.6} {place}, then Enter (s: leave it out) ", Ohm(*r_ohm));
-            while let Some(answer) = (self.ask)(&question)? {
+            while let Some(answer) = self.answer(&question)? {
                 if answer.trim() == "s" || self.measure(*r_ohm, folder)? {
                     break;
                 }
@@ -108,14 +110,25 @@ impl Bench<'_> {
         }
         let question = format!("ohm of the resistor {place}, as measured, such as 997.3 (Enter: no more) ");
         while given.is_empty() {
-            let answer = (self.ask)(&question)?.unwrap_or_default();
+            let answer = self.answer(&question)?.unwrap_or_default();
             match known_ohm(answer.trim()) {
                 _ if answer.trim().is_empty() => break,
                 Ok(r_ohm) => drop(self.measure(r_ohm, folder)?),
                 Err(wanted) => eprintln!("not taken: {wanted}"),
             }
         }
-        Ok(())
+        let nothing = || CtlError::said("nothing was measured: no resistor was there, or none was typed");
+        if folder.rows.is_empty() { Err(nothing()) } else { Ok(()) }
+    }
+
+    fn answer(&mut self, question: &str) -> Result<Option<String>, CtlError> {
+        let answer = (self.ask)(question)?;
+        self.goes_on().map(|()| answer)
+    }
+
+    fn goes_on(&self) -> Result<(), CtlError> {
+        let stopped = "stopped; what was measured is kept, and the same command goes on from there";
+        if (self.is_stopped)() { Err(CtlError::said(stopped)) } else { Ok(()) }
     }
 
     /// Whether it was there; says so if not.
@@ -129,11 +142,7 @@ impl Bench<'_> {
             }
             let pins = (self.open)(config)?;
             let found = self.watch(pins, config, r_ohm)?;
-            if (self.is_stopped)() {
-                return Err(CtlError::said(
-                    "stopped; what was measured is kept, and the same command goes on from there",
-                ));
-            }
+            self.goes_on()?;
             if let Some(doubt) = doubt(&found, r_ohm) {
                 eprintln!("not taken: {doubt}");
                 return Ok(false);
@@ -197,6 +206,7 @@ mod tests {
         given: &[f64],
         typed: &[&str],
         there: &[f64],
+        is_stopped: bool,
     ) -> Result<Vec<Row>, CtlError> {
         let provenance = provenance(Source::Live, "bench".to_owned(), None, None);
         let mut folder = Folder::open(folder, &Provenance { date: String::new(), ..provenance }).unwrap();
@@ -212,7 +222,7 @@ mod tests {
                 Ok(Box::new(SimPins::new(&scene, Some(crate::seed::seed(1)))))
             },
             ask: &mut |_| Ok(typed.next().map(|text| format!("{text}\n"))),
-            is_stopped: &|| false,
+            is_stopped: &|| is_stopped,
         };
         bench.measure_all(given, &mut folder)?;
         assert!(there.next().is_none(), "a resistor was not asked for");
@@ -223,9 +233,14 @@ mod tests {
     fn resistors_are_asked_for_one_after_the_other_until_each_is_there() {
         let folder = tempfile::tempdir().unwrap();
         // The second one is forgotten at first, the third one left out.
-        let rows =
-            on_the_bench(folder.path(), &[1000.0, 4700.0, 47.0], &["", "", "", "s"], &[1000.0, 1e7, 4700.0])
-                .unwrap();
+        let rows = on_the_bench(
+            folder.path(),
+            &[1000.0, 4700.0, 47.0],
+            &["", "", "", "s"],
+            &[1000.0, 1e7, 4700.0],
+            false,
+        )
+        .unwrap();
         assert_eq!(rows.iter().map(|row| row.r_ohm).collect::<Vec<_>>(), [1000.0, 4700.0]);
         for row in &rows {
             let (rms, u) = (row.rms_ohm.unwrap(), row.u_ohm.unwrap());
@@ -234,9 +249,23 @@ mod tests {
         }
         // Those that are there are not measured again.
         let typed = ["1000", "100 ohm", "much", ""];
-        let rows = on_the_bench(folder.path(), &[], &typed, &[100.0]).unwrap();
+        let rows = on_the_bench(folder.path(), &[], &typed, &[100.0], false).unwrap();
         assert_eq!(rows.len(), 3);
         let text = fs::read_to_string(folder.path().join(POINTS)).unwrap();
         assert_eq!(text.lines().count(), 4, "{text}");
+    }
+
+    #[test]
+    fn nothing_is_no_success_and_nobody_is_measured_for_who_has_stopped() {
+        for (given, typed, is_stopped, says) in [
+            (&[][..], &[][..], false, "nothing was measured"),
+            (&[1000.0], &["s"], false, "nothing was measured"),
+            (&[], &["1000"], true, "stopped; what was measured is kept"),
+            (&[1000.0], &[""], true, "stopped; what was measured is kept"),
+        ] {
+            let folder = tempfile::tempdir().unwrap();
+            let said = on_the_bench(folder.path(), given, typed, &[], is_stopped).unwrap_err().to_string();
+            assert!(said.starts_with(says), "{given:?} {typed:?}: {said}");
+        }
     }
 }

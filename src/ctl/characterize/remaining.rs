@@ -28,7 +28,8 @@ impl Remaining {
     /// A bar, counts, and the time that is left.
     pub fn in_words(&self) -> String {
         let share = self.done_cost / self.costs.iter().sum::<f64>();
-        let left = self.began.elapsed().mul_f64((1.0 - share) / share);
+        // The sums are rounded: what is done may come to more than all.
+        let left = self.began.elapsed().mul_f64(((1.0 - share) / share).max(0.0));
         let full = ((share * PROGRESS_COLUMNS as f64) as usize).min(PROGRESS_COLUMNS);
         let bar = "=".repeat(full) + &" ".repeat(PROGRESS_COLUMNS - full);
         let (at, all) = (self.before + self.done, self.before + self.costs.len());
@@ -56,5 +57,9 @@ mod tests {
         remaining.done(0);
         assert_eq!(remaining.in_words(), "[========================] 4 of 4, 0 s left");
         assert_eq!(rough(Duration::from_secs(200)), "4 min");
+        // 0.1 + 0.2 + 0.3 is more than 0.3 + 0.2 + 0.1.
+        let mut backwards = Remaining::new(0, vec![0.3, 0.2, 0.1]);
+        (0..3).rev().for_each(|index| backwards.done(index));
+        assert!(backwards.in_words().ends_with("0 s left"), "{}", backwards.in_words());
     }
 }

@@ -3,7 +3,7 @@
 //! A tape does not tell when a discharge was asked for, so of the time of a reading only the whole and its discharge are known.
 //! Means are those of blocks of the estimates as they came.
 
-use super::{Table, provenance};
+use super::provenance;
 use crate::characterize::figures::{blocks, filled};
 use crate::characterize::folder::Folder;
 use crate::characterize::limits::{AVERAGES, WARM};
@@ -23,7 +23,7 @@ use std::path::Path;
 const BLOCKS: usize = 4;
 
 /// Writes the rows of a tape.
-pub fn run(arguments: &Characterize, path: &Path) -> Result<Table, CtlError> {
+pub fn run(arguments: &Characterize, path: &Path) -> Result<Folder, CtlError> {
     let wrong = |why: &dyn std::fmt::Display| CtlError::Said(format!("{}: {why}", path.display()));
     let file = File::open(path).map_err(CtlError::file(path))?;
     let tape = Reader::open(BufReader::new(file)).map_err(|error| wrong(&error))?;
@@ -42,19 +42,30 @@ pub fn run(arguments: &Characterize, path: &Path) -> Result<Table, CtlError> {
             let found = replayed(&header, &entries, method, channel, r_ohm).map_err(|why| wrong(&why))?;
             let kind = header.circuit.kind;
             let r_c_ohm = [header.circuit.r_c1_ohm, header.circuit.r_c2_ohm];
-            let row = Row::asked(Source::Tape, &name, kind, r_c_ohm, method, r_ohm);
+            // Two channels may have equal resistors.
+            let scene = format!("{name}, {}", header.channels[channel].id);
+            let row = Row::asked(Source::Tape, &scene, kind, r_c_ohm, method, r_ohm);
             rows.extend(rows_of(row, &found, &entries, channel));
         }
     }
     if rows.iter().all(|row| row.rms_ohm.is_none()) {
-        return Err(wrong(&"no number comes out of it; `cermctl estimate --method tcdic` says why"));
+        let method = methods(&header, &arguments.method)[0];
+        return Err(wrong(&format!(
+            "no number comes out of it; `cermctl estimate --method {method}` says why"
+        )));
     }
-    let provenance = provenance(Source::Tape, name.into_owned(), None, None);
+    let provenance = provenance(Source::Tape, name.into_owned(), Some(ends(&header, &entries)), None);
     let mut folder = Folder::open(&arguments.out, &provenance)?;
-    let new: Vec<Row> = rows.iter().filter(|row| !folder.has(std::slice::from_ref(row))).cloned().collect();
-    folder.add(new)?;
+    folder.add(rows.clone())?;
     folder.sort(&rows)?;
-    Ok((folder.rows, provenance))
+    Ok(folder)
+}
+
+/// What tells a tape from others of its name: its header, its first discharge and its last, as far as it goes.
+fn ends(header: &Header, entries: &[Entry]) -> String {
+    let header = serde_json::to_string_pretty(header).unwrap_or_default();
+    let [first, last] = [entries.first(), entries.last()].map(|entry| format!("{entry:?}"));
+    format!("{header}\n{} discharges\n{first}\n{last}\n", entries.len())
 }
 
 /// The channels by their place, with their resistors.

@@ -4,7 +4,9 @@
 use crate::circuit::{Circuit, Network, Node};
 use crate::config::backend;
 use crate::config::{Backend, Config, Findings};
-use crate::ctl::limits::{COLD, REHEARSED, REHEARSED_BOARDS, REHEARSED_READINGS, SHARES_OF_R_2, WARM};
+use crate::ctl::limits::{
+    BEYOND_CHANCE, COLD, REHEARSED, REHEARSED_BOARDS, REHEARSED_READINGS, SHARES_OF_R_2, WARM,
+};
 use crate::instrument::settings::Settings;
 use crate::instrument::{Instrument, Message};
 use crate::pins::Pins;
@@ -18,7 +20,8 @@ use crate::units::{Nanos, Ohm, Seconds, Volt, measured, rough, rounded};
 pub struct Expected {
     /// The resistance.
     pub r_ohm: f64,
-    /// Root mean square of what is stated of numbers, 1 sigma, ohm; `None` where there are none.
+    /// Root mean square of what is stated of numbers, 1 sigma, ohm, or of their errors where these are larger by more than chance;
+    /// `None` where there are none.
     pub u_ohm: Option<f64>,
     /// Readings of a channel in a second.
     pub rate_hz: f64,
@@ -80,25 +83,39 @@ pub fn expected(config: &Config, settings: &Settings, scene: &Scene) -> Vec<Expe
 pub fn rehearse(settings: &Settings, scene: &Scene, r_ohm: f64, boards: usize) -> Option<Expected> {
     let sensors = settings.channels.iter().map(|channel| Sensor::Constant(Ohm(channel.as_read(r_ohm))));
     let mut scene = scene.clone().with_sensors(sensors.collect()).ok()?;
-    let mut all = Rehearsed::default();
+    let mut each = Vec::new();
     for _ in 0..boards {
-        all = all.and(&rehearse_board(settings, &scene)?);
+        each.push(rehearse_board(settings, &scene, r_ohm)?);
         scene.seed = scene.seed.wrapping_add(1);
     }
+    let all = each.iter().fold(Rehearsed::default(), Rehearsed::and);
+    let stated = all.stated / all.numbers as f64;
     Some(Expected {
         r_ohm,
-        u_ohm: (2 * all.numbers > all.readings).then(|| (all.squares / all.numbers as f64).sqrt()),
+        u_ohm: (2 * all.numbers > all.readings).then(|| refuted_by(&each, stated).unwrap_or(stated).sqrt()),
         rate_hz: all.readings as f64 / settings.channels.len() as f64 / all.until_last,
         discharges_hz: all.discharges as f64 / all.seconds,
     })
 }
 
-/// What came of boards; `squares`: the sum of those of u, ohm².
+/// The mean square of errors, ohm², where it is above what is stated by more than boards scatter. Those of one board have their
+/// calibration in common, so that of one alone nothing is known.
+fn refuted_by(boards: &[Rehearsed], stated: f64) -> Option<f64> {
+    let with_numbers = boards.iter().filter(|board| board.numbers > 0);
+    let squares: Vec<f64> = with_numbers.map(|board| board.errors / board.numbers as f64).collect();
+    let count = squares.len() as f64;
+    let mean = squares.iter().sum::<f64>() / count;
+    let scatter = squares.iter().map(|square| (square - mean).powi(2)).sum::<f64>() / (count - 1.0) / count;
+    Some(mean).filter(|mean| count > 1.0 && mean - BEYOND_CHANCE * scatter.sqrt() > stated)
+}
+
+/// What came of boards; `stated`, `errors`: the sum of the squares of u, and of what it is said of, ohm².
 #[derive(Default)]
 struct Rehearsed {
     readings: usize,
     numbers: usize,
-    squares: f64,
+    stated: f64,
+    errors: f64,
     discharges: usize,
     seconds: f64,
     /// Until the last reading, s: few of them would be counted short otherwise.
@@ -110,7 +127,8 @@ impl Rehearsed {
         Rehearsed {
             readings: self.readings + other.readings,
             numbers: self.numbers + other.numbers,
-            squares: self.squares + other.squares,
+            stated: self.stated + other.stated,
+            errors: self.errors + other.errors,
             discharges: self.discharges + other.discharges,
             seconds: self.seconds + other.seconds,
             until_last: self.until_last + other.until_last,
@@ -119,7 +137,7 @@ impl Rehearsed {
 }
 
 /// `None` if it has no offset or state in time.
-fn rehearse_board(settings: &Settings, scene: &Scene) -> Option<Rehearsed> {
+fn rehearse_board(settings: &Settings, scene: &Scene, r_ohm: f64) -> Option<Rehearsed> {
     let mut instrument = Instrument::new(SimPins::new(scene, None), settings.clone());
     let (mut began, mut now, mut last) = (None, Nanos::ZERO, Nanos::ZERO);
     let mut found = Rehearsed::default();
@@ -136,8 +154,9 @@ fn rehearse_board(settings: &Settings, scene: &Scene) -> Option<Rehearsed> {
             Message::Reading(reading) if began.is_some() => {
                 found.readings += 1;
                 last = now;
-                if let Status::Ok { r_ohm: Measured { u: Some(u), .. }, .. } = reading.status {
-                    found.squares += u * u;
+                if let Status::Ok { r_ohm: Measured { value, u: Some(u) }, .. } = reading.status {
+                    found.stated += u * u;
+                    found.errors += (value - r_ohm).powi(2);
                     found.numbers += 1;
                 }
             }

@@ -135,6 +135,14 @@ fn an_error_without_a_rate_is_met_by_the_shortest_mean() {
 }
 
 #[test]
+fn a_board_without_noise_is_sized_too() {
+    let ranked = asked("--r 100ohm..10kohm --error 1% --board ideal").search.ranked(PERIOD_SHARES[0]);
+    let is_number = |shares: &crate::size::Shares| shares.variance() > 0.0 && shares.variance().is_finite();
+    assert!(!ranked.is_empty());
+    assert!(ranked.iter().all(|one| one.price.is_finite() && is_number(&one.worst.1)), "{:?}", ranked[0]);
+}
+
+#[test]
 fn all_lines_fit_a_terminal() {
     for (asked, found) in FOUND.iter() {
         let text = report::text(asked, found, None);

@@ -137,12 +137,20 @@ fn a_tape_is_judged_by_what_its_recorder_knew() {
     let said = complaint(&mut run("middle=2000"));
     assert!(said.contains("no channel \"middle\": there is thumb, index"), "{said}");
     run("index=2 kohm").assert().success();
-    let rows = rows(&out);
-    let cerm = rows.iter().find(|row| row.method == Method::Cerm && row.average_s.is_none()).unwrap();
-    assert_eq!((cerm.source, cerm.r_ohm, cerm.scene.as_str()), (Source::Tape, 2000.0, "bench"));
+    let first = rows(&out);
+    let cerm = first.iter().find(|row| row.method == Method::Cerm && row.average_s.is_none()).unwrap();
+    assert_eq!((cerm.source, cerm.r_ohm, cerm.scene.as_str()), (Source::Tape, 2000.0, "bench, index"));
     assert!(cerm.readings > 200 && cerm.rms_ohm.unwrap() < 20.0, "{cerm:?}");
     // A hundred a second.
     assert!((0.009..0.02).contains(&cerm.published_s.unwrap()), "{cerm:?}");
-    let mean = rows.iter().find(|row| row.method == Method::Cerm && row.average_s == Some(0.1)).unwrap();
+    let mean = first.iter().find(|row| row.method == Method::Cerm && row.average_s == Some(0.1)).unwrap();
     assert!(mean.rms_ohm.unwrap() < cerm.rms_ohm.unwrap(), "{mean:?} {cerm:?}");
+    // Another channel with the same resistor is another question.
+    run("thumb=2 kohm").assert().success();
+    assert!(rows(&out).iter().any(|row| row.scene == "bench, thumb"));
+    // Another tape of the same name is not taken for the first.
+    let text = fs::read_to_string(&tape).unwrap();
+    fs::write(&tape, text.lines().take(1000).flat_map(|line| [line, "\n"]).collect::<String>()).unwrap();
+    let said = complaint(&mut run("index=2 kohm"));
+    assert!(said.contains("the table there has another scene, configuration or tape"), "{said}");
 }

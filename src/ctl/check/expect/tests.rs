@@ -78,6 +78,18 @@ fn rms(values: &[f64]) -> f64 {
 }
 
 #[test]
+fn errors_count_where_they_refute_what_is_stated_by_more_than_chance() {
+    let refuted = |squares: &[f64]| {
+        let board = |square: &f64| Rehearsed { numbers: 10, errors: 10.0 * square, ..Rehearsed::default() };
+        refuted_by(&squares.iter().map(board).collect::<Vec<_>>(), 1.0)
+    };
+    assert_eq!(refuted(&[4.0, 5.0, 4.0, 3.0]), Some(4.0));
+    for chance in [&[1.25, 0.75, 1.5, 1.0][..], &[9.0, 0.0, 0.0, 0.0], &[0.1, 0.2], &[9.0], &[]] {
+        assert_eq!(refuted(chance), None, "{chance:?}");
+    }
+}
+
+#[test]
 fn a_board_that_never_measures_has_nothing_to_expect() {
     let mut file: ConfigFile = config(|c| c.channel("x"));
     file.set("gpio.backend", "mock").set("mock.scene", "pi4").set("circuit.r-c1", "4.7 kohm");
