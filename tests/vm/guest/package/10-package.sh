@@ -13,10 +13,13 @@ is_inactive() {
     grep -F "$1" status >/dev/null || fail "the reason is not told: $1"
 }
 reading() { cermctl get --json | grep '"status":"ok"'; }
+# At first the uncertainty is a wide prior.
+settled() { reading | grep -v '"settling":true'; }
 field() { sed -n "s/.*\"$1\":\([0-9.]*\).*/\1/p" reading; }
 # reads OHM: within four standard uncertainties, ohms and newtons (F = 13346 N ohm / R).
 reads() {
-    reading >reading || fail "no reading: $(cermctl get --json)"
+    until_true 200 settled || fail "no reading that has settled: $(cermctl get --json)"
+    settled >reading
     cat reading
     mawk -v r="$(field r_ohm)" -v u="$(field r_u_ohm)" -v f="$(field f_n)" -v fu="$(field f_u_n)" -v true="$1" 'BEGIN {
         n = 13346 / true
@@ -75,7 +78,7 @@ exec 3>&-
 wait $setup || { cat setup; fail "the setup failed"; }
 cat setup
 circuit r_mohm 2320000,12700000,1220000,0
-sleep 1
+sleep 0.5
 reads 1000
 set_up=$(ms)
 echo "set up and zeroed, newtons after $set_up ms"
