@@ -27,8 +27,9 @@ const PICTURES: [(&str, &str); 5] = [
 const HEAD: &str = "# Speed against accuracy
 
 Each point is a setting that was measured: the root mean square error of what is published (1 sigma), against the time for each
-published reading, charges, calibration, looks for a leak, calls and lost readings included. Every figure of ours is **simulated**, in virtual time, on
-the board `pi4` ([hw/scenes/pi4.toml](../hw/scenes/pi4.toml)); what one would take instead is computed from data sheets.
+published reading, charges, calibration, looks for a leak, calls and lost readings included. Every figure of ours is **simulated**,
+in virtual time, on the board `pi4` ([hw/scenes/pi4.toml](../hw/scenes/pi4.toml)); what one would take instead is computed from data
+sheets.
 
 ![Error against time per published reading at 1 kohm, with bounds and what one would take instead](front.svg)
 
