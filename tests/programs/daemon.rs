@@ -173,11 +173,11 @@ fn the_lines_that_were_asked_for_are_released_whatever_the_file_says() {
         (output.status.code(), String::from_utf8(output.stderr).unwrap())
     };
     // It does not get its lines, but it has asked for them.
-    assert_eq!(Daemon::spawn(home.command().env(RUNTIME, &runtime)).end().code(), Some(1));
+    assert_eq!(Daemon::spawn(home.command().env(RUNTIME, &runtime)).end().code(), Some(69));
     for later in [simulated.to_string(), "what = is this".to_owned()] {
         home.configure(later);
         let (code, said) = release();
-        assert!(code == Some(1) && said.contains("a-chip-that-is-gone"), "{code:?} {said}");
+        assert!(code == Some(69) && said.contains("a-chip-that-is-gone"), "{code:?} {said}");
     }
     home.configure(&simulated);
     let daemon = Daemon::spawn(home.command().env(RUNTIME, &runtime));
