@@ -321,40 +321,23 @@ mod tests {
     use super::*;
 
     fn row() -> Row {
+        let (kind, method) = (Kind::TwoCapacitor, Method::Tracked);
         Row {
-            source: Source::Simulated,
-            scene: "pi4, mine".to_owned(),
             seed: Some(1),
-            circuit: Kind::TwoCapacitor,
             c_a_f: Some(2.2e-6),
-            c_b_f: None,
-            r_c1_ohm: 470.0,
-            r_c2_ohm: 12_700.0,
-            method: Method::Tracked,
-            average_s: None,
             vary: Some(Vary::Without),
-            vary_value: None,
             vary_name: Some("jitter".to_owned()),
-            r_ohm: 16_200.0,
             instruments: 20,
             readings: 400,
             no_number: 0.25,
-            reason: None,
-            settling: 0.0,
             moving: 0.5,
             bias_ohm: Some(-0.125),
             sd_ohm: Some(1.0),
-            rms_ohm: None,
-            mae_ohm: None,
-            mre_percent: None,
             u_ohm: Some(1e-9),
             coverage: Some(0.95),
             published_s: Some(0.5),
-            charge_s: None,
-            discharge_s: None,
-            calibration_s: None,
-            overhead_s: None,
             bound_ohm: Some(0.5),
+            ..Row::asked(Source::Simulated, "pi4, mine", kind, [470.0, 12_700.0], method, 16_200.0)
         }
     }
 

@@ -202,7 +202,7 @@ fn says(name: &str, priced: &Priced) -> String {
     )
 }
 
-/// When a rival is better than all of ours at the same time, and by how much at its fastest.
+/// When a rival is better than all of ours at the same time, and by how much at first.
 fn beside_rivals(best: &[Priced], r_ohm: f64, last: f64) -> String {
     let ours = |time: f64| best.iter().rev().find(|priced| priced.seconds <= time);
     let mut better = Vec::new();
@@ -216,7 +216,7 @@ fn beside_rivals(best: &[Priced], r_ohm: f64, last: f64) -> String {
             let against = ours(time)
                 .map_or("nothing of ours is as fast".to_owned(), |ours| format!("ours {}", ohms(ours.error)));
             let when = ahead.iter().map(|run| span(run)).collect::<Vec<_>>().join(" and ");
-            better.push(format!("{} ({when}: {}; {against})", rival.name, ohms(error)));
+            better.push(format!("{} ({when}; first {}, {against})", rival.name, ohms(error)));
         }
     }
     let named = if better.is_empty() { "none of them".to_owned() } else { better.join(", ") };
@@ -305,6 +305,6 @@ mod tests {
         let good = Row { published_s: Some(0.01), rms_ohm: Some(0.001), ..rows[0].clone() };
         let all = [Priced { row: &good, seconds: 0.01, error: 0.001 }];
         let text = beside_rivals(&all, good.r_ohm, 10.0);
-        assert!(text.contains("ADS1115, 860/s (from 1.16 ms to 3.49 ms: "), "{text}");
+        assert!(text.contains("ADS1115, 860/s (from 1.16 ms to 3.49 ms; first "), "{text}");
     }
 }
