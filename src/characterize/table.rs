@@ -353,7 +353,7 @@ mod tests {
         let wrong = text.replace("two-capacitor", "three-capacitor");
         assert!(read(&wrong).unwrap_err().to_string().contains("three-capacitor"));
         let named = Row { scene: "inf".to_owned(), ..row() };
-        assert_eq!(read(&super::text(&[named.clone()], true).unwrap()).unwrap(), [named]);
+        assert_eq!(read(&super::text(std::slice::from_ref(&named), true).unwrap()).unwrap(), [named]);
     }
 
     #[test]

@@ -205,22 +205,36 @@ impl Frame<'_> {
         }
     }
 
-    /// Names at the last points that can be seen: in the margin, or beside those that are far from it.
+    /// Names at the last points that can be seen: in the margin, or beside those that are far from it and from each other.
     fn labels(&self, svg: &mut Svg, width: Width) {
-        let ends: Vec<At> = self.plot.named().map(|series| self.end_of(series)).collect();
-        let is_near = |end: &At| end.0 > self.left + 0.5 * self.width;
-        let wanted: Vec<f64> = ends.iter().filter(|end| is_near(end)).map(|end| end.1).collect();
+        let name = |(index, series): (usize, &Series)| {
+            let name = if width == Width::Wide { series.name.clone() } else { letter(index) };
+            (name, self.end_of(series))
+        };
+        let names: Vec<(String, At)> = self.plot.named().enumerate().map(name).collect();
+        let is_far = |end: At| end.0 <= self.left + 0.5 * self.width;
+        let covers = |(name, end): &(String, At), (other, at): &(String, At)| {
+            let is_left = end.0 + width_of(name) < at.0 || at.0 + width_of(other) < end.0;
+            is_far(*at) && !is_left && (end.1 - at.1).abs() < LINE
+        };
+        let is_beside = |index: usize| {
+            let others = names.iter().enumerate().filter(|(other, _)| *other != index);
+            is_far(names[index].1)
+                && !others.map(|(_, other)| other).any(|other| covers(&names[index], other))
+        };
+        let in_margin = (0..names.len()).filter(|index| !is_beside(*index));
+        let wanted: Vec<f64> = in_margin.map(|index| names[index].1.1).collect();
         let places = spread(&wanted, LINE, self.top + 4.0, self.top + self.height - 2.0);
         let mut places = places.into_iter().peekable();
-        for ((index, series), end) in self.plot.named().enumerate().zip(ends) {
+        for (index, series) in self.plot.named().enumerate() {
             let x = self.left + self.width + if width == Width::Wide { 26.0 } else { 12.0 };
-            let name = if width == Width::Wide { series.name.clone() } else { letter(index) };
+            let (name, end) = &names[index];
             let class = format!("bold coloured {}", colour_of(series));
-            if let Some(place) = places.next_if(|_| is_near(&end)) {
+            if let Some(place) = places.next_if(|_| !is_beside(index)) {
                 svg.line("lead", (end.0 + 6.0, end.1), (x - 4.0, place));
-                svg.text(&class, Anchor::Start, (x, place + 4.0), &name);
+                svg.text(&class, Anchor::Start, (x, place + 4.0), name);
             } else {
-                svg.text(&format!("{class} halo"), Anchor::Start, (end.0 + 9.0, end.1 - 5.0), &name);
+                svg.text(&format!("{class} halo"), Anchor::Start, (end.0 + 9.0, end.1 - 5.0), name);
             }
         }
     }
@@ -332,6 +346,16 @@ mod tests {
         assert!(sorted.windows(2).all(|pair| pair[1] - pair[0] >= 15.0 - 1e-9), "{places:?}");
         assert!(places[1] < places[3] && places[3] < places[0] && places[0] < places[2], "{places:?}");
         assert!(sorted[0] >= 4.0 && sorted[5] <= 400.0, "{places:?}");
+    }
+
+    #[test]
+    fn names_of_points_at_one_place_stand_in_the_margin_each_on_its_line() {
+        let mut plot = plot(&["one", "other"]);
+        plot.series.iter_mut().for_each(|series| series.points.truncate(2));
+        let names = |plot: &Plot| plot.alone().matches("class=\"lead\"").count();
+        assert_eq!(names(&plot), 2);
+        plot.series.truncate(1);
+        assert_eq!(names(&plot), 0, "there is room beside it");
     }
 
     #[test]
