@@ -239,9 +239,9 @@ const HEAD: &str = "# A sensor that changes while it is read
 
 ![Error and honesty over resistance and speed of the sensor: which cells fail, and by which cause](map-speed.svg)
 
-The picture is of `cermctl characterize`; the rest of the page is of tests. Where it says so, the stated uncertainty is not enough: a sensor of 5 kohm
-or more that changes by a hundred times its value in a second does so within a discharge, and methods that see one node then understate
-their error, by up to 29 times.
+The picture is of `cermctl characterize`; the rest of the page is of tests. Where it says so, the stated uncertainty is not enough: a sensor of 16 kohm
+or more that changes by a hundred times its value in a second does so within a discharge. Such readings are marked `moving`, most of them,
+and understate their error by up to 29 times.
 
 A discharge takes its time: about 1 us for each ohm with 2.2 uF / 680 nF. Each crossing tells the mean conductance
 1/(R_x+Ro) over its stretch of the discharge. The stated instant of a reading (`time`, `t_mono_ns`) is the weighted mean
