@@ -117,6 +117,11 @@ fn a_thousand_that_say_nothing_do_not_shut_out_the_one_that_asks() {
     let since = Instant::now();
     assert_eq!(status(&bench.ask("GET / HTTP/1.1\r\nHost: localhost\r\n\r\n")), "200");
     assert!(since.elapsed() < PATIENCE);
-    let threads = std::fs::read_dir("/proc/self/task").unwrap().count();
-    assert!(threads < PAGE_WAITING + 64, "{threads} threads for {} connections", silent.len());
+    // Those that were shut out end as soon as they get to it; other tests have threads of their own.
+    let threads = || std::fs::read_dir("/proc/self/task").unwrap().count();
+    while threads() >= PAGE_WAITING + 64 {
+        let (count, crowd) = (threads(), silent.len());
+        assert!(since.elapsed() < PATIENCE, "{count} threads for {crowd} connections");
+        std::thread::sleep(Duration::from_millis(10));
+    }
 }
