@@ -104,4 +104,9 @@ with Bench() as bench:
         bench.kill_daemon()
         sensor.wait_for_inactive(5)
         check("an outage releases", not sensor.is_active and sensor.value is None and events[-1] == "released")
+        bench.start_daemon()
+        sensor.wait_for_active(20)
+    with ForceSensor("toe", socket=path) as sensor:
+        until("the sensor to say what is wrong", lambda: sensor.error is not None)
+        check("a channel that is not there is no end of it", sensor.value is None and "toe" in str(sensor.error), sensor.error)
     check("closed", sensor.closed and not [thread for thread in threading.enumerate() if thread is not threading.main_thread()])

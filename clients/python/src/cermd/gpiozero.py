@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import threading
 import time
 from typing import Any, Optional
 
@@ -47,6 +48,7 @@ class ForceSensor(SourceMixin, EventsMixin, Device):  # type: ignore[misc]
         self._thread: Any = None
         self._last: Optional[Reading] = None
         self._pressed = False
+        self._stopping = threading.Event()
         self.error: Optional[CermdError] = None
         super().__init__(pin_factory=_NoPins())
         self.channel = channel
@@ -55,11 +57,10 @@ class ForceSensor(SourceMixin, EventsMixin, Device):  # type: ignore[misc]
         self.release = 0.8 * threshold if release is None else release
         self.stale = stale
         self._readings = Readings(channel, socket=socket)
-        self._thread = GPIOThread(self._listen)
+        self._thread = GPIOThread(self._listen, (self._readings, self._stopping))
         self._thread.start()
 
-    def _listen(self) -> None:
-        readings, stopping = self._readings, self._thread.stopping
+    def _listen(self, readings: Readings, stopping: threading.Event) -> None:
         while not stopping.is_set():
             try:
                 reading = readings.get(_LOOK_S)
@@ -79,7 +80,7 @@ class ForceSensor(SourceMixin, EventsMixin, Device):  # type: ignore[misc]
         readings, self._readings = getattr(self, "_readings", None), None
         thread, self._thread = getattr(self, "_thread", None), None
         if thread is not None:
-            thread.stopping.set()
+            self._stopping.set()
         if readings is not None:
             readings.close()
         if thread is not None:
