@@ -121,7 +121,7 @@ impl Cell {
         if findings.has_errors() {
             Err(format!("scene {}: {}", self.name, findings.errors()))
         } else {
-            Ok(())
+            self.parts().map(drop).map_err(|error| format!("{self}: {error}"))
         }
     }
 

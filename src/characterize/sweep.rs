@@ -79,7 +79,9 @@ impl Sweep {
         let mut cells = Vec::new();
         let each =
             |of: &[f64], change: fn(f64) -> Change| of.iter().map(|value| change(*value)).collect::<Vec<_>>();
-        let mut maps = each(&JITTERS_S, |s| Change::Jitter(Seconds(s)));
+        // With a common clock nothing is late.
+        let jitters = if self.scene.clock_period.is_none() { &JITTERS_S[..] } else { &[] };
+        let mut maps = each(jitters, |s| Change::Jitter(Seconds(s)));
         maps.extend(each(&CAPACITORS, Change::Capacitor));
         maps.extend(each(&LEAKAGES_OHM, |ohm| Change::Leakage(Ohm(ohm))));
         maps.extend(each(&SPEEDS, Change::Speed));
