@@ -50,7 +50,7 @@ chmod 777 /tmp
 write_configuration /tmp/user.toml socket=/tmp/user.sock
 as_user cermd --config /tmp/user.toml 2>user.log && fail "a user without rights took the chip"
 cat user.log
-grep 'belongs to root alone' user.log || fail "the cause is not said"
+grep 'open to its owner alone' user.log || fail "the cause is not said"
 chgrp gpio "/dev/$(chip)"
 chmod 660 "/dev/$(chip)"
 as_user cermd --config /tmp/user.toml 2>user.log && fail "a user without the group took the chip"
