@@ -72,6 +72,8 @@ cermctl setup --chip cermd-rc --wiring two --c-a "2.2 uF" --c-b "680 nF" --r-c1 
     <answers >setup 2>&1 &
 setup=$!
 exec 3>answers
+# Both ends are open: it needs no name any more.
+rm answers
 until_true 2400 grep -q '5. zero' setup || { cat setup; fail "no zero is asked for"; }
 echo "a first reading after $(ms) ms"
 circuit r_mohm 2320000,12700000,220000,0
