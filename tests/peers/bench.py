@@ -12,13 +12,16 @@ from pathlib import Path
 
 BIN = Path(os.environ["CERMD_BIN"]).resolve()
 
-CONFIG = """
+CIRCUIT = """
 [circuit]
 kind = "two-capacitor"
 c-a = "330 nF"
 c-b = "22 nF"
 r-c1 = "470 ohm"
 r-c2 = "12.7 kohm"
+"""
+
+CONFIG = CIRCUIT + """
 r-charge = "260 ohm"
 [gpio]
 backend = "mock"
@@ -40,14 +43,8 @@ socket = "socket"
 scene = "scene.toml"
 """
 
-SCENE = """
-[circuit]
-kind = "two-capacitor"
-c-a = "330 nF"
-c-b = "22 nF"
+SCENE = CIRCUIT + """
 r-p = "220 ohm"
-r-c1 = "470 ohm"
-r-c2 = "12.7 kohm"
 r-o = "40 ohm"
 v-dd = "3.3 V"
 threshold = { falling = "1.3 V" }
