@@ -17,8 +17,9 @@ const SIGMAS: f64 = 2.0;
 /// What is compared. The one place that knows where it stands in a reading.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Quantity {
-    /// Newton. The uncertainty is that of the readout: what the characteristic is off by is the same at each press.
-    Force,
+    /// What the channel shows, in its unit: a force, or what its law says. The uncertainty is that of the readout: what the sensor
+    /// is off its law by is the same each time.
+    Shown,
     /// Ohm.
     Resistance,
 }
@@ -28,20 +29,19 @@ impl Quantity {
     fn span(self, status: &Status) -> Option<[f64; 2]> {
         let around = |value: f64, u: Option<f64>| u.map(|u| [value - SIGMAS * u, value + SIGMAS * u]);
         match (self, *status) {
-            (Quantity::Force, Status::Ok { shown: Some(MeasuredValue { value, repeat_u, .. }), .. }) => {
-                around(value, repeat_u)
+            (_, Status::Fault(_)) => None,
+            (Quantity::Shown, Status::Ok { shown, .. }) => {
+                shown.and_then(|MeasuredValue { value, repeat_u, .. }| around(value, repeat_u))
             }
-            (Quantity::Force, Status::Open { shown: Some(Bound::AtMost(most)), .. }) => {
-                Some([f64::NEG_INFINITY, most])
+            (Quantity::Shown, Status::Open { shown, .. } | Status::Short { shown, .. }) => {
+                shown.map(|bound| match bound {
+                    Bound::AtMost(most) => [f64::NEG_INFINITY, most],
+                    Bound::AtLeast(least) => [least, f64::INFINITY],
+                })
             }
-            (Quantity::Force, Status::Short { shown: Some(Bound::AtLeast(least)), .. }) => {
-                Some([least, f64::INFINITY])
-            }
-            (Quantity::Force, _) => None,
             (Quantity::Resistance, Status::Ok { r_ohm: Measured { value, u }, .. }) => around(value, u),
             (Quantity::Resistance, Status::Open { r_min_ohm, .. }) => Some([r_min_ohm, f64::INFINITY]),
             (Quantity::Resistance, Status::Short { r_max_ohm, .. }) => Some([0.0, r_max_ohm]),
-            (Quantity::Resistance, Status::Fault(_)) => None,
         }
     }
 }

@@ -28,7 +28,7 @@ pub use gpio::{Backend, Gpio, LineName};
 pub use law::LawSource;
 pub use limits::{LARGEST_ZERO_OHM, LONGEST_WAIT};
 pub use settings::{SettingsError, tape_header};
-pub use trigger::{Level, OutputTable, TriggerSettings, When};
+pub use trigger::{OutputTable, TriggerSettings, When};
 
 use crate::circuit::Circuit;
 use crate::files;
@@ -147,14 +147,14 @@ pub struct ChannelTable {
     pub force: Option<Characteristic>,
     /// How it becomes something else. Default: not at all; not with a force.
     pub law: Option<LawSource>,
-    /// Pressed from here on upwards, a force or a resistance. Default: the channel has no trigger.
-    pub on_above: Option<Level>,
-    /// Released below this. Default: 0.8 of `on-above`.
-    pub off_below: Option<Level>,
+    /// Pressed from here on upwards, in what the channel shows or in ohm. Default: the channel has no trigger.
+    pub on_above: Option<String>,
+    /// Released below this. Default: 0.8 of `on-above`; none in the unit of a law.
+    pub off_below: Option<String>,
     /// Pressed from here on downwards, in the place of `on-above`.
-    pub on_below: Option<Level>,
-    /// Released above this. Default: 1.25 of `on-below`.
-    pub off_above: Option<Level>,
+    pub on_below: Option<String>,
+    /// Released above this. Default: 1.25 of `on-below`; none in the unit of a law.
+    pub off_above: Option<String>,
     /// How long all numbers must be beyond a threshold, 0 to 1 min. Default: 0, the first one is enough.
     pub hold: Option<Nanos>,
     /// How long the last number is good for, up to 1 min; after that the state is not known. Default: three times the longest

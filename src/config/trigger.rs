@@ -3,43 +3,72 @@
 
 use super::backend::{CONSUMER, OpenError};
 use super::limits::{HYSTERESIS, SHORTEST_STALE, STALE_READINGS};
-use super::{Backend, ChannelTable, Config, LineName};
+use super::{Backend, ChannelTable, Config, LawSource, LineName};
 use crate::pins::output::OutputLine;
 use crate::trigger::{Quantity, Rules, State};
-use crate::units::{Nanos, Newton, Ohm, Seconds, named};
+use crate::units::{Celsius, Degree, Lux, Metre, Nanos, Newton, Ohm, Seconds, named};
 use serde::{Deserialize, Serialize};
 use std::fmt;
 
-/// A threshold: a force, or a resistance.
-#[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
-#[serde(try_from = "String")]
-pub struct Level {
-    /// What is compared.
-    pub quantity: Quantity,
-    /// In its unit.
+/// A threshold, in what its channel shows or in ohm.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Level<'a> {
+    /// In the unit.
     pub value: f64,
+    /// That of the channel, or "ohm".
+    pub unit: &'a str,
 }
 
-impl TryFrom<String> for Level {
-    type Error = String;
+impl<'a> Level<'a> {
+    /// As it is written: in the unit of the channel, which has other spellings where it is a known one, or in ohm.
+    fn read(text: &str, unit: &'a str) -> Option<Level<'a>> {
+        let verbatim = text.trim().strip_suffix(unit).and_then(|number| number.trim().parse().ok());
+        let spelled = match unit {
+            "N" => text.parse().ok().map(|Newton(force)| force),
+            "degC" => text.parse().ok().map(|Celsius(temperature)| temperature),
+            "lx" => text.parse().ok().map(|Lux(illuminance)| illuminance),
+            "mm" => text.parse().ok().map(|Metre(length)| 1e3 * length),
+            "deg" => text.parse().ok().map(|Degree(angle)| angle),
+            _ => None,
+        };
+        let shown = verbatim.or(spelled).filter(|value: &f64| value.is_finite());
+        let resistance = || text.parse().ok().map(|Ohm(value)| Level { value, unit: "ohm" });
+        shown.map(|value| Level { value, unit }).or_else(resistance)
+    }
 
-    fn try_from(text: String) -> Result<Level, String> {
-        let force = text.parse().map(|Newton(value)| Level { quantity: Quantity::Force, value });
-        let resistance = || text.parse().map(|Ohm(value)| Level { quantity: Quantity::Resistance, value });
-        force.or_else(|_| resistance()).map_err(|_| {
-            format!("expected a force such as \"2 N\" or a resistance such as \"5 kohm\", got {text:?}")
-        })
+    fn quantity(self) -> Quantity {
+        if self.unit == "ohm" { Quantity::Resistance } else { Quantity::Shown }
+    }
+
+    /// Whether a part of it means something: 0 is none of it. Of what a law shows, nobody has said that.
+    pub fn is_of_a_ratio(self) -> bool {
+        matches!(self.unit, "N" | "ohm")
     }
 }
 
-impl fmt::Display for Level {
+impl fmt::Display for Level<'_> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self.quantity {
-            Quantity::Force => Newton(self.value).fmt(f),
-            Quantity::Resistance => Ohm(self.value).fmt(f),
+        match self.unit {
+            "N" => Newton(self.value).fmt(f),
+            "ohm" => Ohm(self.value).fmt(f),
+            unit => write!(f, "{} {unit}", self.value),
         }
     }
 }
+
+/// Where a channel becomes pressed, and where released.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Levels<'a> {
+    /// The names of their keys.
+    pub keys: [&'static str; 2],
+    /// Pressed from here on.
+    pub on: Level<'a>,
+    /// Released from here on, the other way.
+    pub off: Level<'a>,
+}
+
+/// A threshold that says nothing: the name of its key, what is wrong, and what to write.
+pub type NoLevel = (&'static str, String, String);
 
 named! {
     /// While what is known an output is active; while nothing is known it never is.
@@ -94,14 +123,56 @@ pub struct TriggerSettings {
 }
 
 impl ChannelTable {
-    /// Where the channel becomes pressed, and released, with the names of their keys; `None`: it has no trigger.
-    pub fn levels(&self) -> Option<([&'static str; 2], Level, Level)> {
-        let (keys, on, off, default) = match (self.on_above, self.on_below) {
-            (Some(on), _) => (["on-above", "off-below"], on, self.off_below, HYSTERESIS),
-            (None, Some(on)) => (["on-below", "off-above"], on, self.off_above, 1.0 / HYSTERESIS),
+    /// Its thresholds; `None`: it has no trigger.
+    ///
+    /// # Errors
+    /// One is in no unit of this channel, or is missing where it has no default.
+    pub fn levels(&self) -> Option<Result<Levels<'_>, NoLevel>> {
+        let (keys, on, off, default) = match (&self.on_above, &self.on_below) {
+            (Some(on), _) => (["on-above", "off-below"], on, &self.off_below, HYSTERESIS),
+            (None, Some(on)) => (["on-below", "off-above"], on, &self.off_above, 1.0 / HYSTERESIS),
             (None, None) => return None,
         };
-        Some((keys, on, off.unwrap_or(Level { value: default * on.value, ..on })))
+        let on = match self.level(keys[0], on) {
+            Ok(on) => on,
+            Err(none) => return Some(Err(none)),
+        };
+        let off = match off {
+            Some(off) => self.level(keys[1], off),
+            None if on.is_of_a_ratio() => Ok(Level { value: default * on.value, ..on }),
+            None => Err((
+                keys[1],
+                "missing: only forces and resistances have a default".to_owned(),
+                format!("what differs from {} = {on} by more than that wanders", keys[0]),
+            )),
+        };
+        Some(off.map(|off| Levels { keys, on, off }))
+    }
+
+    fn level(&self, key: &'static str, text: &str) -> Result<Level<'_>, NoLevel> {
+        let unit = self.unit();
+        Level::read(text, unit).ok_or_else(|| match unit {
+            "ohm" => (
+                key,
+                format!("{text:?} is no resistance, and the channel shows nothing else"),
+                "\"5 kohm\", or a force or law for the channel".to_owned(),
+            ),
+            _ => (
+                key,
+                format!("{text:?} is neither in {unit}, which the channel shows, nor a resistance"),
+                format!("\"2 {unit}\" or \"5 kohm\""),
+            ),
+        })
+    }
+
+    /// What its value is in, as [`sensor::Channel::unit`](crate::sensor::Channel::unit).
+    fn unit(&self) -> &str {
+        match (&self.force, &self.law) {
+            (Some(_), _) => "N",
+            (None, Some(LawSource::Given(law))) => law.unit(),
+            (None, Some(LawSource::File { unit, .. })) => unit,
+            (None, None) => "ohm",
+        }
     }
 }
 
@@ -122,11 +193,11 @@ impl Config {
     pub fn triggers(&self) -> Result<Vec<TriggerSettings>, OpenError> {
         let channels = self.channels.iter().enumerate();
         let of = |(index, channel): (usize, &ChannelTable)| {
-            let (_, on, off) = channel.levels()?;
+            let Levels { on, off, .. } = channel.levels()?.ok()?;
             let hold = channel.hold.unwrap_or(Nanos::ZERO);
             let planned = Nanos(STALE_READINGS * self.longest_interval(channel).0);
             let stale = channel.stale.unwrap_or(planned.max(SHORTEST_STALE));
-            let rules = Rules { quantity: on.quantity, on: on.value, off: off.value, hold, stale };
+            let rules = Rules { quantity: on.quantity(), on: on.value, off: off.value, hold, stale };
             let output = channel
                 .output
                 .as_ref()

@@ -6,7 +6,7 @@ use proptest::prelude::*;
 
 const MS: i64 = 1_000_000;
 const RULES: Rules =
-    Rules { quantity: Quantity::Force, on: 2.0, off: 1.5, hold: Nanos(20 * MS), stale: Nanos(100 * MS) };
+    Rules { quantity: Quantity::Shown, on: 2.0, off: 1.5, hold: Nanos(20 * MS), stale: Nanos(100 * MS) };
 const DOWNWARDS: Rules = Rules { quantity: Quantity::Resistance, on: 1e3, off: 2e3, ..RULES };
 
 fn reading(at_ms: i64, status: Status) -> Reading {
@@ -103,6 +103,20 @@ fn bounds_are_known() {
     // A characteristic that gives no force there.
     let none = Status::Open { r_min_ohm: 63e3, shown: None };
     assert_eq!(told(at_once(RULES), [(0, none)]), []);
+}
+
+/// A broken wire is a bound by the direction of the law: of platinum hotter, of a thermistor colder than so much.
+#[test]
+fn a_bound_may_lie_on_either_side() {
+    use State::{Pressed, Released};
+    let open = |bound| Status::Open { r_min_ohm: 63e3, shown: Some(bound) };
+    let short = |bound| Status::Short { r_max_ohm: 4.0, shown: Some(bound) };
+    let hotter = Rules { on: 40.0, off: -5.0, ..at_once(RULES) };
+    let rising = [(0, short(Bound::AtMost(-240.0))), (1, open(Bound::AtLeast(800.0)))];
+    assert_eq!(told(hotter, rising), [(0, Released), (1, Pressed)]);
+    let colder = Rules { on: -5.0, off: 40.0, ..at_once(RULES) };
+    let falling = [(0, short(Bound::AtLeast(200.0))), (1, open(Bound::AtMost(-60.0)))];
+    assert_eq!(told(colder, falling), [(0, Released), (1, Pressed)]);
 }
 
 #[test]

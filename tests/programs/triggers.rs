@@ -108,6 +108,38 @@ fn an_event_follows_a_reading_that_says_so() {
     }
 }
 
+/// A slider that a hand moves from 10 % to 0.5 % of its way and back.
+#[test]
+fn thresholds_may_be_in_the_unit_of_a_law() {
+    let home = home();
+    let keys = r#"
+        law = { kind = "position", r0 = "0 ohm", r1 = "200 kohm", span = "100 %", u = "0.1 %" }
+        on-below = "3 %"
+        off-above = "4 %"
+    "#;
+    home.configure(config(&["thumb"], "offset = \"8 us\"").lines("channel.thumb", keys));
+    let _daemon = home.start();
+    let mut stream = home.connect();
+    assert_eq!(stream.next().unwrap()["channels"], json!([{"id": "thumb", "unit": "%", "trigger": true}]));
+    // What was so before is told first.
+    let (mut readings, mut told) = (vec![stream.next_of("READING")], Vec::new());
+    while told.len() < 4 {
+        let line = stream.next().unwrap();
+        match line["class"].as_str() {
+            Some("READING") => readings.push(line),
+            Some("EVENT") if line.get("reason").is_none() => {
+                let of = readings.iter().rev().find(|reading| reading["t_mono_ns"] == line["t_mono_ns"]);
+                let value = of.unwrap_or_else(|| panic!("no reading of {line}"))["value"].as_f64().unwrap();
+                let is_pressed = line["event"] == "pressed";
+                assert!(if is_pressed { value <= 3.0 } else { value > 3.0 }, "{line} by {of:?}");
+                told.push(is_pressed);
+            }
+            _ => {}
+        }
+    }
+    assert!(told.contains(&true) && told.contains(&false), "{told:?}");
+}
+
 #[test]
 fn a_reload_lets_go_of_the_output() {
     let home = home();

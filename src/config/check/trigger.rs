@@ -2,18 +2,22 @@
 
 use super::channels::key;
 use crate::config::limits::{HYSTERESIS, LONGEST_WAIT};
-use crate::config::trigger::Level;
+use crate::config::trigger::{Level, Levels};
 use crate::config::{ChannelTable, Config, Findings};
-use crate::trigger::Quantity;
 use crate::units::{Nanos, Seconds};
 
 pub fn check(config: &Config, findings: &mut Findings) {
     for (index, channel) in config.channels.iter().enumerate() {
         let at = |name: &str| key(index, channel, name);
         match channel.levels() {
-            Some((keys, on, off)) => {
-                keys_of_the_other_way(keys, channel, &at, findings);
-                levels(keys, [on, off], channel, &at, findings);
+            Some(read) => {
+                match read {
+                    Ok(read) => {
+                        keys_of_the_other_way(read.keys, channel, &at, findings);
+                        levels(read, &at, findings);
+                    }
+                    Err((name, reason, remedy)) => findings.error(at(name), reason, remedy),
+                }
                 times(channel, &at, findings);
             }
             None => keys_without_a_threshold(channel, &at, findings),
@@ -25,7 +29,7 @@ pub fn check(config: &Config, findings: &mut Findings) {
 /// What a time that is given is compared with, and what to expect: to be called where times can be predicted.
 pub fn predict(config: &Config, findings: &mut Findings) {
     for (index, channel) in config.channels.iter().enumerate() {
-        let Some((keys, on, _)) = channel.levels() else { continue };
+        let Some(Ok(Levels { keys, on, .. })) = channel.levels() else { continue };
         let interval = config.longest_interval(channel);
         // The reading of a mean is as old as half of it, and the next one comes as much later.
         let least = interval + interval;
@@ -85,36 +89,29 @@ fn keys_of_the_other_way(
     }
 }
 
-fn levels(
-    keys: [&str; 2],
-    [on, off]: [Level; 2],
-    channel: &ChannelTable,
-    at: &dyn Fn(&str) -> String,
-    findings: &mut Findings,
-) {
+fn levels(Levels { keys, on, off }: Levels, at: &dyn Fn(&str) -> String, findings: &mut Findings) {
     for (key, level) in keys.into_iter().zip([on, off]) {
-        if !(level.value > 0.0 && level.value.is_finite()) {
-            let example = if level.quantity == Quantity::Force { "\"2 N\"" } else { "\"5 kohm\"" };
+        if level.is_of_a_ratio() && level.value <= 0.0 {
+            let example = if level.unit == "N" { "\"2 N\"" } else { "\"5 kohm\"" };
             findings.error(at(key), format!("{level} is not above zero"), example);
             return;
         }
     }
-    if on.quantity != off.quantity {
+    if on.unit != off.unit {
         let reason = format!("{off} is not of the same kind as {} = {on}", keys[0]);
-        findings.error(at(keys[1]), reason, "forces in both, or resistances in both");
+        findings.error(at(keys[1]), reason, "the same unit in both");
         return;
-    }
-    if on.quantity == Quantity::Force && channel.force.is_none() {
-        let reason = format!("{on} is a force, and the channel gives none");
-        findings.error(at(keys[0]), reason, "a resistance such as \"5 kohm\", or force = { .. }");
     }
     let is_above = keys[0] == "on-above";
     if is_above != (on.value > off.value) || on.value == off.value {
-        let usual =
-            Level { value: if is_above { HYSTERESIS * on.value } else { on.value / HYSTERESIS }, ..on };
         let side = if is_above { "below" } else { "above" };
-        let reason = format!("{off} is not {side} {} = {on}", keys[0]);
-        findings.error(at(keys[1]), reason, format!("\"{usual:.3}\", or without it"));
+        let remedy = if on.is_of_a_ratio() {
+            let usual = if is_above { HYSTERESIS * on.value } else { on.value / HYSTERESIS };
+            format!("\"{:.3}\", or without it", Level { value: usual, ..on })
+        } else {
+            format!("what is {side} {on} by more than that wanders")
+        };
+        findings.error(at(keys[1]), format!("{off} is not {side} {} = {on}", keys[0]), remedy);
     }
 }
 

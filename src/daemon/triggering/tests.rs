@@ -7,7 +7,7 @@ use crate::trigger::{Quantity, Rules, Why};
 const STALE: Nanos = Nanos(200_000_000);
 
 fn settings(channel: usize) -> TriggerSettings {
-    let rules = Rules { quantity: Quantity::Force, on: 2.0, off: 1.0, hold: Nanos::ZERO, stale: STALE };
+    let rules = Rules { quantity: Quantity::Shown, on: 2.0, off: 1.0, hold: Nanos::ZERO, stale: STALE };
     let [chip, line, consumer] = ["simulated", "GPIO17", "cermd"].map(str::to_owned);
     let line = OutputLine { chip, line, active_low: false, consumer };
     TriggerSettings { channel, id: format!("x{channel}"), rules, output: Some((line, When::Pressed)) }

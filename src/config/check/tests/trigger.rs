@@ -50,7 +50,7 @@ fn thresholds_and_times_that_cannot_work() {
     }
     one(
         |c| c.unset(&["channel.thumb.force"]).set("channel.thumb.on-above", "2 N"),
-        "error: channel.thumb.on-above: 2 N is a force, and the channel gives none; try a resistance such as",
+        "error: channel.thumb.on-above: \"2 N\" is no resistance, and the channel shows nothing else; try \"5 kohm\"",
     );
     // Prefixes and other units of force.
     for good in ["on-above = '500 g'", "on-below = '5 kohm'", "on-above = '2 N'\noff-below = '50 g'"] {
@@ -59,11 +59,87 @@ fn thresholds_and_times_that_cannot_work() {
 }
 
 #[test]
-fn what_is_no_threshold_is_refused_with_its_line() {
-    let text = config_file::config(|c| c.channel("x").set("channel.x.on-above", "2 volt")).to_string();
-    let error = Config::parse(&text, "test").unwrap_err().to_string();
-    assert!(error.contains("expected a force such as \"2 N\" or a resistance such as \"5 kohm\""), "{error}");
-    assert!(error.contains("on-above"), "{error}");
+fn what_is_no_threshold_is_refused_with_what_would_be_one() {
+    for wrong in ["2 volt", "2", "40 degC", "", "inf N", "1e999 N"] {
+        let expected = format!(
+            "error: channel.thumb.on-above: {wrong:?} is neither in N, which the channel shows, nor a resistance; try \"2 N\" or \"5 kohm\""
+        );
+        one_trigger(&format!("on-above = '{wrong}'"), &expected);
+    }
+}
+
+/// A channel with a law and these lines.
+fn with_law(law: &str, lines: &str) -> Config {
+    config(|c| {
+        c.unset(&["channel.thumb.force"]);
+        c.lines("channel.thumb", &format!("law = {law}\n{lines}"))
+    })
+}
+
+const NTC: &str = "{ kind = 'ntc', r25 = '10 kohm', beta = '3950 K', u = '1 %' }";
+
+#[test]
+fn thresholds_are_in_the_unit_of_a_law() {
+    let slider =
+        |span: &str| format!("{{ kind = 'position', r0 = '0 ohm', r1 = '10 kohm', span = '{span}' }}");
+    let table = |unit: &str| format!("{{ kind = 'table', table = 'pairs.csv', unit = '{unit}' }}");
+    for (law, [on, off], wanted) in [
+        (NTC.to_owned(), ["40 degC", "38.5 °C"], [40.0, 38.5]),
+        (NTC.to_owned(), ["0degC", "-10 degC"], [0.0, -10.0]),
+        ("{ kind = 'pt1000' }".to_owned(), ["-20 degC", "-21 degC"], [-20.0, -21.0]),
+        (
+            "{ kind = 'ldr', at-10-lux = '15 kohm', gamma = 0.7 }".to_owned(),
+            ["1 klx", "900 lux"],
+            [1000.0, 900.0],
+        ),
+        (slider("100 mm"), ["6 cm", "55 mm"], [60.0, 55.0]),
+        (slider("270 deg"), ["200 °", "190 deg"], [200.0, 190.0]),
+        (slider("100 %"), ["60 %", "55%"], [60.0, 55.0]),
+        // Of a table as it is written there, even where that is a spelling of something else.
+        (table("kg"), ["2 kg", "1.5kg"], [2.0, 1.5]),
+        (table("m3/h"), ["2 m3/h", "-1e-3 m3/h"], [2.0, -1e-3]),
+    ] {
+        let config = with_law(&law, &format!("on-above = '{on}'\noff-below = '{off}'"));
+        assert_eq!(complaints(&config), Vec::<String>::new(), "{law}");
+        let rules = config.triggers().unwrap()[0].rules;
+        assert_eq!((rules.quantity, [rules.on, rules.off]), (Quantity::Shown, wanted), "{law}");
+        // Any channel has ohms, and their default.
+        let rules = with_law(&law, "on-below = '5 kohm'").triggers().unwrap()[0].rules;
+        assert_eq!((rules.quantity, rules.on, rules.off), (Quantity::Resistance, 5e3, 6.25e3), "{law}");
+    }
+}
+
+#[test]
+fn thresholds_that_a_law_has_no_use_for() {
+    for (lines, wanted) in [
+        (
+            "on-above = '2 N'",
+            "on-above: \"2 N\" is neither in degC, which the channel shows, nor a resistance; try \"2 degC\" or",
+        ),
+        ("on-above = '40 K'", "on-above: \"40 K\" is neither in degC"),
+        (
+            "on-above = '40 degC'",
+            "off-below: missing: only forces and resistances have a default; try what differs from on-above = 40 degC by",
+        ),
+        (
+            "on-above = '40 degC'\noff-below = '41 degC'",
+            "off-below: 41 degC is not below on-above = 40 degC; try what is below 40 degC by more than that wanders",
+        ),
+        (
+            "on-below = '-5 degC'\noff-above = '-5 degC'",
+            "off-above: -5 degC is not above on-below = -5 degC; try what is above",
+        ),
+        (
+            "on-above = '40 degC'\noff-below = '1 kohm'",
+            "off-below: 1 kohm is not of the same kind as on-above = 40 degC; try the same unit in both",
+        ),
+    ] {
+        let said = complaints(&with_law(NTC, lines));
+        assert!(
+            said.len() == 1 && said[0].starts_with(&format!("error: channel.thumb.{wanted}")),
+            "{said:#?}"
+        );
+    }
 }
 
 #[test]
@@ -97,7 +173,7 @@ fn outputs_are_lines_of_their_own() {
 fn what_is_left_out_follows_from_the_circuit() {
     let thumb = |line: &'static str| rules(move |c| c.lines("channel.thumb", line));
     let up = thumb("on-above = '2 N'");
-    assert_eq!((up.quantity, up.on, up.off, up.hold), (Quantity::Force, 2.0, 1.6, Nanos::ZERO));
+    assert_eq!((up.quantity, up.on, up.off, up.hold), (Quantity::Shown, 2.0, 1.6, Nanos::ZERO));
     // Three cycles of which each takes 67.1 ms at most: the prediction of the good configuration.
     assert!((up.stale.as_seconds() - 3.0 * 0.0671).abs() < 0.0005, "{:?}", up.stale);
     let down = thumb("on-below = '2 kohm'\nhold = '20 ms'\nstale = '1 s'");
