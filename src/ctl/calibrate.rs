@@ -14,6 +14,7 @@ use super::{CtlError, line, print};
 use crate::config::Config;
 use crate::ctl::cli::{CalibrateBy, Tare, Update};
 use crate::stream::client::ClientError;
+use crate::stream::tape::Header;
 use crate::stream::wire::ServerMessage;
 use edit::Value;
 use serde::Serialize;
@@ -62,6 +63,45 @@ impl<'a> Target<'a> {
             }
         };
         Ok(Target { update, config, id })
+    }
+
+    /// Refuses where the daemon measures by another file, or by this one as it was. What is stored is found by readings, and is
+    /// true of what they were made with.
+    fn check_in_force(&self, stream: &mut Stream) -> Result<(), CtlError> {
+        stream.watch(None, true)?;
+        let header = wait_for(stream, "header of a tape", |message| match message {
+            ServerMessage::Tape(header) => Some(header),
+            _ => None,
+        })?;
+        self.check_circuit(&header)?;
+        let id = &self.id;
+        let ours = self.config.channels.iter().find(|channel| channel.id == *id);
+        let theirs = header.channels.iter().find(|channel| channel.id == *id);
+        let ours = ours.map(|channel| (channel.zero_ohm, channel.scale)).unwrap_or_default();
+        let theirs = theirs.map(|channel| (channel.zero_ohm, channel.scale)).unwrap_or_default();
+        self.check_same(&format!("zero-ohm of {id}"), theirs.0.unwrap_or(0.0), ours.0.unwrap_or(0.0))?;
+        self.check_same(&format!("scale of {id}"), theirs.1.unwrap_or(1.0), ours.1.unwrap_or(1.0))?;
+        stream.watch(None, false)
+    }
+
+    /// The same of what every resistance is measured by, whatever a channel has for zero and scale.
+    fn check_circuit(&self, header: &Header) -> Result<(), CtlError> {
+        let (theirs, ours) = (&header.circuit, &self.config.circuit);
+        self.check_same("r-c1 in ohm", theirs.r_c1_ohm, ours.r_c1.0)?;
+        self.check_same("r-c2 in ohm", theirs.r_c2_ohm, ours.r_c2.0)
+    }
+
+    /// `what`: with its unit, if the name has none.
+    fn check_same(&self, what: &str, theirs: f64, ours: f64) -> Result<(), CtlError> {
+        // Each has been text.
+        if (theirs - ours).abs() <= 1e-9 * ours.abs() {
+            return Ok(());
+        }
+        let path = self.update.file.path.display();
+        Err(CtlError::Said(format!(
+            "cermd measures with {what} = {theirs}, and {path} says {ours}: what is found now would not be true of either; \
+             `systemctl reload cermd`, or name the file that it runs by with --config"
+        )))
     }
 
     /// For people on standard output, unless that is for a machine.

@@ -372,6 +372,48 @@ fn what_lies_on_a_sensor_is_taken_off() {
     assert!(error.contains("first `cermctl calibrate force`"), "{error}");
 }
 
+/// A reload was forgotten, or the daemon runs by another file: what it reads is not of the file that would be changed.
+#[test]
+fn what_is_not_in_force_is_not_calibrated() {
+    let daemon = daemon("11122 ohm", SHORT);
+    let path = daemon.path("cermd.toml").to_str().unwrap().to_owned();
+    let force = ["force", "--channel", "thumb", "--count", "5", "--yes"];
+    let weights = "1.2 N\n6.06 N, 2204 ohm\n\n";
+    let refused = |key: &str, [was, is]: [&str; 2]| {
+        let before = config_of(&daemon);
+        let wanted = format!("cermd measures with {key} = {was}, and {path} says {is}: ");
+        let mut commands = vec![calibrate(&daemon, &force)];
+        commands.push(daemon.ctl(&["zero", "--channel", "thumb", "--yes", "--config", &path]));
+        // A zero and a reference do without zero and scale, but not without the resistors.
+        if key.starts_with("r-c") {
+            commands.push(calibrate(&daemon, &["reference", "11122 ohm", "--channel", "thumb", "--yes"]));
+            commands.push(calibrate(&daemon, &["zero", "--channel", "index", "--count", "5", "--yes"]));
+        }
+        for mut command in commands {
+            let assert = command.write_stdin(weights).assert().code(1);
+            let error = String::from_utf8(assert.get_output().stderr.clone()).unwrap();
+            assert!(error.contains(&wanted) && error.contains("`systemctl reload cermd`"), "{error}");
+        }
+        assert_eq!(config_of(&daemon), before);
+    };
+    let write = |key: &str, value: f64| {
+        let mut file = ConfigFile::of(&config_of(&daemon));
+        fs::write(&path, file.set(key, value).to_string()).unwrap();
+    };
+    write("channel.thumb.zero-ohm", 219.4);
+    refused("zero-ohm of thumb", ["0", "219.4"]);
+    daemon.reload();
+    until_so("the zero is in force", || {
+        calibrate(&daemon, &force).write_stdin(weights).output().unwrap().status.success()
+    });
+    write("channel.thumb.scale", 1.002);
+    refused("scale of thumb", ["1", "1.002"]);
+    let file = config_of(&daemon);
+    let r_c1 = ConfigFile::of(&file).set("circuit.r-c1", "480 ohm").to_string();
+    fs::write(&path, r_c1).unwrap();
+    refused("r-c1 in ohm", ["470", "480"]);
+}
+
 #[test]
 fn each_of_several_changes_within_a_second_has_its_own_copy() {
     const CHANGES: usize = 4;

@@ -92,6 +92,7 @@ pub fn measure(
 ) -> Result<Result<f64, String>, CtlError> {
     // Anew for each weight: readings that were waiting are of the weight before.
     let mut stream = Stream::connect(&connection.socket, std::slice::from_ref(&target.id))?;
+    target.check_in_force(&mut stream)?;
     let (mut numbers, mut others) = (Vec::new(), 0);
     let mut progress = Progress::new();
     while (numbers.len() as u64) < count {

@@ -103,6 +103,7 @@ fn take(target: &Target, arguments: &Zero, part: &str) -> Result<Vec<f64>, CtlEr
         match wait_for(&mut stream, "discharge", |message| is_of_tape(&message).then_some(message))? {
             // A later one tells an offset that was found meanwhile: what is before it does not count.
             ServerMessage::Tape(header) => {
+                target.check_circuit(&header)?;
                 // A tracked calibration has too few discharges to be found again from here: what the daemon read counts.
                 let is_followed = method.is_tracked() || header.tracked;
                 let again = || Replay::new(&header, method, None).map_err(CtlError::said);
