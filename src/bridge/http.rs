@@ -1,13 +1,10 @@
 //! As much of an HTTP server as a page and its events need: GET, one request a connection, bounded in everything.
 
-use super::limits::{ACCEPT_PAUSE, LOOK_AROUND, PAGE_PATIENCE, PAGE_WAITING, REQUEST_BYTES, STACK_BYTES};
+use super::limits::{PAGE_PATIENCE, PAGE_WAITING, REQUEST_BYTES};
+use super::server::{self, Place, Places};
 use super::{BridgeError, Wish};
-use nix::poll::{PollFd, PollFlags, PollTimeout, poll};
-use std::collections::VecDeque;
 use std::io::{self, Read, Write};
 use std::net::{IpAddr, Shutdown, SocketAddr, TcpListener, TcpStream};
-use std::os::fd::AsFd;
-use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 
 /// What is asked for.
@@ -53,110 +50,35 @@ impl Answer {
 }
 
 /// What answers; called from many threads.
-pub type Handler = Arc<dyn Fn(&Request) -> Answer + Send + Sync>;
+pub type Handler = Box<dyn Fn(&Request) -> Answer + Send + Sync>;
 
 /// Listens.
 ///
 /// # Errors
 /// The address is taken, not of this machine, or not for this user.
 pub fn listen(address: SocketAddr) -> Result<TcpListener, BridgeError> {
-    let listener = TcpListener::bind(address).map_err(|error| BridgeError::Listen { address, error })?;
-    listener.set_nonblocking(true).map_err(|error| BridgeError::Listen { address, error })?;
-    let bound = listener.local_addr().unwrap_or(address);
+    let (listener, bound) = server::listen(address)?;
     log::info!("serving http://{bound}/");
-    if !bound.ip().is_loopback() {
-        log::warn!(
-            "whoever reaches {bound} over the network may read it, and read along: there is no password"
-        );
-    }
     Ok(listener)
 }
 
 /// Answers until somebody wants the end. `names`: host names by which a browser may call this machine, beside its own.
-pub fn serve(listener: &TcpListener, names: &[String], handler: &Handler, wish: Wish<'_>) {
-    let names: Arc<[String]> = names.iter().cloned().chain(own_names()).collect();
-    let waiting = Waiting::default();
-    while !wish() {
-        match listener.accept() {
-            Ok((socket, _)) => {
-                let (names, handler, waiting) = (Arc::clone(&names), Arc::clone(handler), waiting.clone());
-                let thread = std::thread::Builder::new().stack_size(STACK_BYTES);
-                let Ok(ticket) = waiting.admit(&socket) else { continue };
-                let spawned = thread.spawn(move || {
-                    // Whoever does not take the answer has gone, which is his right.
-                    let _ = converse(socket, &names, &handler, &ticket);
-                });
-                if spawned.is_err() {
-                    std::thread::sleep(ACCEPT_PAUSE);
-                }
-            }
-            Err(error) if error.kind() == io::ErrorKind::WouldBlock => {
-                let mut ready = [PollFd::new(listener.as_fd(), PollFlags::POLLIN)];
-                // A signal wakes it, and the wish is looked at.
-                let _ = poll(&mut ready, PollTimeout::try_from(LOOK_AROUND).unwrap_or(PollTimeout::MAX));
-            }
-            // Out of descriptors, or a connection that ended before it was taken.
-            Err(_) => std::thread::sleep(ACCEPT_PAUSE),
-        }
-    }
+pub fn serve(listener: &TcpListener, names: &[String], handler: Handler, wish: Wish<'_>) {
+    let names: Vec<String> = names.iter().cloned().chain(own_names()).collect();
+    // Who waits for its answer has said all: the oldest gives way at once.
+    let places = Places::new(PAGE_WAITING, Duration::ZERO);
+    server::serve(listener, &places, move |socket, place| converse(socket, &names, &handler, place), wish);
 }
 
-/// Connections whose answer is not yet written, the oldest first. A crowd that says nothing makes room for one that asks.
-#[derive(Clone, Default)]
-struct Waiting(Arc<Mutex<Queue>>);
-
-#[derive(Default)]
-struct Queue {
-    next: u64,
-    sockets: VecDeque<(u64, TcpStream)>,
-}
-
-/// A place among them, given back when it is dropped.
-struct Ticket(Waiting, u64);
-
-impl Waiting {
-    fn lock(&self) -> MutexGuard<'_, Queue> {
-        self.0.lock().unwrap_or_else(PoisonError::into_inner)
-    }
-
-    fn admit(&self, socket: &TcpStream) -> io::Result<Ticket> {
-        let socket = socket.try_clone()?;
-        let mut queue = self.lock();
-        if queue.sockets.len() >= PAGE_WAITING {
-            if let Some((_, oldest)) = queue.sockets.pop_front() {
-                // Its thread sees the end, and ends.
-                let _ = oldest.shutdown(Shutdown::Both);
-            }
-        }
-        let number = queue.next;
-        queue.next += 1;
-        queue.sockets.push_back((number, socket));
-        Ok(Ticket(self.clone(), number))
-    }
-}
-
-impl Ticket {
-    fn give_back(&self) {
-        self.0.lock().sockets.retain(|(number, _)| *number != self.1);
-    }
-}
-
-impl Drop for Ticket {
-    fn drop(&mut self) {
-        self.give_back();
-    }
-}
-
-fn converse(mut socket: TcpStream, names: &[String], handler: &Handler, ticket: &Ticket) -> io::Result<()> {
-    socket.set_nonblocking(false)?;
+fn converse(mut socket: TcpStream, names: &[String], handler: &Handler, place: &Place) -> io::Result<()> {
     let (request, is_head) = match read_head(&mut socket)? {
         Ok(head) => match parse(&head, names) {
             Ok(request) => request,
-            Err(refusal) => return write(&mut socket, refusal, false, ticket),
+            Err(refusal) => return write(&mut socket, refusal, false, place),
         },
-        Err(refusal) => return write(&mut socket, refusal, false, ticket),
+        Err(refusal) => return write(&mut socket, refusal, false, place),
     };
-    write(&mut socket, handler(&request), is_head, ticket)
+    write(&mut socket, handler(&request), is_head, place)
 }
 
 /// Request line and headers.
@@ -225,7 +147,7 @@ fn own_names() -> Vec<String> {
     names
 }
 
-fn write(socket: &mut TcpStream, answer: Answer, is_head: bool, ticket: &Ticket) -> io::Result<()> {
+fn write(socket: &mut TcpStream, answer: Answer, is_head: bool, place: &Place) -> io::Result<()> {
     let Answer { status, content_type, headers, body } = answer;
     let length = match &body {
         Body::Whole(bytes) => format!("Content-Length: {}\r\n", bytes.len()),
@@ -240,7 +162,7 @@ fn write(socket: &mut TcpStream, answer: Answer, is_head: bool, ticket: &Ticket)
         _ if is_head => {}
         Body::Whole(bytes) => write_by(socket, &bytes)?,
         Body::Pieces(mut next) => {
-            ticket.give_back();
+            place.give_back();
             while let Some(piece) = next() {
                 write_by(socket, &piece)?;
             }

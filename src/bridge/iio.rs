@@ -11,16 +11,15 @@ mod session;
 
 use super::board::{Board, now};
 use super::feed::{Feed, Heard};
-use super::limits::{ACCEPT_PAUSE, IIO_CLIENTS, IIO_READINGS, LOOK_AROUND, PAGE_PATIENCE, STACK_BYTES};
+use super::limits::{IIO_CLIENTS, IIO_IDLE, IIO_READINGS, PAGE_PATIENCE};
+use super::server::{self, Place, Places};
 use super::{BridgeError, Source, Wish};
 use crate::stream::wire::ReadingLine;
 use crate::units::Nanos;
-use nix::poll::{PollFd, PollFlags, PollTimeout, poll};
+use nix::sys::socket::{setsockopt, sockopt};
 use session::Session;
 use std::io;
-use std::net::{SocketAddr, TcpListener, TcpStream};
-use std::os::fd::AsFd;
-use std::sync::atomic::{AtomicUsize, Ordering};
+use std::net::{SocketAddr, TcpStream};
 use std::sync::mpsc::{Receiver, SyncSender, TrySendError, sync_channel};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
@@ -73,14 +72,8 @@ impl Shared {
 /// # Errors
 /// The address is not to be had.
 pub fn run(source: Source, address: SocketAddr, wish: Wish<'_>) -> Result<(), BridgeError> {
-    let failed = |error| BridgeError::Listen { address, error };
-    let listener = TcpListener::bind(address).map_err(failed)?;
-    listener.set_nonblocking(true).map_err(failed)?;
-    let bound = listener.local_addr().unwrap_or(address);
+    let (listener, bound) = server::listen(address)?;
     log::info!("serving ip:{bound}");
-    if !bound.ip().is_loopback() {
-        log::warn!("whoever reaches {bound} over the network may read: the protocol has no password");
-    }
     let hub: Hub = Arc::new(Mutex::new(Shared::new(source.patience)));
     std::thread::scope(|scope| {
         scope.spawn(|| {
@@ -90,66 +83,19 @@ pub fn run(source: Source, address: SocketAddr, wish: Wish<'_>) -> Result<(), Br
                 lock(&hub).hear(&heard);
             }
         });
-        accept(&listener, &hub, wish);
+        let hub = Arc::clone(&hub);
+        let places = Places::new(IIO_CLIENTS, IIO_IDLE);
+        server::serve(&listener, &places, move |socket, place| converse(socket, &hub, place), wish);
     });
     Ok(())
 }
 
-fn accept(listener: &TcpListener, hub: &Hub, wish: Wish<'_>) {
-    let clients = Arc::new(AtomicUsize::new(0));
-    while !wish() {
-        match listener.accept() {
-            Ok((socket, _)) => {
-                if clients.load(Ordering::Relaxed) < IIO_CLIENTS {
-                    serve(socket, hub, &clients);
-                }
-            }
-            Err(error) if error.kind() == io::ErrorKind::WouldBlock => {
-                let mut ready = [PollFd::new(listener.as_fd(), PollFlags::POLLIN)];
-                // A signal wakes it, and the wish is looked at.
-                let _ = poll(&mut ready, PollTimeout::try_from(LOOK_AROUND).unwrap_or(PollTimeout::MAX));
-            }
-            Err(_) => std::thread::sleep(ACCEPT_PAUSE),
-        }
-    }
-}
-
-/// A client in a thread of its own, until it leaves.
-fn serve(socket: TcpStream, hub: &Hub, clients: &Arc<AtomicUsize>) {
-    let place = Place::new(clients);
-    let hub = Arc::clone(hub);
-    let spawned = std::thread::Builder::new().stack_size(STACK_BYTES).spawn(move || {
-        // Whoever breaks off has gone, which is his right.
-        let _ = prepare(&socket).and_then(|()| Session::new(socket, hub)?.run());
-        drop(place);
-    });
-    if spawned.is_err() {
-        std::thread::sleep(ACCEPT_PAUSE);
-    }
-}
-
-fn prepare(socket: &TcpStream) -> io::Result<()> {
-    socket.set_nonblocking(false)?;
+fn converse(socket: TcpStream, hub: &Hub, place: &Place) -> io::Result<()> {
     socket.set_nodelay(true)?;
     socket.set_write_timeout(Some(PAGE_PATIENCE))?;
     // A client may be silent for hours; one whose machine is gone must not keep its place.
-    nix::sys::socket::setsockopt(socket, nix::sys::socket::sockopt::KeepAlive, &true).map_err(io::Error::from)
-}
-
-/// One of so many clients.
-struct Place(Arc<AtomicUsize>);
-
-impl Place {
-    fn new(clients: &Arc<AtomicUsize>) -> Place {
-        clients.fetch_add(1, Ordering::Relaxed);
-        Place(Arc::clone(clients))
-    }
-}
-
-impl Drop for Place {
-    fn drop(&mut self) {
-        self.0.fetch_sub(1, Ordering::Relaxed);
-    }
+    setsockopt(&socket, sockopt::KeepAlive, &true)?;
+    Session::new(socket, Arc::clone(hub), place)?.run()
 }
 
 #[cfg(test)]

@@ -24,6 +24,7 @@
 //! | `PAGE_EVENTS` | 256 | events | that wait for a slow page: some seconds |
 //! | `STILL_THERE` | 10 | s | of silence after which a page is looked for |
 //! | `IIO_CLIENTS` | 32 | | at a time; an open buffer takes a connection of its own |
+//! | `IIO_IDLE` | 10 | s | of silence after which a client gives its place to another one, where all are taken: longer than a program pauses that looks at values, and libiio keeps its context for as long as it likes where there is room |
 //! | `IIO_READINGS` | 4096 | readings | that wait for a slow buffer: some seconds of the fastest cycle |
 //! | `IIO_COMMAND_BYTES` | 1024 | bytes | of a command; the longest has some 100 |
 //! | `IIO_SILENCE` | 4 | s | without a row after which a client is told so: libiio waits 5 s by itself |
@@ -54,6 +55,7 @@ pub const PAGES: usize = 32;
 pub const PAGE_EVENTS: usize = 256;
 pub const STILL_THERE: Duration = Duration::from_secs(10);
 pub const IIO_CLIENTS: usize = 32;
+pub const IIO_IDLE: Duration = Duration::from_secs(10);
 pub const IIO_READINGS: usize = 4096;
 pub const IIO_COMMAND_BYTES: u64 = 1024;
 pub const IIO_SILENCE: Duration = Duration::from_secs(4);

@@ -14,6 +14,7 @@ pub mod iio;
 mod limits;
 pub mod mqtt;
 pub mod prometheus;
+mod server;
 pub mod web;
 
 use std::io;

@@ -22,7 +22,7 @@ pub fn run(source: Source, address: SocketAddr, names: &[String], wish: Wish<'_>
     let listener = http::listen(address)?;
     let board = Arc::new(Mutex::new(Board::new(source.patience)));
     let told = Arc::clone(&board);
-    let handler: Handler = Arc::new(move |request: &Request| match &*request.path {
+    let handler: Handler = Box::new(move |request: &Request| match &*request.path {
         PATH => answer(&told.lock().unwrap_or_else(PoisonError::into_inner), Format::of(&request.accept)),
         _ => Answer::not_found(PATH),
     });
@@ -34,7 +34,7 @@ pub fn run(source: Source, address: SocketAddr, names: &[String], wish: Wish<'_>
                 board.lock().unwrap_or_else(PoisonError::into_inner).hear(&heard);
             }
         });
-        http::serve(&listener, names, &handler, wish);
+        http::serve(&listener, names, handler, wish);
     });
     Ok(())
 }

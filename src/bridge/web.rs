@@ -26,7 +26,7 @@ pub fn run(source: Source, address: SocketAddr, names: &[String], wish: Wish<'_>
     let hub = Arc::new(Mutex::new(Hub::new(source.patience)));
     let handler: Handler = {
         let hub = Arc::clone(&hub);
-        Arc::new(move |request| answer(request, &hub))
+        Box::new(move |request| answer(request, &hub))
     };
     std::thread::scope(|scope| {
         scope.spawn(|| {
@@ -36,7 +36,7 @@ pub fn run(source: Source, address: SocketAddr, names: &[String], wish: Wish<'_>
                 hub.lock().unwrap_or_else(PoisonError::into_inner).hear(&heard, now());
             }
         });
-        http::serve(&listener, names, &handler, wish);
+        http::serve(&listener, names, handler, wish);
     });
     Ok(())
 }

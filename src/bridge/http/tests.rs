@@ -1,4 +1,5 @@
 use super::*;
+use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 const PATIENCE: Duration = Duration::from_secs(60);
@@ -15,7 +16,7 @@ impl Bench {
         let listener = listen("127.0.0.1:0".parse().unwrap()).unwrap();
         let (address, end) = (listener.local_addr().unwrap(), Arc::new(AtomicBool::new(false)));
         let wish = Arc::clone(&end);
-        let handler: Handler = Arc::new(|request: &Request| match &*request.path {
+        let handler: Handler = Box::new(|request: &Request| match &*request.path {
             "/" => Answer::text("200 OK", &request.accept),
             "/pieces" => {
                 let mut count = 0;
@@ -29,7 +30,7 @@ impl Bench {
         });
         let names = ["bench".to_owned()];
         let thread =
-            std::thread::spawn(move || serve(&listener, &names, &handler, &|| wish.load(Ordering::Relaxed)));
+            std::thread::spawn(move || serve(&listener, &names, handler, &|| wish.load(Ordering::Relaxed)));
         Bench { address, end, thread: Some(thread) }
     }
 

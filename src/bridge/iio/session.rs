@@ -4,6 +4,7 @@ use super::context::{Context, DEVICE, EINVAL, ENOENT, Element};
 use super::rows::Rows;
 use super::{Hub, lock, now};
 use crate::bridge::limits::{IIO_COMMAND_BYTES, IIO_SILENCE};
+use crate::bridge::server::Place;
 use crate::stream::wire::ReadingLine;
 use crate::units::Nanos;
 use std::io::{self, BufRead, BufReader, Read, Write};
@@ -21,7 +22,8 @@ const ETIMEDOUT: i32 = 110;
 /// The release of the protocol that is spoken, and seven characters of a version.
 const VERSION: &str = "0.24.cermd00\n";
 
-pub struct Session {
+pub struct Session<'a> {
+    place: &'a Place,
     input: BufReader<TcpStream>,
     output: TcpStream,
     hub: Hub,
@@ -42,10 +44,10 @@ struct Buffer {
     readings: Receiver<Arc<ReadingLine>>,
 }
 
-impl Session {
-    pub fn new(socket: TcpStream, hub: Hub) -> io::Result<Session> {
+impl<'a> Session<'a> {
+    pub fn new(socket: TcpStream, hub: Hub, place: &'a Place) -> io::Result<Session<'a>> {
         let input = BufReader::new(socket.try_clone()?);
-        Ok(Session { input, output: socket, hub, context: None, buffer: None, patience: IIO_SILENCE })
+        Ok(Session { place, input, output: socket, hub, context: None, buffer: None, patience: IIO_SILENCE })
     }
 
     /// Until the client leaves.
@@ -57,6 +59,7 @@ impl Session {
             if length == 0 || line.last() != Some(&b'\n') {
                 return Ok(());
             }
+            self.place.keep();
             let line = String::from_utf8_lossy(&line).into_owned();
             let words: Vec<&str> = line.split_whitespace().collect();
             match words[..] {
@@ -153,6 +156,7 @@ impl Session {
             };
             self.output.write_all(&[format!("{size}\n{mask}").as_bytes(), &row].concat())?;
             mask.clear();
+            self.place.keep();
         }
         // The client asks for whole rows only, but may count otherwise.
         if bytes.parse() == Ok(count * size) { Ok(()) } else { self.output.write_all(b"0\n") }

@@ -3,6 +3,7 @@ use crate::cermctl::daemon::Daemon;
 use crate::waiting::{PATIENCE, until_so};
 use std::io::{BufRead, BufReader, Read, Write};
 use std::net::{SocketAddr, TcpStream};
+use std::time::{Duration, Instant};
 
 /// A client of iiod's protocol.
 struct Client(BufReader<TcpStream>);
@@ -137,4 +138,29 @@ fn nonsense_is_refused() {
     let _ = endless.0.read_to_end(&mut rest);
     assert!(rest.is_empty());
     assert!(client.text("PRINT").is_ok());
+}
+
+/// As many as there are places, and one of them that says something now and then.
+#[test]
+fn clients_that_say_nothing_make_room_for_one_that_asks() {
+    let daemon = Daemon::start();
+    let bridge = Bridge::start(&daemon, &["bridge", "iio", "--listen", "127.0.0.1:0"]);
+    let address = bridge.says("serving ip:").parse().unwrap();
+    let mut talking = Client::new(address);
+    until_so("a daemon", || talking.text("PRINT").is_ok());
+    let since = Instant::now();
+    let _silent: Vec<Client> = (0..31).map(|_| Client::new(address)).collect();
+    // Nobody has been silent for long yet: the next one is turned away at once.
+    let turned_away = |command: &str| {
+        let mut next = Client::new(address);
+        let _ = next.0.get_mut().write_all(format!("{command}\r\n").as_bytes());
+        let mut line = String::new();
+        next.0.read_line(&mut line).map_or(true, |length| length == 0)
+    };
+    assert!(turned_away("VERSION") || since.elapsed() > Duration::from_secs(9));
+    until_so("a place", || {
+        assert!(talking.text("PRINT").is_ok(), "who talks stays");
+        !turned_away("VERSION")
+    });
+    assert!(talking.text(STATUS).is_ok());
 }
