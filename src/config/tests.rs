@@ -63,7 +63,7 @@ fn everything_can_be_said() {
     assert_eq!((thumb.stale, index.rules.on, index.rules.off), (Nanos(1_000_000_000), 5e3, 8e3));
     assert_eq!(
         (&*line.chip, &*line.line, line.active_low, when),
-        ("gpiochip1", "GPIO17", true, When::Released)
+        ("expander", "GPIO17", true, When::Released)
     );
     assert_eq!(config.server, Server { socket: PathBuf::from("/tmp/s"), mode: 0o600 });
     assert_eq!(config.mock, Some(Mock { scene: "pi4".to_owned(), seed: Some(7) }));

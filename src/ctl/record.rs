@@ -35,6 +35,8 @@ pub fn run(arguments: &cli::Record) -> Result<(), CtlError> {
 struct Recording<'a> {
     arguments: &'a cli::Record,
     out: Box<dyn Write>,
+    /// Where that goes, and how many bytes of it are whole lines; `None`: standard output.
+    file: Option<(File, u64)>,
     until: Option<Instant>,
     header: Option<Header>,
     /// Readings or discharges so far.
@@ -44,12 +46,15 @@ struct Recording<'a> {
 
 impl<'a> Recording<'a> {
     fn begin(arguments: &'a cli::Record) -> Result<Recording<'a>, CtlError> {
-        let out: Box<dyn Write> = match &arguments.output {
-            Some(path) => Box::new(File::create(path).map_err(CtlError::file(path))?),
-            None => Box::new(io::stdout().lock()),
+        let (out, file): (Box<dyn Write>, _) = match &arguments.output {
+            Some(path) => {
+                let file = File::create(path).map_err(CtlError::file(path))?;
+                (Box::new(file.try_clone().map_err(CtlError::file(path))?), Some((file, 0)))
+            }
+            None => (Box::new(io::stdout().lock()), None),
         };
         let until = arguments.seconds.map(|seconds| Instant::now() + Duration::from_secs_f64(seconds));
-        let mut recording = Recording { arguments, out, until, header: None, count: 0, lost: 0 };
+        let mut recording = Recording { arguments, out, file, until, header: None, count: 0, lost: 0 };
         if !arguments.raw && arguments.format == Format::Csv {
             recording.write(COLUMNS)?;
         }
@@ -110,6 +115,12 @@ impl<'a> Recording<'a> {
     fn write(&mut self, line: &str) -> Result<(), CtlError> {
         let line = format!("{line}\n");
         let written = self.out.write_all(line.as_bytes()).and_then(|()| self.out.flush());
+        match (&mut self.file, &written) {
+            (Some((_, whole)), Ok(())) => *whole += line.len() as u64,
+            // A disk that is full took the first half of it. What is no file of the disk cannot be cut.
+            (Some((file, whole)), Err(_)) => drop(file.set_len(*whole)),
+            (None, _) => {}
+        }
         written.map_err(|source| match &self.arguments.output {
             Some(path) => CtlError::file(path)(source),
             None => CtlError::Output(source),

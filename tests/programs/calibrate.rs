@@ -433,6 +433,28 @@ fn each_of_several_changes_within_a_second_has_its_own_copy() {
     assert_eq!(texts.len(), CHANGES + 1, "two of them name the same table");
 }
 
+/// The limit of a file's size stands for a disk that is full.
+#[test]
+fn without_room_nothing_is_changed() {
+    let folder = Folder::new();
+    let before = folder.config();
+    for model in ["alpha", "table"] {
+        let mut command = Command::new("sh");
+        let script = "ulimit -f 0; trap '' XFSZ; exec \"$0\" \"$@\"";
+        command.args(["-c", script, env!("CARGO_BIN_EXE_cermctl"), "calibrate", "force", "--model", model]);
+        command
+            .args(["--csv", "weights.csv", "--yes", "--config", "cermd.toml"])
+            .current_dir(folder.0.path());
+        let error = String::from_utf8(command.assert().code(1).get_output().stderr.clone()).unwrap();
+        assert!(error.contains("File too large"), "{error}");
+        assert_eq!(folder.config(), before);
+        let files = fs::read_dir(folder.0.path()).unwrap().map(|entry| entry.unwrap().file_name());
+        let mut files: Vec<_> = files.collect();
+        files.sort();
+        assert_eq!(files, ["cermd.toml", "weights.csv"], "{model}");
+    }
+}
+
 /// Wherever it is interrupted: all of the change or nothing, and no file that has no use.
 #[test]
 fn an_interruption_leaves_no_half_of_a_change() {

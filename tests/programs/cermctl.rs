@@ -182,6 +182,27 @@ fn record_ends_with_a_whole_line_whatever_ends_it() {
     assert!(lines_of(&file).len() > 5);
 }
 
+/// The limit of a file's size stands for a disk that is full: as there, the last write is cut short, and the next one fails.
+#[test]
+fn a_recording_without_room_ends_with_a_whole_line() {
+    let daemon = Daemon::start();
+    for (format, name) in [("--raw", "tape"), ("--format=ndjson", "lines"), ("--format=csv", "table")] {
+        let file = daemon.path(name);
+        let script = "ulimit -f 16; trap '' XFSZ; exec \"$0\" record --output \"$1\" \"$2\"";
+        let mut command = std::process::Command::new("sh");
+        command.args(["-c", script, env!("CARGO_BIN_EXE_cermctl")]).arg(&file).arg(format);
+        let ended = command.env("CERMD_SOCKET", daemon.socket()).output().unwrap();
+        let complaint = String::from_utf8(ended.stderr).unwrap();
+        assert_eq!(ended.status.code(), Some(1), "{complaint}");
+        assert!(complaint.contains(file.to_str().unwrap()) && complaint.contains("too large"), "{complaint}");
+        let text = fs::read_to_string(&file).unwrap();
+        let last = text.lines().last().unwrap();
+        assert!(text.len() > 4096 && text.ends_with('\n'), "{name} ends with {last}");
+        let rest = if name == "table" { last.split(',').count() == 28 } else { last.ends_with('}') };
+        assert!(rest, "{last}");
+    }
+}
+
 #[test]
 fn a_recording_says_when_the_daemon_ends_it() {
     let mut daemon = Daemon::start();

@@ -88,11 +88,15 @@ fn hangup_puts_a_new_file_in_force() {
 
 /// Hangs up with a file that is wrong; readings go on, uninterrupted.
 fn survives(wrong: impl ToString, because: &str) {
+    survives_what(|home| home.configure(wrong), because);
+}
+
+fn survives_what(change: impl FnOnce(&Home), because: &str) {
     let home = Home::new(&config(&["thumb"], FAST));
     let daemon = home.start();
     let mut stream = home.connect();
     let mut seq = stream.next_of("READING")["seq"].as_u64().unwrap();
-    home.configure(wrong);
+    change(&home);
     daemon.signal(Signal::SIGHUP);
     home.wait_for_log("the old configuration stays in force");
     assert!(home.log().contains(because), "{}", home.log());
@@ -117,6 +121,11 @@ fn survives(wrong: impl ToString, because: &str) {
 fn hangup_with_a_bad_file_changes_nothing() {
     survives("what = is this", "cermd.toml");
     survives(config(&["thumb"], FAST).set("circuit.r-c1", "22 kohm"), "circuit.r-c");
+}
+
+#[test]
+fn hangup_without_a_file_changes_nothing() {
+    survives_what(|home| fs::remove_file(home.config()).unwrap(), "No such file");
 }
 
 #[test]

@@ -23,6 +23,14 @@ pub fn check(config: &Config, findings: &mut Findings) {
         let remedy = "the chip's label, such as \"pinctrl-rp1\" (see `cermctl lines`)";
         findings.error("gpio.chip", "missing", remedy);
     }
+    let of_outputs = config.channels.iter().enumerate().filter_map(|(index, channel)| {
+        Some((key(index, channel, "output.chip"), channel.output.as_ref()?.chip.as_ref()?))
+    });
+    let of_circuit = gpio.chip.iter().map(|chip| ("gpio.chip".to_owned(), chip));
+    for (key, chip) in of_circuit.chain(of_outputs).filter(|(_, chip)| is_a_number(chip)) {
+        let reason = format!("{chip} is a number, which may be another chip's after a reboot");
+        findings.warning(key, reason, "the chip's label, if no other has the same (see `cermctl lines`)");
+    }
     let has_node_b = config.circuit.kind() == Kind::TwoCapacitor;
     for (key, name, is_needed, is_of_node_b) in lines(gpio) {
         if name.is_none() && is_needed && (has_node_b || !is_of_node_b) {
@@ -37,6 +45,12 @@ pub fn check(config: &Config, findings: &mut Findings) {
     for (index, channel) in config.channels.iter().enumerate().filter(|(_, channel)| channel.sink.is_none()) {
         findings.error(key(index, channel, "sink"), "missing", "the line that the sensor is wired to");
     }
+}
+
+/// Whether a chip is named in the order in which the kernel found it.
+fn is_a_number(chip: &str) -> bool {
+    let number = chip.trim_start_matches("/dev/").strip_prefix("gpiochip").unwrap_or_default();
+    !number.is_empty() && number.bytes().all(|digit| digit.is_ascii_digit())
 }
 
 /// The lines that have a key in `[gpio]`: whether they are needed (chargers are not, or not alone: see [`chargers`]), and

@@ -134,6 +134,26 @@ fn circuit_nominals() {
 }
 
 #[test]
+fn a_chip_may_have_another_number_after_a_reboot() {
+    for chip in ["gpiochip0", "/dev/gpiochip14"] {
+        one(
+            |c| c.set("gpio.chip", chip),
+            &format!(
+                "warning: gpio.chip: {chip} is a number, which may be another chip's after a reboot; try the chip's label"
+            ),
+        );
+        let output = format!("on-above = '2 N'\noutput = {{ line = 17, chip = '{chip}' }}");
+        one(
+            |c| c.lines("channel.thumb", &output),
+            &format!("warning: channel.thumb.output.chip: {chip} is a number"),
+        );
+    }
+    for label in ["pinctrl-rp1", "gpiochip", "gpiochip_sodimm", "/dev/gpio/by-name"] {
+        assert_eq!(complaints(&config(|c| c.set("gpio.chip", label))), Vec::<String>::new(), "{label}");
+    }
+}
+
+#[test]
 fn lines_that_are_missing() {
     for key in [
         "gpio.chip",
