@@ -94,9 +94,19 @@ fn mutated(rng: &mut ChaCha8Rng, seeds: &[Vec<u8>]) -> Vec<u8> {
     bytes
 }
 
-/// So many inputs beside the seeds.
-fn hammer(name: &str, inputs: usize) {
+/// How many inputs each target gets beside its seeds.
+const INPUTS: [(&str, usize); 6] = [
+    ("configuration", 10_000),
+    ("scene", 10_000),
+    ("force-table", 20_000),
+    ("tape", 4000),
+    ("requests", 20_000),
+    ("events", 10_000),
+];
+
+fn hammer(name: &str) {
     let (_, target) = targets::ALL.into_iter().find(|(known, _)| *known == name).unwrap();
+    let (_, inputs) = INPUTS.into_iter().find(|(known, _)| *known == name).unwrap();
     let (seeds, mut rng) = (seeds(name), seed::rng(SEED));
     assert!(!seeds.is_empty(), "no seeds of {name}");
     let (began, mut longest) = (Instant::now(), Duration::ZERO);
@@ -115,32 +125,43 @@ fn hammer(name: &str, inputs: usize) {
 
 #[test]
 fn any_configuration() {
-    hammer("configuration", 10_000);
+    hammer("configuration");
 }
 
 #[test]
 fn any_scene() {
-    hammer("scene", 10_000);
+    hammer("scene");
 }
 
 #[test]
 fn any_force_table() {
-    hammer("force-table", 20_000);
+    hammer("force-table");
 }
 
 #[test]
 fn any_tape() {
-    hammer("tape", 4000);
+    hammer("tape");
 }
 
 #[test]
 fn any_requests() {
-    hammer("requests", 20_000);
+    hammer("requests");
 }
 
 #[test]
 fn any_events() {
-    hammer("events", 10_000);
+    hammer("events");
+}
+
+/// What docs/robustness.md says of seeds and inputs.
+#[test]
+fn the_page_has_these_numbers() {
+    let folders = INPUTS.map(|(name, _)| files(&Path::new("fuzz/corpus").join(name)).len());
+    let (seeds, inputs) =
+        (folders.iter().sum::<usize>(), INPUTS.iter().map(|(_, inputs)| inputs).sum::<usize>());
+    let said = format!("{seeds} seeds and what the project ships, and {} 000 inputs", inputs / 1000);
+    let page = fs::read_to_string("docs/robustness.md").unwrap();
+    assert!(inputs % 1000 == 0 && page.contains(&said), "the page does not say: {said}");
 }
 
 /// Or they would try the first lines of everything and no more.

@@ -41,6 +41,13 @@ pub fn configuration(data: &[u8]) {
     if findings.has_errors() {
         return;
     }
+    for trigger in config.triggers().expect("it has passed its check") {
+        let (rules, is_wanted) = (trigger.rules, config.channels[trigger.channel].levels().is_some());
+        assert!(
+            is_wanted && rules.on.is_finite() && rules.off.is_finite() && rules.on != rules.off,
+            "{rules:?}"
+        );
+    }
     // No file of this machine is an input.
     for force in config.channels.iter_mut().filter_map(|channel| channel.force.as_mut()) {
         if matches!(force.law, Source::File(_)) {
