@@ -8,6 +8,7 @@ use crate::instrument::Instrument;
 use crate::instrument::settings::Settings;
 use crate::pins::PinsError;
 use crate::pins::sim::{Scene, SceneError, Sensor, SimPins};
+use crate::sensor::Channel;
 use crate::units::{Farad, Nanos, Ohm, Seconds};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
@@ -57,15 +58,19 @@ impl Cell {
             Some(change) => change.apply(self.scene.clone(), &mut config),
             None => self.scene.clone(),
         };
-        Ok((scene.with_sensors(vec![self.sensor()])?, config.settings()?))
+        let settings = config.settings()?;
+        Ok((scene.with_sensors(vec![self.sensor(&settings.channels[0])])?, settings))
     }
 
-    fn sensor(&self) -> Sensor {
+    /// Behind what the zero of its channel says.
+    fn sensor(&self, channel: &Channel) -> Sensor {
         match self.change {
             Some(Change::Speed(share_per_s)) => {
-                Sensor::File { path: PathBuf::new(), points: self.back_and_forth(share_per_s) }
+                let points = self.back_and_forth(share_per_s).into_iter();
+                let points = points.map(|(at, r_ohm)| (at, channel.as_read(r_ohm))).collect();
+                Sensor::File { path: PathBuf::new(), points }
             }
-            _ => Sensor::Constant(Ohm(self.r_ohm)),
+            _ => Sensor::Constant(Ohm(channel.as_read(self.r_ohm))),
         }
     }
 
@@ -84,12 +89,13 @@ impl Cell {
         (0..=steps).map(turn).collect()
     }
 
-    fn watch(&self) -> Watch {
+    fn watch(&self, channel: &Channel) -> Watch {
         let (from, until) = match self.change {
             Some(Change::SinceStart) => (None, Nanos::from_seconds(SINCE_START[SINCE_START.len() - 1])),
             _ => (Some(WARM), Nanos::MAX),
         };
-        Watch { start: Nanos::ZERO, from, until, readings: self.readings }
+        let channel = channel.clone();
+        Watch { channel, start: Nanos::ZERO, from, until, readings: self.readings }
     }
 
     /// Measures, one instrument after the other; `None` if it was stopped.
@@ -98,13 +104,15 @@ impl Cell {
     /// The board or the configuration cannot be.
     pub fn measure(&self, is_stopped: &dyn Fn() -> bool) -> Result<Option<Vec<Found>>, CellError> {
         let (scene, settings) = self.parts()?;
+        let channel = &settings.channels[0];
         let mut all = Vec::new();
         for index in 0..self.instruments {
             let seed = self.seed.wrapping_add(index);
             let pins = SimPins::new(&of_its_own(&scene, seed), Some(seed));
             let mut instrument = Instrument::new(pins, settings.clone());
-            let truth = |pins: &SimPins, at| pins.r_x(0, at).unwrap_or(self.r_ohm);
-            all.push(watch(&mut instrument, &self.watch(), truth, || !is_stopped())?);
+            let truth =
+                |pins: &SimPins, at| pins.r_x(0, at).map_or(self.r_ohm, |r_ohm| channel.corrected(r_ohm));
+            all.push(watch(&mut instrument, &self.watch(channel), truth, || !is_stopped())?);
             if is_stopped() {
                 return Ok(None);
             }

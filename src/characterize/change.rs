@@ -23,6 +23,8 @@ pub enum Change {
     Without(Effect),
     /// [`Vary::SinceStart`]; all rows of it come out of one run.
     SinceStart,
+    /// [`Vary::TimeLimit`].
+    TimeLimit(Seconds),
 }
 
 named! {
@@ -123,6 +125,7 @@ impl Change {
                     node.leakage_resistance = Some(r);
                 }
             }
+            Change::TimeLimit(t_l) => config.measure.t_l = Some(t_l.into()),
             Change::Speed(_) | Change::Without(_) | Change::SinceStart => {}
         }
         scene
@@ -138,6 +141,7 @@ impl Change {
             Change::Speed(share_per_s) => (Vary::Speed, share_per_s),
             Change::Without(effect) => return (Vary::Without, None, Some(effect.to_string())),
             Change::SinceStart => return (Vary::SinceStart, None, None),
+            Change::TimeLimit(t_l) => (Vary::TimeLimit, t_l.0),
         };
         (vary, Some(value), None)
     }

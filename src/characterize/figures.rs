@@ -3,7 +3,7 @@
 use super::cell::Cell;
 use super::change::Change;
 use super::limits::{DIGITS, SINCE_START};
-use super::table::{Row, Source};
+use super::table::{Row, Source, Vary};
 use super::watch::{Found, Number, Told};
 use crate::config::Config;
 use crate::units::{Nanos, rounded};
@@ -93,6 +93,10 @@ pub fn filled(row: Row, found: &[Found], is_moving: bool) -> Row {
         stated.iter().map(|(error, u)| f64::from(u8::from(error.abs() <= 2.0 * u))).collect();
     let bounds: Option<Vec<f64>> = numbers.iter().map(|number| number.bound_ohm).collect();
     let figure = |value: Option<f64>| value.map(|value| rounded(value, DIGITS));
+    let [t_ixa_rsd, t_ixb_rsd, t_c2a_rsd] = [0, 1, 2].map(|part| {
+        let known = found.iter().filter(|_| row.vary == Some(Vary::TimeLimit));
+        figure(rms(known.filter_map(|found| relative(found.inferred_ns.iter().map(|times| times[part])))))
+    });
     let row = Row {
         readings: readings as u64,
         no_number: rounded(1.0 - share(&|_| true), DIGITS),
@@ -107,6 +111,9 @@ pub fn filled(row: Row, found: &[Found], is_moving: bool) -> Row {
         u_ohm: figure(rms(stated.iter().map(|(_, u)| *u))),
         coverage: figure(mean(&within)),
         bound_ohm: figure(bounds.and_then(|bounds| rms(bounds.into_iter()))),
+        t_ixa_rsd,
+        t_ixb_rsd,
+        t_c2a_rsd,
         ..row
     };
     timed(row, found)
@@ -160,6 +167,12 @@ fn mean(values: &[f64]) -> Option<f64> {
 /// The root mean square.
 fn rms(values: impl Iterator<Item = f64>) -> Option<f64> {
     mean(&values.map(|value| value * value).collect::<Vec<_>>()).map(f64::sqrt)
+}
+
+/// The standard deviation as a part of the mean.
+fn relative(values: impl Iterator<Item = f64> + Clone) -> Option<f64> {
+    let mean = mean(&values.clone().collect::<Vec<_>>())?;
+    rms(values.map(|value| value / mean - 1.0))
 }
 
 fn most_frequent(reasons: impl Iterator<Item = &'static str>) -> Option<&'static str> {

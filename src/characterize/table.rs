@@ -44,6 +44,8 @@ named! {
         Without = "without",
         /// The readings up to so long after the start, from the row before on, s.
         SinceStart = "since-start",
+        /// The time limit T_L of eq. (19), s: below it crossings are inferred.
+        TimeLimit = "time-limit",
     }
 }
 
@@ -118,6 +120,13 @@ pub struct Row {
     /// No unbiased estimate from the discharges that were taken is better (Cramer-Rao), calibration known exactly; of a mean
     /// that of all its discharges, ohm, 1 sigma.
     pub bound_ohm: Option<f64>,
+    /// Where the time limit is what is varied: standard deviation of the inferred crossing T_i,xA (16) of an instrument, as a
+    /// part of its mean; root mean square over instruments.
+    pub t_ixa_rsd: Option<f64>,
+    /// The same of T_i,xB (18).
+    pub t_ixb_rsd: Option<f64>,
+    /// The same of T_c2A, the crossing of A through R_2 that they were inferred with.
+    pub t_c2a_rsd: Option<f64>,
 }
 
 impl Row {
@@ -164,6 +173,9 @@ impl Row {
             calibration_s: None,
             overhead_s: None,
             bound_ohm: None,
+            t_ixa_rsd: None,
+            t_ixb_rsd: None,
+            t_c2a_rsd: None,
         }
     }
 

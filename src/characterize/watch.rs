@@ -2,15 +2,19 @@
 
 use super::limits::COLD;
 use crate::circuit::Node;
+use crate::estimate::method::{self, Switched, cerm};
 use crate::instrument::{Instrument, Message};
 use crate::pins::{Pins, PinsError};
 use crate::reading::{Reading, Status};
-use crate::record::Record;
+use crate::record::{Record, Through};
+use crate::sensor::Channel;
 use crate::units::Nanos;
 
 /// How long an instrument is watched. Instants are those of its pins.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct Watch {
+    /// The channel that is watched.
+    pub channel: Channel,
     /// When the instrument started.
     pub start: Nanos,
     /// Readings count from then on, if the offset is known, the first of them left out: it has begun before. `None`: all do.
@@ -78,6 +82,8 @@ pub struct Found {
     pub told: Vec<Told>,
     /// The time in which they were.
     pub times: Times,
+    /// Of each discharge that was switched to R_2: T_i,xA (16), T_i,xB (18), and T_c2A that they were inferred with, ns.
+    pub inferred_ns: Vec<[f64; 3]>,
 }
 
 /// The clock of [`Times`]: up to where time is accounted for.
@@ -116,6 +122,7 @@ pub fn watch<P: Pins>(
 ) -> Result<Found, PinsError> {
     let (mut found, mut information) = (Found::default(), Some(0.0));
     let mut account = Account { at: watch.from.is_none().then_some(watch.start), times: Times::default() };
+    let mut second = None;
     while found.told.len() < watch.readings && goes_on() {
         let (mut discharged, mut read) = (None, None);
         instrument.step(&mut |message| match message {
@@ -124,8 +131,15 @@ pub fn watch<P: Pins>(
         })?;
         if let Some((asked, record)) = &discharged {
             account.take(*asked, record);
+            if record.through == Through::C2 {
+                second = Some(*record);
+            }
+            if account.at.is_some() {
+                let d_ns = instrument.cycle().estimator().offset().d_ns;
+                found.inferred_ns.extend(second.and_then(|second| inferred(record, &second, d_ns)));
+            }
             if record.through.channel().is_some() {
-                let r_ohm = truth(instrument.pins(), record.start);
+                let r_ohm = watch.channel.as_read(truth(instrument.pins(), record.start));
                 information =
                     information.zip(bound(instrument, record, r_ohm)).map(|(sum, bound)| sum + 1.0 / bound);
             }
@@ -149,13 +163,28 @@ pub fn watch<P: Pins>(
     Ok(found)
 }
 
+/// As [`Found::inferred_ns`], with the last discharge through R_2.
+fn inferred(record: &Record, second: &Record, d_ns: f64) -> Option<[f64; 3]> {
+    let switch = record.switch.filter(|switch| switch.to == Through::C2)?;
+    let times = method::Times {
+        c1: [None; 2],
+        c2: [second.a_ns, second.b_ns],
+        x: [record.a_ns, record.b_ns],
+        switch: Some(Switched { at: switch.at_ns, on: switch.on_ns }),
+        beside: None,
+        d: d_ns,
+    };
+    let [t_ixa, t_ixb] = cerm::inferred(&times)?;
+    Some([t_ixa, t_ixb, second.a_ns? - d_ns])
+}
+
 /// When a discharge came to its end, or was waited for in vain.
 fn end_of(record: &Record) -> Nanos {
     let ends_ns = record.crossings().into_iter().chain([record.waited_ns]).flatten();
     record.start + Nanos(ends_ns.fold(0.0, f64::max) as i64)
 }
 
-/// The Cramer-Rao bound of a discharge of the sensor, ohm², if there is a tracked state.
+/// The Cramer-Rao bound of a discharge of the sensor, ohm², if there is a tracked state. `r_ohm`: as it is read, without its zero.
 fn bound<P: Pins>(instrument: &Instrument<P>, record: &Record, r_ohm: f64) -> Option<f64> {
     let last = if record.b_ns.is_some() { Node::B } else { Node::A };
     let estimator = instrument.cycle().estimator();

@@ -73,9 +73,9 @@ fn sweep(arguments: &Characterize, config: Option<Config>) -> Result<(Sweep, Str
         .config
         .as_ref()
         .map(|path| files::read_text(path, SETTINGS_BYTES).map_err(CtlError::file(path)));
-    let text = given.transpose()?.unwrap_or_default() + &Scene::text_of(&name, &folder)?;
-    // With its ending, lest a file pass for the built-in scene of its name.
-    let name = Path::new(&name).file_name().map_or(name.clone(), |name| name.to_string_lossy().into_owned());
+    let scene_text = Scene::text_of(&name, &folder)?;
+    let name = named(&name, &scene_text);
+    let text = given.transpose()?.unwrap_or_default() + &scene_text;
     let seed = arguments.seed.or(mock.and_then(|mock| mock.seed)).unwrap_or(scene.seed);
     let sweep = Sweep {
         name,
@@ -89,6 +89,15 @@ fn sweep(arguments: &Characterize, config: Option<Config>) -> Result<(Sweep, Str
         seed,
     };
     Ok((sweep, text))
+}
+
+/// The name of a scene: of a file with its ending, lest it pass for the built-in one of its name, unless it is that.
+fn named(name: &str, text: &str) -> String {
+    let path = Path::new(name);
+    let [file, stem] =
+        [path.file_name(), path.file_stem()].map(|name| name.unwrap_or_default().to_string_lossy());
+    let is_builtin = Scene::text_of(&stem, Path::new("")).is_ok_and(|builtin| builtin == text);
+    if is_builtin { stem.into_owned() } else { file.into_owned() }
 }
 
 fn simulated(arguments: &Characterize, config: Option<Config>) -> Result<Folder, CtlError> {
@@ -134,10 +143,13 @@ fn measure(out: &Path, provenance: &Provenance, cells: &[Cell]) -> Result<Folder
     Ok(folder)
 }
 
-/// With its first channel only, which is commissioned: simulated pins are alike.
+/// With its first channel only, which is commissioned: without a zero nothing stands before the sensor, as simulated pins are alike.
 fn alone(mut config: Config) -> Config {
     config.channels.truncate(1);
-    config.channels.iter_mut().for_each(|channel| (channel.zero_ohm, channel.scale) = (Some(0.0), Some(1.0)));
+    for channel in &mut config.channels {
+        channel.zero_ohm.get_or_insert(0.0);
+        channel.scale.get_or_insert(1.0);
+    }
     config
 }
 

@@ -44,6 +44,9 @@ pub fn row(method: Method, r_ohm: f64) -> Row {
         calibration_s: Some(0.0003),
         overhead_s: Some(if method == Method::Tracked { 0.0002 } else { 0.0182 }),
         bound_ohm: Some(0.5 * error),
+        t_ixa_rsd: None,
+        t_ixb_rsd: None,
+        t_c2a_rsd: None,
     }
 }
 
@@ -112,6 +115,14 @@ pub fn rows() -> Vec<Row> {
 pub fn papers_rows() -> Vec<Row> {
     let methods = [Method::Tpcm, Method::Tcdic, Method::Cerm, Method::Tracked].into_iter();
     let rows = methods.flat_map(|method| PAPER_OHM.map(|r_ohm| row(method, r_ohm)));
+    let inferred = PAPER_OHM.map(|r_ohm| Row {
+        vary: Some(Vary::TimeLimit),
+        vary_value: Some(1.0),
+        t_ixa_rsd: Some(5e-4 * (1.0 + r_ohm / 2000.0)),
+        t_ixb_rsd: Some(3e-4 * (1.0 + r_ohm / 2000.0)),
+        t_c2a_rsd: Some(3e-4),
+        ..row(Method::Cerm, r_ohm)
+    });
     let on_board = |row: Row| Row {
         scene: "fpga-paper".to_owned(),
         circuit: if row.method == Method::Tpcm { Kind::OneCapacitor } else { Kind::TwoCapacitor },
@@ -124,7 +135,7 @@ pub fn papers_rows() -> Vec<Row> {
         readings: 500 * row.instruments,
         ..row
     };
-    rows.map(on_board).collect()
+    rows.chain(inferred).map(on_board).collect()
 }
 
 pub fn provenance() -> Provenance {

@@ -173,11 +173,15 @@ mod tests {
         let provenance = Provenance { board: "fpga-paper".to_owned(), ..fixture::provenance() };
         write(folder, &fixture::papers_rows(), &provenance).unwrap();
         let page = std::fs::read_to_string(folder.join(PAGE)).unwrap();
-        for figure in ["4", "5b", "6a", "6b", "7", "8"] {
+        for figure in ["4", "5a", "5b", "6a", "6b", "7", "8"] {
             assert!(page.contains(&format!("<figure id=\"paper-fig-{figure}\">")), "{figure}");
         }
         assert!(page.contains("Every number of section V") && !page.contains("not measured</td>"));
         assert!(!page.contains("NaN") && !page.contains("inf "), "a number that is none");
+        assert_eq!(page.matches("(21): sqrt(3) u(T_c2A) / T_c2A").count(), 2, "at both widths");
+        // A table of before there was Fig. 5(a) has the others.
+        let before: Vec<Row> = fixture::papers_rows().into_iter().filter(|row| row.vary.is_none()).collect();
+        assert_eq!(paper::figures(&before).len() + 1, paper::figures(&fixture::papers_rows()).len());
         // The same name, another board.
         let rows: Vec<Row> = fixture::papers_rows()
             .into_iter()

@@ -5,7 +5,7 @@ pub mod numbers;
 use super::axis::{Axis, Writer, ohms, percent, plain};
 use super::plot::{Mark, Plot, Point, Series};
 use super::{Drawing, Figure};
-use crate::characterize::table::{Row, Source};
+use crate::characterize::table::{Row, Source, Vary};
 use crate::circuit::Kind;
 use crate::reading::Method;
 
@@ -15,14 +15,21 @@ const SCENE: &str = "fpga-paper";
 const READINGS: f64 = 500.0;
 /// The fit of section V, newton ohm.
 const ALPHA: f64 = 13_346.46;
+/// Up to there inferred times are as good as (21) and (23) say, in section V; its T_L.
+const PRINTED_LIMIT_OHM: f64 = 681.0;
 /// The paper's three, in its order.
 const METHODS: [Method; 3] = [Method::Tpcm, Method::Tcdic, Method::Cerm];
 
 /// Single readings of the paper's board on its own circuits, of each resistance about as many as in the paper.
 pub fn rows(rows: &[Row]) -> Vec<&Row> {
+    varied(rows, None)
+}
+
+/// The same with a change.
+fn varied(rows: &[Row], vary: Option<Vary>) -> Vec<&Row> {
     let own = |row: &&Row| {
         let kind = if row.method == Method::Tpcm { Kind::OneCapacitor } else { Kind::TwoCapacitor };
-        let is_plain = row.vary.is_none() && row.average_s.is_none();
+        let is_plain = row.vary == vary && row.average_s.is_none();
         let each = row.readings as f64 / row.instruments.max(1) as f64;
         let is_long = (0.5 * READINGS..=2.0 * READINGS).contains(&each);
         let is_papers = row.source == Source::Simulated && row.scene == SCENE;
@@ -47,28 +54,33 @@ fn ink(method: Method) -> String {
     format!("i{}", Method::ALL.iter().position(|other| *other == method).unwrap_or(0))
 }
 
+/// Ours, in the colour and shape of a method.
+fn simulated(
+    rows: &[&Row],
+    (name, method): (&str, Method),
+    value: impl Fn(&Row) -> Option<[f64; 2]>,
+    write: Writer,
+) -> Series {
+    let mut points: Vec<Point> = rows
+        .iter()
+        .filter_map(|row| value(row).map(|at| (row, at)))
+        .map(|(row, [x, y])| Point::new(x, y, format!("{name}, {}: ours {}", ohms(row.r_ohm), write(y))))
+        .collect();
+    points.sort_by(|a, b| a.x.total_cmp(&b.x));
+    let shape = Mark::ROUND[METHODS.iter().position(|other| *other == method).unwrap_or(METHODS.len())];
+    let mark = Some((shape, format!("{} full", ink(method))));
+    let (name, line) = (format!("{name}, simulated"), format!("{} series", ink(method)));
+    Series { name, line, mark, points, is_stairs: false }
+}
+
 fn measured(
     rows: &[&Row],
     method: Method,
     value: impl Fn(&Row) -> Option<[f64; 2]>,
     write: Writer,
 ) -> Series {
-    let mut points: Vec<Point> = rows
-        .iter()
-        .filter(|row| row.method == method)
-        .filter_map(|row| value(row).map(|at| (row, at)))
-        .map(|(row, [x, y])| Point::new(x, y, format!("{method}, {}: ours {}", ohms(row.r_ohm), write(y))))
-        .collect();
-    points.sort_by(|a, b| a.x.total_cmp(&b.x));
-    let shape = Mark::ROUND[METHODS.iter().position(|other| *other == method).unwrap_or(0)];
-    let mark = Some((shape, format!("{} full", ink(method))));
-    Series {
-        name: method.to_string(),
-        line: format!("{} series", ink(method)),
-        mark,
-        points,
-        is_stairs: false,
-    }
+    let own: Vec<&Row> = rows.iter().filter(|row| row.method == method).copied().collect();
+    simulated(&own, (method.as_str(), method), value, write)
 }
 
 fn printed(method: Method, points: &[[f64; 2]], write: Writer) -> Series {
@@ -96,6 +108,10 @@ struct Over {
     text: &'static str,
 }
 
+const FIG_5B: &str = "paper-fig-5b";
+/// The first line of (19), forced. It has the colour of a method that the paper has not.
+const INFERRED: &str = "cerm, always inferred";
+
 const OVER: [Over; 4] = [
     Over {
         name: "paper-fig-4",
@@ -109,7 +125,7 @@ const OVER: [Over; 4] = [
         text: "Crosses: all values that the paper prints; its curves have no numbers.",
     },
     Over {
-        name: "paper-fig-5b",
+        name: FIG_5B,
         title: "Fig. 5(b): uncertainty of a reading",
         label: "standard deviation of readings",
         methods: &METHODS,
@@ -117,8 +133,8 @@ const OVER: [Over; 4] = [
         printed: None,
         write: ohms,
         highest_ohm: f64::INFINITY,
-        text: "The paper forces CERM's first line of (19) at all resistances here; ours is CERM as it chooses. Fig. 5(a), the uncertainty of inferred \
-               times, is not of readings and not in this table; its limits are sqrt(3) and 1 times that of T_c2A, by (21) and (23).",
+        text: "The paper's CERM infers at all resistances here, by the first line of (19), and so does ours where it says so; beside it \
+               CERM with T_L. The paper's curves have no numbers.",
     },
     Over {
         name: "paper-fig-6a",
@@ -144,12 +160,15 @@ const OVER: [Over; 4] = [
     },
 ];
 
-fn over(over: &Over, rows: &[&Row]) -> Option<Figure> {
+fn over(over: &Over, rows: &[&Row], inferred: &[&Row]) -> Option<Figure> {
     let value = |row: &Row| {
         (over.value)(row).filter(|_| row.r_ohm <= over.highest_ohm).map(|value| [row.r_ohm, value])
     };
     let mut series: Vec<Series> =
         over.methods.iter().map(|method| measured(rows, *method, value, over.write)).collect();
+    if over.name == FIG_5B {
+        series.push(simulated(inferred, (INFERRED, Method::Tracked), value, over.write));
+    }
     for method in over.methods {
         let own = MAE.iter().filter(|(of, r_ohm, _)| of == method && *r_ohm <= over.highest_ohm);
         let points: Vec<[f64; 2]> =
@@ -158,6 +177,42 @@ fn over(over: &Over, rows: &[&Row]) -> Option<Figure> {
     }
     series.retain(|series| !series.points.is_empty());
     figure(over.name, over.title, ["resistance", over.label], [ohms, over.write], series, over.text)
+}
+
+/// Fig. 5(a): how relative uncertainties of inferred times leave what (21) and (23) say of them. `rows`: inferred at all resistances.
+fn inferred_times(rows: &[&Row]) -> Option<Figure> {
+    let second: Vec<f64> = rows.iter().filter_map(|row| row.t_c2a_rsd).collect();
+    let second = (second.iter().map(|rsd| rsd * rsd).sum::<f64>() / second.len() as f64).sqrt();
+    let of = |name: &str, method: Method, rsd: fn(&Row) -> Option<f64>| {
+        simulated(rows, (name, method), |row| Some([row.r_ohm, rsd(row)?]), percent)
+    };
+    let ours =
+        [of("T_i,xA", Method::Cerm, |row| row.t_ixa_rsd), of("T_i,xB", Method::Tcdic, |row| row.t_ixb_rsd)];
+    let all = || ours.iter().flat_map(|series| &series.points);
+    let ends = |of: fn(&Point) -> f64| {
+        let values = || all().map(of);
+        [values().fold(f64::INFINITY, f64::min), values().fold(0.0, f64::max)]
+    };
+    let [x, y] = [ends(|point| point.x), ends(|point| point.y)];
+    let line = |name: &str, line: &str, ends: [[f64; 2]; 2]| Series {
+        name: name.to_owned(),
+        line: format!("{line} dash thin"),
+        mark: None,
+        points: ends.map(|[x, y]| Point::new(x, y, String::new())).to_vec(),
+        is_stairs: false,
+    };
+    let level =
+        |name: &str, method: Method, times: f64| line(name, &ink(method), x.map(|x| [x, times * second]));
+    let series = [
+        level("(21): sqrt(3) u(T_c2A) / T_c2A", Method::Cerm, 3f64.sqrt()),
+        level("(23): u(T_c2A) / T_c2A", Method::Tcdic, 1.0),
+        line("T_L, printed: 681 ohm", "i6", y.map(|y| [PRINTED_LIMIT_OHM, y])),
+    ];
+    let text = "Standard deviations as parts of their means, CERM inferring at all resistances. Dashed, level: what (21) and (23) say where R_x \
+                is low, from the simulated T_c2A. The paper prints no number of its curves but the resistance up to which they follow these lines.";
+    let series = series.into_iter().chain(ours).collect();
+    let (name, title) = ("paper-fig-5a", "Fig. 5(a): uncertainty of inferred times");
+    figure(name, title, ["resistance", "standard deviation, relative"], [ohms, percent], series, text)
 }
 
 /// Over two logarithmic axes, as all of the paper's are drawn here.
@@ -236,5 +291,7 @@ pub fn figures(all: &[Row]) -> Vec<Figure> {
     if rows.is_empty() {
         return Vec::new();
     }
-    OVER.iter().map(|one| over(one, &rows)).chain(forces(&rows)).flatten().collect()
+    let inferred = varied(all, Some(Vary::TimeLimit));
+    let [low, rest @ ..] = OVER.each_ref().map(|one| over(one, &rows, &inferred));
+    [low, inferred_times(&inferred)].into_iter().chain(rest).chain(forces(&rows)).flatten().collect()
 }

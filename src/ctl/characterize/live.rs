@@ -161,9 +161,10 @@ impl Bench<'_> {
     fn watch(&self, pins: AnyPins, config: &Config, r_ohm: f64) -> Result<Found, CtlError> {
         let settings = config.settings().map_err(CtlError::said)?;
         let readings = if settings.average.is_some() { LIVE_MEANS } else { LIVE_READINGS };
+        let channel = settings.channels[0].clone();
         let mut instrument = Instrument::new(pins, settings);
         let start = instrument.pins().now();
-        let asked = Watch { start, from: Some(start + WARM), until: Nanos::MAX, readings };
+        let asked = Watch { channel, start, from: Some(start + WARM), until: Nanos::MAX, readings };
         let found = watch(&mut instrument, &asked, |_, _| r_ohm, || !(self.is_stopped)());
         // Whatever came of it: the last resistor sinks until the next charge.
         let released = instrument.pins().drive(Drives::NONE);
