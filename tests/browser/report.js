@@ -1,7 +1,9 @@
 // The report in a real browser: node report.js FOLDER [PICTURES]. FOLDER has report.html; pictures of the page are kept where asked for.
 "use strict";
 const { chromium } = require("playwright-core");
+const { execFileSync } = require("child_process");
 const fs = require("fs");
+const os = require("os");
 const path = require("path");
 
 const [folder, pictures] = process.argv.slice(2).map((name) => path.resolve(name));
@@ -80,6 +82,33 @@ async function used(name, page) {
   check((await page.locator("#chosen").textContent()).startsWith("Nothing"), `${name}: a rate that nothing has is chosen`);
 }
 
+// The commands that the chooser names, run, give the errors and times that it said. CERMCTL: the program; AGAIN: words that were in
+// the command of the report, so that the same instruments measure.
+async function measuredAgain(name, page) {
+  const choices = JSON.parse(await page.locator("#choices").textContent());
+  const r = +(await page.locator("#want-r").inputValue());
+  const own = choices.filter((choice) => choice.r_ohm === r && !choice.size).sort((a, b) => a.seconds - b.seconds);
+  const run = new Set();
+  for (const choice of [own[0], own[Math.floor(own.length / 2)], own[own.length - 1]]) {
+    await page.fill("#want-error", String(choice.error_ohm * 1.001));
+    await page.fill("#want-rate", String(0.999 / choice.seconds));
+    const [answer, codes] = [await page.locator("#chosen").textContent(), await page.locator("#chosen code").allTextContents()];
+    const command = codes.find((code) => code.startsWith("cermctl characterize "));
+    if (!command || run.has(command)) continue;
+    run.add(command);
+    const folder = fs.mkdtempSync(path.join(os.tmpdir(), "again-"));
+    execFileSync("sh", ["-c", `"$CERMCTL" ${command.slice("cermctl ".length)} ${process.env.AGAIN}`], { cwd: folder, stdio: ["ignore", "ignore", "inherit"] });
+    const [names, values, ...more] = fs.readFileSync(path.join(folder, "again", "points.csv"), "utf8").trim().split("\n").map((line) => line.split(","));
+    fs.rmSync(folder, { recursive: true });
+    const value = (column) => +values[names.indexOf(column)];
+    const rounded = (number) => String(+number.toPrecision(3));
+    const seconds = value("published_s") / (1 - value("no_number") - value("moving"));
+    const told = [`error ${rounded(value("rms_ohm"))} ohm`, `one reading in ${seconds >= 1 ? rounded(seconds) + " s" : rounded(1e3 * seconds) + " ms"}`];
+    check(more.length === 0 && told.every((part) => answer.includes(part)), `${name}: "${answer}", but measured again ${told}`);
+  }
+  check(run.size > 1, `${name}: the chooser names ${run.size} commands`);
+}
+
 (async () => {
   const options = ["--no-sandbox", "--disable-gpu", "--disable-quic", "--no-first-run", "--disable-background-networking", "--disable-component-update", "--disable-sync"];
   const browser = await chromium.launch({ executablePath: process.env.CHROMIUM || "/usr/bin/chromium", args: options });
@@ -90,6 +119,7 @@ async function used(name, page) {
       for (const overlap of await page.evaluate(overlaps)) check(false, `${name}: ${overlap}`);
       await used(name, page);
       await accessible(name, page);
+      if (process.env.CERMCTL && width > 1000) await measuredAgain(name, page);
     }
     await page.close();
   }
