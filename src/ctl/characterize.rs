@@ -164,3 +164,24 @@ fn provenance(source: Source, board: String, text: Option<String>, seed: Option<
     let version = env!("CARGO_PKG_VERSION").to_owned();
     Provenance { source, board, text, seed, version, date, command, later_commands: Vec::new() }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::config_file::config;
+
+    #[test]
+    fn what_stands_before_a_sensor_is_kept_and_no_scene_passes_for_another() {
+        let file = config(|c| c.channel("x").channel("y").set("channel.x.zero-ohm", 470.8));
+        let known = alone(file.parse());
+        assert_eq!((known.channels.len(), known.channels[0].zero_ohm), (1, Some(470.8)));
+        let mut file = file;
+        let unknown = alone(file.unset(&["channel.x.zero-ohm", "channel.x.scale"]).parse());
+        assert_eq!((unknown.channels[0].zero_ohm, unknown.channels[0].scale), (Some(0.0), Some(1.0)));
+
+        let text = Scene::text_of("pi4", Path::new("")).unwrap();
+        assert_eq!(named("pi4", &text), "pi4");
+        assert_eq!(named("hw/scenes/pi4.toml", &text), "pi4");
+        assert_eq!(named("mine/pi4.toml", &text.replace("2.2 uF", "1 uF")), "pi4.toml");
+    }
+}

@@ -205,4 +205,4 @@ pub fn readings(config: &Config, settings: &Settings, jitter: Option<Seconds>, f
 }
 
 #[cfg(test)]
-pub(in crate::ctl) mod tests;
+mod tests;

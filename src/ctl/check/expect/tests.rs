@@ -18,7 +18,7 @@ fn hardware(kind: &str, measure: &str) -> Config {
 }
 
 /// Of the readings of a board: the root mean square of errors and of what is stated, ohm, and how many came in a second.
-pub fn seen(scene: &Scene, settings: &Settings, r_ohm: f64, seed: u64) -> [f64; 3] {
+fn seen(scene: &Scene, settings: &Settings, r_ohm: f64, seed: u64) -> [f64; 3] {
     let sensor = Sensor::Constant(Ohm(settings.channels[0].as_read(r_ohm)));
     let scene = scene.clone().with_sensors(vec![sensor]).unwrap();
     let pins = SimPins::new(&scene, Some(crate::seed::seed(seed)));
