@@ -1,7 +1,7 @@
 //! A cell of a sweep: a board, how it is read, and what comes of it over many instruments.
 
 use super::change::Change;
-use super::limits::{COLD, SINCE_START, SWING, TOLERANCE, WARM};
+use super::limits::{COLD, LEAST_WARM, SINCE_START, SWING, TOLERANCE, WARM, WARM_CYCLES};
 use super::watch::{Found, Watch, watch};
 use crate::config::{Config, SettingsError};
 use crate::instrument::Instrument;
@@ -77,14 +77,14 @@ impl Cell {
     /// Seconds and ohm where it turns: always as fast, with the resistance in the middle, once through it in the time of all readings,
     /// or, where that would go too far, again and again.
     fn back_and_forth(&self, share_per_s: f64) -> Vec<(f64, f64)> {
-        let takes_s = self.seconds() - WARM.as_seconds();
+        let takes_s = self.seconds() - self.warm().as_seconds();
         let swing = SWING.min(0.5 * share_per_s * takes_s);
         let step_s = 2.0 * swing / share_per_s;
         // Without an offset, readings count late.
         let steps = ((COLD.as_seconds() + 2.0 * takes_s) / step_s).ceil() as u32;
         let turn = |index: u32| {
             let part = if index % 2 == 0 { 1.0 - swing } else { 1.0 + swing };
-            (WARM.as_seconds() + f64::from(index) * step_s, part * self.r_ohm)
+            (self.warm().as_seconds() + f64::from(index) * step_s, part * self.r_ohm)
         };
         (0..=steps).map(turn).collect()
     }
@@ -92,7 +92,7 @@ impl Cell {
     fn watch(&self, channel: &Channel) -> Watch {
         let (from, until) = match self.change {
             Some(Change::SinceStart) => (None, Nanos::from_seconds(SINCE_START[SINCE_START.len() - 1])),
-            _ => (Some(WARM), Nanos::MAX),
+            _ => (Some(self.warm()), Nanos::MAX),
         };
         let channel = channel.clone();
         Watch { channel, start: Nanos::ZERO, from, until, readings: self.readings }
@@ -133,6 +133,15 @@ impl Cell {
         }
     }
 
+    /// From when on readings count.
+    fn warm(&self) -> Nanos {
+        let [_, usual] = self.config.cycle(self.config.discharge(Ohm(self.r_ohm)));
+        match self.scene.clock_period {
+            Some(_) => Nanos::from_seconds(WARM_CYCLES * usual.0).clamp(LEAST_WARM, WARM),
+            None => WARM,
+        }
+    }
+
     /// How long an instrument runs, seconds on its own clock.
     pub fn seconds(&self) -> f64 {
         if self.change == Some(Change::SinceStart) {
@@ -140,7 +149,7 @@ impl Cell {
         }
         let [_, usual] = self.config.cycle(self.config.discharge(Ohm(self.r_ohm)));
         let each = self.config.average().map_or(usual.0, Nanos::as_seconds);
-        WARM.as_seconds() + self.readings as f64 * each
+        self.warm().as_seconds() + self.readings as f64 * each
     }
 
     /// About how many discharges all instruments take.

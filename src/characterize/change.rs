@@ -1,5 +1,6 @@
 //! What a cell has other than its board and configuration say.
 
+use super::limits::ALWAYS;
 use super::table::Vary;
 use crate::config::Config;
 use crate::instrument::settings::OffsetSource;
@@ -23,8 +24,8 @@ pub enum Change {
     Without(Effect),
     /// [`Vary::SinceStart`]; all rows of it come out of one run.
     SinceStart,
-    /// [`Vary::TimeLimit`].
-    TimeLimit(Seconds),
+    /// [`Vary::SwitchFraction`].
+    SwitchFraction(f64),
 }
 
 named! {
@@ -125,7 +126,9 @@ impl Change {
                     node.leakage_resistance = Some(r);
                 }
             }
-            Change::TimeLimit(t_l) => config.measure.t_l = Some(t_l.into()),
+            Change::SwitchFraction(fraction) => {
+                (config.measure.t_l, config.measure.switch_fraction) = (Some(ALWAYS), Some(fraction));
+            }
             Change::Speed(_) | Change::Without(_) | Change::SinceStart => {}
         }
         scene
@@ -141,7 +144,7 @@ impl Change {
             Change::Speed(share_per_s) => (Vary::Speed, share_per_s),
             Change::Without(effect) => return (Vary::Without, None, Some(effect.to_string())),
             Change::SinceStart => return (Vary::SinceStart, None, None),
-            Change::TimeLimit(t_l) => (Vary::TimeLimit, t_l.0),
+            Change::SwitchFraction(fraction) => (Vary::SwitchFraction, fraction),
         };
         (vary, Some(value), None)
     }

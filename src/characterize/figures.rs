@@ -94,7 +94,7 @@ pub fn filled(row: Row, found: &[Found], is_moving: bool) -> Row {
     let bounds: Option<Vec<f64>> = numbers.iter().map(|number| number.bound_ohm).collect();
     let figure = |value: Option<f64>| value.map(|value| rounded(value, DIGITS));
     let [t_ixa_rsd, t_ixb_rsd, t_c2a_rsd] = [0, 1, 2].map(|part| {
-        let known = found.iter().filter(|_| row.vary == Some(Vary::TimeLimit));
+        let known = found.iter().filter(|_| row.vary == Some(Vary::SwitchFraction));
         figure(rms(known.filter_map(|found| relative(found.inferred_ns.iter().map(|times| times[part])))))
     });
     let row = Row {

@@ -3,6 +3,7 @@
 //! | constant | value | unit | reason |
 //! |---|---|---|---|
 //! | `WARM`, `COLD` | 4, 30 | s | readings count from the first on, where state, noise and leaks are known; without an offset by the second they count as they are |
+//! | `WARM_CYCLES`, `LEAST_WARM` | 1000, 1 | cycles, s | the same with a common clock, where that is sooner: no stamp is late, nothing drifts |
 //! | `MOST_DISCHARGES`, `LEAST_INSTRUMENTS` | 3e5, 3 | | of a cell: a circuit for microseconds takes fewer instruments |
 //! | `LONGEST_MEAN` | 20 000 | cycles | the same of what is averaged |
 //! | `SINCE_START` | 0.05 to 10 | s | ends of the stretches in which settling is looked at |
@@ -13,12 +14,15 @@
 //! | `EFFECT_OHM`, `SETTLING_OHM` | | ohm | low, middle and high |
 //! | `JITTERS_S` to `SPEEDS` | | s, s, 1, ohm, 1/s | from what changes nothing to what nothing stands |
 //! | `PAPER_OHM`, `PAPER_READINGS` | 100 to 16 200; 500 | ohm | section V; sections IV and V name 100, 681, 15 010 and 16 200 ohm, the others are of E96 |
+//! | `PAPER_T_L`, `ALWAYS` | 12.32 us, 1 s | | section V: T_L = 616 cycles; longer than any discharge of the paper |
 //! | `DIGITS` | 6 | | significant digits of a figure in a table: no figure is known better |
 
 use crate::units::Nanos;
 
 pub const WARM: Nanos = Nanos(4_000_000_000);
 pub const COLD: Nanos = Nanos(30_000_000_000);
+pub const WARM_CYCLES: f64 = 1000.0;
+pub const LEAST_WARM: Nanos = Nanos(1_000_000_000);
 pub const MOST_DISCHARGES: f64 = 3e5;
 pub const LEAST_INSTRUMENTS: u64 = 3;
 pub const LONGEST_MEAN: f64 = 20_000.0;
@@ -43,3 +47,5 @@ pub const PAPER_OHM: [f64; 28] = [
     15_010.0, 16_200.0,
 ];
 pub const PAPER_READINGS: usize = 500;
+pub const PAPER_T_L: Nanos = Nanos(12_320);
+pub const ALWAYS: Nanos = Nanos(1_000_000_000);

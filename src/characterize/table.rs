@@ -44,8 +44,8 @@ named! {
         Without = "without",
         /// The readings up to so long after the start, from the row before on, s.
         SinceStart = "since-start",
-        /// The time limit T_L of eq. (19), s: below it crossings are inferred.
-        TimeLimit = "time-limit",
+        /// CERM infers at all resistances, by the first line of eq. (19): the switch, as a part of T_xA.
+        SwitchFraction = "switch-fraction",
     }
 }
 
@@ -120,7 +120,7 @@ pub struct Row {
     /// No unbiased estimate from the discharges that were taken is better (Cramer-Rao), calibration known exactly; of a mean
     /// that of all its discharges, ohm, 1 sigma.
     pub bound_ohm: Option<f64>,
-    /// Where the time limit is what is varied: standard deviation of the inferred crossing T_i,xA (16) of an instrument, as a
+    /// Where the switch is what is varied: standard deviation of the inferred crossing T_i,xA (16) of an instrument, as a
     /// part of its mean; root mean square over instruments.
     pub t_ixa_rsd: Option<f64>,
     /// The same of T_i,xB (18).

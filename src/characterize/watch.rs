@@ -82,7 +82,7 @@ pub struct Found {
     pub told: Vec<Told>,
     /// The time in which they were.
     pub times: Times,
-    /// Of each discharge that was switched to R_2: T_i,xA (16), T_i,xB (18), and T_c2A that they were inferred with, ns.
+    /// Of each discharge of the sensor that was switched to R_2: T_i,xA (16), T_i,xB (18), and T_c2A that they were inferred with, ns.
     pub inferred_ns: Vec<[f64; 3]>,
 }
 
@@ -134,11 +134,11 @@ pub fn watch<P: Pins>(
             if record.through == Through::C2 {
                 second = Some(*record);
             }
-            if account.at.is_some() {
-                let d_ns = instrument.cycle().estimator().offset().d_ns;
-                found.inferred_ns.extend(second.and_then(|second| inferred(record, &second, d_ns)));
-            }
             if record.through.channel().is_some() {
+                if account.at.is_some() {
+                    let d_ns = instrument.cycle().estimator().offset().d_ns;
+                    found.inferred_ns.extend(second.and_then(|second| inferred(record, &second, d_ns)));
+                }
                 let r_ohm = watch.channel.as_read(truth(instrument.pins(), record.start));
                 information =
                     information.zip(bound(instrument, record, r_ohm)).map(|(sum, bound)| sum + 1.0 / bound);

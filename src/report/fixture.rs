@@ -115,14 +115,19 @@ pub fn rows() -> Vec<Row> {
 pub fn papers_rows() -> Vec<Row> {
     let methods = [Method::Tpcm, Method::Tcdic, Method::Cerm, Method::Tracked].into_iter();
     let rows = methods.flat_map(|method| PAPER_OHM.map(|r_ohm| row(method, r_ohm)));
-    let inferred = PAPER_OHM.map(|r_ohm| Row {
-        vary: Some(Vary::TimeLimit),
-        vary_value: Some(1.0),
-        t_ixa_rsd: Some(5e-4 * (1.0 + r_ohm / 2000.0)),
-        t_ixb_rsd: Some(3e-4 * (1.0 + r_ohm / 2000.0)),
-        t_c2a_rsd: Some(3e-4),
+    let inferred = |r_ohm: f64, fraction: f64| Row {
+        vary: Some(Vary::SwitchFraction),
+        vary_value: Some(fraction),
+        t_ixa_rsd: Some(3.6e-4 / fraction),
+        t_ixb_rsd: Some(2.2e-4 / fraction),
+        t_c2a_rsd: Some(1.9e-4),
         ..row(Method::Cerm, r_ohm)
-    });
+    };
+    let early = PAPER_OHM.into_iter().filter(|r_ohm| *r_ohm > 681.0);
+    let inferred = PAPER_OHM
+        .map(|r_ohm| inferred(r_ohm, 1.0))
+        .into_iter()
+        .chain(early.map(|r_ohm| inferred(r_ohm, 721.0 / (r_ohm + 40.0))));
     let on_board = |row: Row| Row {
         scene: "fpga-paper".to_owned(),
         circuit: if row.method == Method::Tpcm { Kind::OneCapacitor } else { Kind::TwoCapacitor },

@@ -133,8 +133,8 @@ const OVER: [Over; 4] = [
         printed: None,
         write: ohms,
         highest_ohm: f64::INFINITY,
-        text: "The paper's CERM infers at all resistances here, by the first line of (19), and so does ours where it says so; beside it \
-               CERM with T_L. The paper's curves have no numbers.",
+        text: "The paper's CERM infers at all resistances here, by the first line of (19), and so does ours where it says so, with the \
+               switch after T_L at the latest; beside it CERM with T_L. The paper's curves have no numbers.",
     },
     Over {
         name: "paper-fig-6a",
@@ -167,7 +167,7 @@ fn over(over: &Over, rows: &[&Row], inferred: &[&Row]) -> Option<Figure> {
     let mut series: Vec<Series> =
         over.methods.iter().map(|method| measured(rows, *method, value, over.write)).collect();
     if over.name == FIG_5B {
-        series.push(simulated(inferred, (INFERRED, Method::Tracked), value, over.write));
+        series.push(simulated(&by_limit(inferred), (INFERRED, Method::Tracked), value, over.write));
     }
     for method in over.methods {
         let own = MAE.iter().filter(|(of, r_ohm, _)| of == method && *r_ohm <= over.highest_ohm);
@@ -179,40 +179,64 @@ fn over(over: &Over, rows: &[&Row], inferred: &[&Row]) -> Option<Figure> {
     figure(over.name, over.title, ["resistance", over.label], [ohms, over.write], series, over.text)
 }
 
-/// Fig. 5(a): how relative uncertainties of inferred times leave what (21) and (23) say of them. `rows`: inferred at all resistances.
-fn inferred_times(rows: &[&Row]) -> Option<Figure> {
-    let second: Vec<f64> = rows.iter().filter_map(|row| row.t_c2a_rsd).collect();
-    let second = (second.iter().map(|rsd| rsd * rsd).sum::<f64>() / second.len() as f64).sqrt();
-    let of = |name: &str, method: Method, rsd: fn(&Row) -> Option<f64>| {
+/// Those with the switch at T_L at the latest, as only then Fig. 5 is what the paper has.
+fn by_limit<'a>(inferred: &[&'a Row]) -> Vec<&'a Row> {
+    let is_early = |row: &Row| row.vary_value < Some(1.0);
+    let has_early = |row: &Row| inferred.iter().any(|other| other.r_ohm == row.r_ohm && is_early(other));
+    inferred.iter().filter(|row| is_early(row) || !has_early(row)).copied().collect()
+}
+
+/// What inferred times scatter by: with the switch where A crosses, and by T_L.
+fn inferred_times(inferred: &[&Row]) -> Vec<Series> {
+    let whole: Vec<&Row> = inferred.iter().filter(|row| row.vary_value == Some(1.0)).copied().collect();
+    let by_limit = by_limit(inferred);
+    let of = |name: &str, method: Method, rows: &[&Row], rsd: fn(&Row) -> Option<f64>| {
         simulated(rows, (name, method), |row| Some([row.r_ohm, rsd(row)?]), percent)
     };
-    let ours =
-        [of("T_i,xA", Method::Cerm, |row| row.t_ixa_rsd), of("T_i,xB", Method::Tcdic, |row| row.t_ixb_rsd)];
-    let all = || ours.iter().flat_map(|series| &series.points);
+    let hollow = |series: Series| Series {
+        line: format!("{} dash", series.line),
+        mark: series.mark.map(|(mark, class)| (mark, class.replace("full", "hollow"))),
+        ..series
+    };
+    vec![
+        hollow(of("T_i,xA, switch where A crosses", Method::Cerm, &whole, |row| row.t_ixa_rsd)),
+        hollow(of("T_i,xB, switch where A crosses", Method::Tcdic, &whole, |row| row.t_ixb_rsd)),
+        of("T_i,xA, switch by T_L", Method::Cerm, &by_limit, |row| row.t_ixa_rsd),
+        of("T_i,xB, switch by T_L", Method::Tcdic, &by_limit, |row| row.t_ixb_rsd),
+    ]
+}
+
+/// Fig. 5(a): how relative uncertainties of inferred times leave what (21) and (23) say of them.
+fn fig_5a(inferred: &[&Row]) -> Option<Figure> {
+    let ours = inferred_times(inferred);
     let ends = |of: fn(&Point) -> f64| {
-        let values = || all().map(of);
+        let values = || ours.iter().flat_map(|series| &series.points).map(of);
         [values().fold(f64::INFINITY, f64::min), values().fold(0.0, f64::max)]
     };
     let [x, y] = [ends(|point| point.x), ends(|point| point.y)];
-    let line = |name: &str, line: &str, ends: [[f64; 2]; 2]| Series {
+    let line = |name: &str, ink: &str, ends: [[f64; 2]; 2]| Series {
         name: name.to_owned(),
-        line: format!("{line} dash thin"),
+        line: format!("{ink} dots0 series"),
         mark: None,
         points: ends.map(|[x, y]| Point::new(x, y, String::new())).to_vec(),
         is_stairs: false,
     };
+    let second: Vec<f64> = inferred.iter().filter_map(|row| row.t_c2a_rsd).collect();
+    let second = (second.iter().map(|rsd| rsd * rsd).sum::<f64>() / second.len() as f64).sqrt();
     let level =
         |name: &str, method: Method, times: f64| line(name, &ink(method), x.map(|x| [x, times * second]));
-    let series = [
+    let printed = [
         level("(21): sqrt(3) u(T_c2A) / T_c2A", Method::Cerm, 3f64.sqrt()),
         level("(23): u(T_c2A) / T_c2A", Method::Tcdic, 1.0),
         line("T_L, printed: 681 ohm", "i6", y.map(|y| [PRINTED_LIMIT_OHM, y])),
     ];
-    let text = "Standard deviations as parts of their means, CERM inferring at all resistances. Dashed, level: what (21) and (23) say where R_x \
-                is low, from the simulated T_c2A. The paper prints no number of its curves but the resistance up to which they follow these lines.";
-    let series = series.into_iter().chain(ours).collect();
-    let (name, title) = ("paper-fig-5a", "Fig. 5(a): uncertainty of inferred times");
-    figure(name, title, ["resistance", "standard deviation, relative"], [ohms, percent], series, text)
+    let text = "Standard deviations as parts of their means, CERM inferring at all resistances. Dotted, level: (21) and (23), from the simulated \
+                T_c2A. The paper prints no number but the resistance up to which its curves follow these. Ours do so everywhere where the switch \
+                comes where A crosses, by factors of 330 nF / 22 nF in the place of sqrt(3) and 1, and only up to there where it comes after T_L \
+                at the latest.";
+    let labels = ["resistance", "standard deviation, relative"];
+    let series = printed.into_iter().chain(ours).collect();
+    figure("paper-fig-5a", "Fig. 5(a): uncertainty of inferred times", labels, [ohms, percent], series, text)
 }
 
 /// Over two logarithmic axes, as all of the paper's are drawn here.
@@ -291,7 +315,7 @@ pub fn figures(all: &[Row]) -> Vec<Figure> {
     if rows.is_empty() {
         return Vec::new();
     }
-    let inferred = varied(all, Some(Vary::TimeLimit));
+    let inferred = varied(all, Some(Vary::SwitchFraction));
     let [low, rest @ ..] = OVER.each_ref().map(|one| over(one, &rows, &inferred));
-    [low, inferred_times(&inferred)].into_iter().chain(rest).chain(forces(&rows)).flatten().collect()
+    [low, fig_5a(&inferred)].into_iter().chain(rest).chain(forces(&rows)).flatten().collect()
 }

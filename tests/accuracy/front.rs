@@ -61,7 +61,7 @@ made of; `report/points.csv` is the table, a row for each point ([the one of thi
 | `source`, `scene`, `seed` | `simulated`, `live` or `tape`; of what; of the first instrument |
 | `circuit`, `c_a_f`, `c_b_f`, `r_c1_ohm`, `r_c2_ohm` | the wiring and its parts |
 | `method`, `average_s` | how it is read; what is published is the mean over so long, empty: each reading |
-| `vary`, `vary_value`, `vary_name` | what is other than the scene says (`jitter`, `offset-error`: s; `capacitor`: times; `leakage`: ohm; `speed`: 1/s; `without`: an effect; `since-start`: s; `time-limit`: T_L, s) |
+| `vary`, `vary_value`, `vary_name` | what is other than the scene says (`jitter`, `offset-error`: s; `capacitor`: times; `leakage`: ohm; `speed`: 1/s; `without`: an effect; `since-start`: s; `switch-fraction`: CERM infers at all resistances, the switch at this part of T_xA) |
 | `r_ohm`, `instruments`, `readings` | the truth; how many instruments, and published readings of all of them |
 | `no_number`, `reason`, `settling`, `moving` | the share of readings without a number and the most frequent reason; of those whose u is a prior; of those that say that the sensor moves |
 | `bias_ohm`, `sd_ohm`, `rms_ohm` | mean error, standard deviation, root mean square error |
@@ -69,7 +69,7 @@ made of; `report/points.csv` is the table, a row for each point ([the one of thi
 | `u_ohm`, `coverage` | what is stated of the error, 1 sigma; the share of errors below twice that |
 | `published_s` | time for each published reading: the sum of `charge_s`, `discharge_s`, `calibration_s` and `overhead_s` |
 | `bound_ohm` | the Cramer-Rao bound of the discharges that were taken, calibration known exactly |
-| `t_ixa_rsd`, `t_ixb_rsd`, `t_c2a_rsd` | with a `time-limit` only: relative standard deviations of the times that eq. (16) and (18) infer, and of T_c2A (Fig. 5(a) of the paper) |
+| `t_ixa_rsd`, `t_ixb_rsd`, `t_c2a_rsd` | with a `switch-fraction` only: relative standard deviations of the times that eq. (16) and (18) infer, and of T_c2A (Fig. 5(a) of the paper) |
 
 To plot it with Python (`pip install matplotlib`):
 
@@ -174,8 +174,8 @@ fn the_table_is_what_is_measured() {
         cells.iter().filter(|cell| cell.change.is_none()).partition(|cell| cell.config.average().is_some());
     let mut some: Vec<&Cell> = single.into_iter().filter(|cell| cell.r_ohm == 16_200.0).collect();
     some.push(means.into_iter().min_by(by_cost).unwrap());
-    // A time limit is of the paper's board alone.
-    for vary in Vary::ALL.into_iter().filter(|vary| *vary != Vary::TimeLimit) {
+    // Switches are varied on the paper's board alone.
+    for vary in Vary::ALL.into_iter().filter(|vary| *vary != Vary::SwitchFraction) {
         let own = cells.iter().filter(|cell| cell.change.is_some_and(|change| change.columns().0 == vary));
         some.push(own.min_by(by_cost).unwrap());
     }
