@@ -136,10 +136,10 @@ impl Cell {
     /// From when on readings count.
     fn warm(&self) -> Nanos {
         let [_, usual] = self.config.cycle(self.config.discharge(Ohm(self.r_ohm)));
-        match self.scene.clock_period {
-            Some(_) => Nanos::from_seconds(WARM_CYCLES * usual.0).clamp(LEAST_WARM, WARM),
-            None => WARM,
+        if self.scene.clock_period.is_none() || self.config.is_tracked() {
+            return WARM;
         }
+        Nanos::from_seconds(WARM_CYCLES * usual.0).clamp(LEAST_WARM, WARM)
     }
 
     /// How long an instrument runs, seconds on its own clock.

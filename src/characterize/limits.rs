@@ -3,7 +3,7 @@
 //! | constant | value | unit | reason |
 //! |---|---|---|---|
 //! | `WARM`, `COLD` | 4, 30 | s | readings count from the first on, where state, noise and leaks are known; without an offset by the second they count as they are |
-//! | `WARM_CYCLES`, `LEAST_WARM` | 1000, 1 | cycles, s | the same with a common clock, where that is sooner: no stamp is late, nothing drifts |
+//! | `WARM_CYCLES`, `LEAST_WARM` | 2000, 2 | cycles, s | the same with a common clock and without a tracked state, where that is sooner: u is within 1 % of what it becomes |
 //! | `MOST_DISCHARGES`, `LEAST_INSTRUMENTS` | 3e5, 3 | | of a cell: a circuit for microseconds takes fewer instruments |
 //! | `LONGEST_MEAN` | 20 000 | cycles | the same of what is averaged |
 //! | `SINCE_START` | 0.05 to 10 | s | ends of the stretches in which settling is looked at |
@@ -21,8 +21,8 @@ use crate::units::Nanos;
 
 pub const WARM: Nanos = Nanos(4_000_000_000);
 pub const COLD: Nanos = Nanos(30_000_000_000);
-pub const WARM_CYCLES: f64 = 1000.0;
-pub const LEAST_WARM: Nanos = Nanos(1_000_000_000);
+pub const WARM_CYCLES: f64 = 2000.0;
+pub const LEAST_WARM: Nanos = Nanos(2_000_000_000);
 pub const MOST_DISCHARGES: f64 = 3e5;
 pub const LEAST_INSTRUMENTS: u64 = 3;
 pub const LONGEST_MEAN: f64 = 20_000.0;

@@ -3,9 +3,8 @@
 use super::cell::Cell;
 use super::change::{Change, Effect};
 use super::limits::{
-    AVERAGES, CAPACITORS, DIGITS, EFFECT_OHM, FRONT_OHM, JITTERS_S, LEAKAGES_OHM, LEAST_INSTRUMENTS,
-    LONGEST_MEAN, MAP_OHM, MOST_DISCHARGES, OFFSET_ERRORS_S, PAPER_OHM, PAPER_READINGS, PAPER_T_L,
-    SETTLING_OHM, SPEEDS,
+    AVERAGES, CAPACITORS, EFFECT_OHM, FRONT_OHM, JITTERS_S, LEAKAGES_OHM, LEAST_INSTRUMENTS, LONGEST_MEAN,
+    MAP_OHM, MOST_DISCHARGES, OFFSET_ERRORS_S, PAPER_OHM, PAPER_READINGS, PAPER_T_L, SETTLING_OHM, SPEEDS,
 };
 use crate::circuit::{Kind, Node};
 use crate::config::{ChannelTable, Config, Measure, Mock, backend};
@@ -133,7 +132,8 @@ impl Sweep {
         let circuit = backend::circuit_of(&self.scene.clone().with_kind(Kind::TwoCapacitor)?);
         let limit = |r_ohm: f64| {
             let t_xa_s = circuit.g(Node::A)?.0 * (r_ohm + circuit.r_o.0);
-            Some(rounded(PAPER_T_L.as_seconds() / t_xa_s, DIGITS)).filter(|fraction| *fraction < 1.0)
+            // T_L has three digits: at 681 ohm it is where A crosses.
+            Some(rounded(PAPER_T_L.as_seconds() / t_xa_s, 3)).filter(|fraction| *fraction < 1.0)
         };
         let whole = PAPER_OHM.map(|r_ohm| (r_ohm, 1.0)).into_iter();
         Ok(whole.chain(PAPER_OHM.into_iter().filter_map(|r_ohm| Some((r_ohm, limit(r_ohm)?)))).collect())
