@@ -5,8 +5,10 @@
 use super::error::{ChardevError, as_io, is_gone};
 use gpiocdev_uapi::{v1, v2};
 use serde::Serialize;
-use std::fs::{File, OpenOptions};
+use std::fs::{File, Metadata, OpenOptions};
 use std::io;
+use std::os::fd::AsRawFd;
+use std::os::unix::fs::{FileTypeExt, MetadataExt, OpenOptionsExt};
 use std::path::{Path, PathBuf};
 
 /// Where the kernel's device nodes are.
@@ -65,7 +67,7 @@ impl Chip {
         let refuse = |call: &'static str, source: io::Error| {
             ChardevError::call(call, path.display().to_string(), source, path)
         };
-        let file = OpenOptions::new().read(true).write(true).open(path).map_err(|e| refuse("open", e))?;
+        let file = open_node(path).map_err(|e| refuse("open", e))?;
         let info = v2::get_chip_info(&file).map_err(|e| refuse("GET_CHIPINFO", as_io(e)))?;
         let lines: Result<_, _> = (0..info.num_lines).map(|offset| line(&file, offset)).collect();
         let lines = lines.map_err(|e| refuse("GET_LINEINFO", as_io(e)))?;
@@ -100,6 +102,25 @@ impl Chip {
         let held = offsets.iter().filter_map(|offset| line(&self.file, *offset).ok());
         explain_busy(error, &held.filter(|line| line.used).collect::<Vec<_>>())
     }
+}
+
+/// Opens a device node unless it is another device's: to open one may do something, such as start a watchdog. What was looked at
+/// is what is opened, whatever the path leads to by then.
+fn open_node(path: &Path) -> io::Result<File> {
+    let looked_at = OpenOptions::new().read(true).custom_flags(libc::O_PATH).open(path)?;
+    if is_another_device(&looked_at.metadata()?) {
+        return Err(io::Error::from_raw_os_error(libc::ENOTTY));
+    }
+    OpenOptions::new().read(true).write(true).open(format!("/proc/self/fd/{}", looked_at.as_raw_fd()))
+}
+
+/// By what the kernel tells of device nodes; where it tells nothing, the first call will.
+fn is_another_device(node: &Metadata) -> bool {
+    let (major, minor) = (libc::major(node.rdev()), libc::minor(node.rdev()));
+    let subsystem = std::fs::read_link(format!("/sys/dev/char/{major}:{minor}/subsystem"));
+    let is_of_gpio = |link: PathBuf| link.file_name().is_some_and(|name| name == "gpio");
+    node.file_type().is_block_device()
+        || (node.file_type().is_char_device() && subsystem.is_ok_and(|link| !is_of_gpio(link)))
 }
 
 /// What a refused request for edges of `line` means: a chip that is still there has no interrupt for it. For which lines it
@@ -277,6 +298,18 @@ mod tests {
         let error = find_in(dev.path(), "pinctrl-rp1").unwrap_err();
         assert!(matches!(&error, ChardevError::Call { call: "GET_CHIPINFO", .. }), "{error}");
         assert!(error.to_string().contains("not a GPIO chip"), "{error}");
+    }
+
+    #[test]
+    fn another_device_is_not_opened() {
+        let null = std::fs::metadata("/dev/null").unwrap();
+        assert!(is_another_device(&null) || !Path::new("/sys/dev/char/1:3").exists());
+        let dev = tempfile::tempdir().unwrap();
+        std::os::unix::fs::symlink("/dev/null", dev.path().join("link")).unwrap();
+        for wanted in ["/dev/null", dev.path().join("link").to_str().unwrap()] {
+            let error = find_in(dev.path(), wanted).unwrap_err().to_string();
+            assert!(error.contains("not a GPIO chip"), "{error}");
+        }
     }
 
     #[test]
