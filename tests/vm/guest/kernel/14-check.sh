@@ -85,3 +85,14 @@ for line in GPIO16 GPIO20 GPIO21; do held $line "output open-drain bias-disabled
 [ "$(grep -c 'held by "cermd"' found)" = 7 ] || fail "other lines are held, too"
 stop_cermd
 [ "$(cat $parameters/conflicts)" = 0 ] || fail "lines drove against each other"
+
+echo "== a second daemon on the same lines"
+start_cermd cermd.toml
+sed 's|^socket = .*|socket = "/run/cermd/second.sock"|' cermd.toml >second.toml
+status=0
+timeout 20 cermd --config second.toml >second 2>&1 || status=$?
+cat second
+[ $status = 1 ] || fail "exit status $status"
+grep -F '("cermd")' second || fail "it does not say who holds which line"
+cermctl get || fail "the first one does not serve any more"
+stop_cermd
