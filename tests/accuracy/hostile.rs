@@ -5,6 +5,7 @@
 //! names hold one of these, and `CERMD_BOARDS=10` ten times as many boards of each. A case that does not hold is marked in
 //! [`rows`], and fails once it holds.
 
+mod page;
 mod rows;
 mod tapes;
 
@@ -190,10 +191,11 @@ fn judge<R: FnOnce() -> Seen>(title: &str, trials: impl Iterator<Item = Trial<R>
         "{title} (simulated)\n{:52} method     R/ohm      within 2u      rms z  median u  rms error  numbers  wild\n",
         ""
     );
-    let (mut failures, mut readings, mut wild) = (String::new(), 0, 0);
+    let (mut failures, mut readings, mut wild, mut part) = (String::new(), 0, 0, page::Part::default());
     for trial in trials.filter(|trial| chosen.split(',').any(|part| trial.name.contains(part))) {
         let seen = (trial.run)();
         (readings, wild) = (readings + seen.readings, wild + seen.errors.wild);
+        part.add(trial.name, trial.method, trial.r_ohm, &seen, trial.fails);
         let mut line = format!("{:52} {:7} {:8} {seen}", trial.name, trial.method.as_str(), trial.r_ohm);
         let (may_hold, may_fail) = seen.holds(trial.least_numbers);
         if (!trial.fails && !may_hold) || (trial.fails && !may_fail) {
@@ -205,6 +207,7 @@ fn judge<R: FnOnce() -> Seen>(title: &str, trials: impl Iterator<Item = Trial<R>
     }
     println!("{table}{readings} readings, {wild} beyond 10 sigma that neither settle nor move");
     assert!(failures.is_empty(), "\n{table}\nnot as marked:\n{failures}");
+    part.check(title);
 }
 
 /// Runs the rows of a table.
