@@ -205,6 +205,7 @@ impl Cycle {
 
     /// What to do next, `now` being the time.
     pub fn next(&mut self, now: Nanos) -> Next {
+        self.asked = now;
         if self.step == Step::Start {
             (self.began, self.cycle_began) = (now, now);
             while self.next_sensor(0).is_none() {
@@ -214,7 +215,6 @@ impl Cycle {
             self.estimator.advance(now);
             self.step = self.next_calibration(None);
         }
-        self.asked = now;
         let plan = match self.step {
             Step::Sensor(channel) => match self.failed {
                 Some(fault) => match self.failing(channel, fault, now) {

@@ -136,6 +136,11 @@ impl Model {
         [self.charge[last], discharge, self.board.calls_s]
     }
 
+    /// What corrects a calibration that is followed: R_2 as far as the first node, s.
+    pub fn calibration_s(&self) -> f64 {
+        self.charge[0] + self.g[0] * (self.circuit.r_c2.0 + self.circuit.r_o.0) + self.board.calls_s
+    }
+
     /// The reading of a resistance with the least variance times time, both in their shares.
     pub fn reading(&self, r_ohm: f64) -> Option<Shares> {
         let path = r_ohm + self.r_lim + self.circuit.r_o.0;

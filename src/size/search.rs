@@ -141,7 +141,7 @@ fn judged(need: &Need, board: &Board, share: f64, mut design: Design) -> Option<
             design.deadline = Some(Nanos((longest_s * 1e6) as i64 * 1000));
         }
     }
-    let calibration_s = CALIBRATIONS * model.second().iter().sum::<f64>();
+    let calibration_s = CALIBRATIONS * model.calibration_s();
     let (mut most, mut worst, mut mean_s) = (f64::NEG_INFINITY, None, 0f64);
     for r_ohm in need.resistances(POINTS) {
         let shares = model.reading(r_ohm)?;

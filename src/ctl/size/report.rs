@@ -168,7 +168,7 @@ fn runner_up(asked: &Asked, found: &[Rehearsed]) -> Vec<String> {
         Some(_) => format!("{} times the error asked for", rounded(second.error, 2)),
         None => format!("an error of {} %", rounded(100.0 * second.error, 2)),
     };
-    let enough = if second.meets { "" } else { ", which is not enough" };
+    let enough = if second.meets { "" } else { ": not enough" };
     let mut lines = vec![
         String::new(),
         format!(" Runner-up, {}: {}:", second.price, parts(&second.design)),

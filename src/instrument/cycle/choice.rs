@@ -9,7 +9,7 @@ use crate::circuit::Node;
 use crate::estimate::Estimator;
 use crate::estimate::law::{D, Route, d_ns};
 use crate::estimate::method::tracked::Solution;
-use crate::instrument::limits::{CLEAR_NS, HYSTERESIS, RESTLESS, SHORTEST_TAIL_NS, SWITCH_FRACTIONS};
+use crate::instrument::limits::{CHATTER, CLEAR_NS, RESTLESS, SHORTEST_TAIL_NS, SWITCH_FRACTIONS};
 use crate::record::{Switch, Through};
 use crate::units::Nanos;
 
@@ -58,7 +58,7 @@ impl Choice {
 pub fn best(estimator: &Estimator, terms: &Terms, in_use: Option<Choice>) -> Option<Choice> {
     let is_in_use = |choice: &Choice| in_use.is_some_and(|used| used.index == choice.index);
     let priced = considered(terms).filter_map(|choice| priced(estimator, terms, choice)).map(|choice| {
-        let factor = if is_in_use(&choice) { HYSTERESIS } else { 1.0 };
+        let factor = if is_in_use(&choice) { CHATTER } else { 1.0 };
         (factor * choice.price, choice)
     });
     priced.min_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, choice)| choice)

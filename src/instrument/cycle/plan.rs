@@ -13,7 +13,7 @@ use crate::estimate::scatter::expected_ns;
 use crate::instrument::discharge::Charge;
 use crate::instrument::limits::{
     B_FORGOTTEN, B_LEFT_ALONE, CALIBRATION_PAYS, HYSTERESIS, LONGEST_IDLE, OFFSET_SHARE, OUTLIERS_OF_DOUBT,
-    RESTLESS_KEEPS, RETRY_EARLIER, YOUNG, YOUNG_EVERY,
+    RESTLESS_KEEPS, RETRY_EARLIER, YOUNG, YOUNG_EVERY, YOUNG_PAUSE,
 };
 use crate::instrument::settings::Charges;
 use crate::sensor::Channel;
@@ -307,12 +307,12 @@ impl Cycle {
         let is_doubted = tracker.is_doubted()
             || self.memory.iter().any(|memory| memory.is_startled || memory.outliers >= OUTLIERS_OF_DOUBT);
         // How noisy all is has to be known, too, before a plan can trust it: each kind of discharge in turn.
-        if self.young < YOUNG && self.since_calibration >= YOUNG_EVERY {
+        let is_due = |pause| self.calibrated_at.is_none_or(|at| self.asked - at > pause);
+        if self.young < YOUNG && (self.since_calibration >= YOUNG_EVERY || is_due(YOUNG_PAUSE)) {
             let kind = CalibrationKind::ALL[self.young as usize % 3];
             return Some((kind, best.1));
         }
-        let is_old = self.calibrated_at.is_none_or(|at| self.asked - at > LONGEST_IDLE);
-        (pays > CALIBRATION_PAYS || is_doubted || is_old).then_some(best)
+        (pays > CALIBRATION_PAYS || is_doubted || is_due(LONGEST_IDLE)).then_some(best)
     }
 }
 
