@@ -3,7 +3,7 @@
 use crate::stream::limits::serving::{
     CLIENTS, CLIENTS_KEPT, CLIENTS_OF_A_USER, OTHER_DESCRIPTORS, QUEUE_LINES, SEND_BUFFER_BYTES,
 };
-use nix::sys::resource::{Resource, getrlimit, setrlimit};
+use nix::sys::resource::{Resource, getrlimit, rlim_t, setrlimit};
 use nix::sys::socket::{self, sockopt};
 use nix::unistd::Uid;
 use std::os::unix::net::UnixStream;
@@ -40,7 +40,8 @@ impl Limits {
     /// The default, with no more clients than this process has descriptors for, of which it takes as many as it may: a
     /// client that cannot even be accepted waits without a word, root as well.
     pub fn of_this_process() -> Limits {
-        let wanted = (CLIENTS + OTHER_DESCRIPTORS) as u64;
+        // What the limit is a number of is another type on 32 bits.
+        let wanted = (CLIENTS + OTHER_DESCRIPTORS) as rlim_t;
         let allowed = getrlimit(Resource::RLIMIT_NOFILE).map_or(wanted, |(soft, hard)| {
             let raised = wanted.min(hard);
             let is_raised = soft < raised && setrlimit(Resource::RLIMIT_NOFILE, raised, hard).is_ok();
