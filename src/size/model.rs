@@ -131,14 +131,17 @@ impl Model {
 
     /// A full discharge of R_2 to the last node in its shares: charge, discharge, calls, s.
     pub fn second(&self) -> [f64; 3] {
-        let last = self.nodes.len() - 1;
-        let discharge = self.g[last] * (self.circuit.r_c2.0 + self.circuit.r_o.0);
-        [self.charge[last], discharge, self.board.calls_s]
+        self.second_to(self.nodes.len() - 1)
     }
 
     /// What corrects a calibration that is followed: R_2 as far as the first node, s.
     pub fn calibration_s(&self) -> f64 {
-        self.charge[0] + self.g[0] * (self.circuit.r_c2.0 + self.circuit.r_o.0) + self.board.calls_s
+        self.second_to(0).iter().sum()
+    }
+
+    fn second_to(&self, node: usize) -> [f64; 3] {
+        let discharge = self.g[node] * (self.circuit.r_c2.0 + self.circuit.r_o.0);
+        [self.charge[node], discharge, self.board.calls_s]
     }
 
     /// The reading of a resistance with the least variance times time, both in their shares.

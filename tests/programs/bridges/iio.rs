@@ -52,12 +52,17 @@ const INPUT: &str = "READ iio:device0 INPUT resistance1 input";
 const STATUS: &str = "READ iio:device0 INPUT resistance1 status";
 const ENODATA: i64 = -61;
 
+/// A bridge with these arguments beside its address, that address, and a client.
+fn serving(daemon: &Daemon, arguments: &[&str]) -> (Bridge, SocketAddr, Client) {
+    let bridge = Bridge::start(daemon, &[&["bridge", "iio", "--listen", "127.0.0.1:0"], arguments].concat());
+    let address = bridge.says("serving ip:").parse().unwrap();
+    (bridge, address, Client::new(address))
+}
+
 #[test]
 fn a_client_reads_attributes_and_buffers() {
     let mut daemon = Daemon::start();
-    let mut bridge = Bridge::start(&daemon, &["bridge", "iio", "--listen", "127.0.0.1:0", "--stale", "1 s"]);
-    let address = bridge.says("serving ip:").parse().unwrap();
-    let mut client = Client::new(address);
+    let (mut bridge, _, mut client) = serving(&daemon, &["--stale", "1 s"]);
     client.send("VERSION");
     assert_eq!(client.line(), "0.24.cermd00");
     until_so("a reading", || client.text(STATUS).as_deref() == Ok("ok"));
@@ -106,9 +111,7 @@ fn a_client_reads_attributes_and_buffers() {
 #[test]
 fn nonsense_is_refused() {
     let daemon = Daemon::start();
-    let bridge = Bridge::start(&daemon, &["bridge", "iio", "--listen", "127.0.0.1:0"]);
-    let address = bridge.says("serving ip:").parse().unwrap();
-    let mut client = Client::new(address);
+    let (_bridge, address, mut client) = serving(&daemon, &[]);
     until_so("a daemon", || client.text("PRINT").is_ok());
     for (command, errno) in [
         ("HELLO", -22),
@@ -144,9 +147,7 @@ fn nonsense_is_refused() {
 #[test]
 fn clients_that_say_nothing_make_room_for_one_that_asks() {
     let daemon = Daemon::start();
-    let bridge = Bridge::start(&daemon, &["bridge", "iio", "--listen", "127.0.0.1:0"]);
-    let address = bridge.says("serving ip:").parse().unwrap();
-    let mut talking = Client::new(address);
+    let (_bridge, address, mut talking) = serving(&daemon, &[]);
     until_so("a daemon", || talking.text("PRINT").is_ok());
     let since = Instant::now();
     let _silent: Vec<Client> = (0..31).map(|_| Client::new(address)).collect();
