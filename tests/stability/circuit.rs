@@ -1,5 +1,6 @@
 //! Circuits at the edge of what the equations allow, and circuits that do not stay what they are.
 
+use crate::charged::Charged;
 use crate::common::chance::{Figure, Verdict, mean_of, share_below, sigmas};
 use crate::common::seed::rng;
 use crate::common::{Errors, read, settle};
@@ -32,17 +33,6 @@ fn expect_errors(it: &mut Scenario, method: Method, errors: &Errors, predicted: 
     );
 }
 
-/// The error of a published method whose sensor's discharge runs in full.
-fn published(method: Method, parts: &Parts, r_ohm: f64) -> Option<f64> {
-    let equation = match method {
-        Method::Tpcm => paper::tpcm,
-        Method::Tcdic => paper::tcdic,
-        _ => return None,
-    };
-    let times = Times::of(parts, r_ohm, 0.0);
-    Some(times.scatter(PI4_NOISE.of_times(parts, r_ohm), |times| equation(parts, times)))
-}
-
 /// What Cramer and Rao allow to a discharge in full.
 fn bound(parts: &Parts, noise: Noise, r_ohm: f64) -> f64 {
     let sigma = noise.sigma(parts, r_ohm);
@@ -60,8 +50,8 @@ pub fn node_b() -> Scenario {
     );
     for method in [Method::Tpcm, Method::Tcdic, Method::Cerm, Method::Tracked] {
         let errors = board.errors(method, r_ohm, 40, 100);
-        if let Some(predicted) = published(method, &parts, r_ohm) {
-            expect_errors(&mut it, method, &errors, predicted);
+        if let Some(charged) = Charged::new(&board, method, r_ohm) {
+            expect_errors(&mut it, method, &errors, charged.error(0.0));
         }
         if method == Method::Tracked {
             let of_bound = errors.rms_ratio(bound(&parts, PI4_NOISE, r_ohm));
@@ -101,8 +91,8 @@ pub fn close_resistors() -> Scenario {
     for method in Method::ALL {
         let (errors, usual) =
             (board.errors(method, r_ohm, 40, 100), Board::quiet(Parts::PI4).errors(method, r_ohm, 40, 100));
-        if let Some(predicted) = published(method, &parts, r_ohm) {
-            expect_errors(&mut it, method, &errors, predicted);
+        if let Some(charged) = Charged::new(&board, method, r_ohm) {
+            expect_errors(&mut it, method, &errors, charged.error(0.0));
         }
         // The walk of `tracked`, never assumed slower than a drift, counts as much more as the noise does.
         let most = if method == Method::Tracked { 1.0 / 1.3 } else { 1.0 - FIRST_ORDER };
@@ -208,32 +198,10 @@ pub fn fast_drift() -> Scenario {
     it
 }
 
-/// Charges in which a change of the supply is remembered.
-const REMEMBERED: usize = 15;
-
-/// By how much A and B are off at the start of discharges, when the supply was 1 V off in one charge: in this and in later ones.
-/// A is charged alone, which leaves B its charge; then both are, for half a time constant of B.
-fn remembered(parts: &Parts) -> [[f64; 2]; REMEMBERED] {
-    const STEPS: u32 = 2000;
-    let (Parts { c_a, c_b, .. }, mut charge_of_b) = (*parts, 0.0);
-    std::array::from_fn(|ago| {
-        let supply = f64::from(u8::from(ago == 0));
-        let (mut a, mut b) = (supply, (charge_of_b + c_a * supply) / (c_a + c_b));
-        // In units of Rp + Ro, which all of it has in common.
-        let dt = 0.5 * (c_a + c_b) / f64::from(STEPS);
-        for _ in 0..STEPS {
-            let [i_a, i_b] = [supply - a, supply - b];
-            (a, b) = (a + dt * (i_a / c_a + (i_a + i_b) / c_b), b + dt * (i_a + i_b) / c_b);
-        }
-        charge_of_b = c_b * b + c_a * (b - a);
-        [a, b]
-    })
-}
-
 /// The supply changes from charge to charge, V rms.
 const SUPPLY: f64 = 5e-3;
 
-/// Pins whose supply has another voltage at each charge.
+/// Pins whose supply has another voltage whenever charging lines switch.
 struct Restless {
     inner: SimPins,
     rng: ChaCha8Rng,
@@ -280,42 +248,16 @@ fn restless_errors(board: &Board, method: Method, r_ohm: f64) -> Errors {
 
 pub fn restless_supply() -> Scenario {
     let (board, r_ohm) = (Board::quiet(Parts::PI4), 5000.0);
-    let parts = board.parts;
     let mut it = Scenario::new(
         "V_DD changes from charge to charge by 5 mV rms, 5 kohm",
         "the numbers are true, and the error is below 0.15 %",
         "0..20",
     );
-    // Of a discharge through R, when the supply was another so many charges ago.
-    let remembered = remembered(&parts);
-    let by_supply = |r: f64, ago: i32| {
-        let c_t = parts.c_a * parts.c_b / (parts.c_a + parts.c_b);
-        let (k, left) = (parts.c_a / (parts.c_a + parts.c_b), (-parts.g()[1] / c_t).exp());
-        let [a, b] = usize::try_from(ago).map_or([0.0; 2], |ago| remembered[ago]);
-        [a, (b - k * a * (1.0 - left)) / (k * left)].map(|by| SUPPLY / V_DD * c_t * by * (r + R_O))
-    };
-    let exact = Times::of(&parts, r_ohm, 0.0);
-    for (method, equation) in [(Method::Tpcm, paper::tpcm as paper::Equation), (Method::Tcdic, paper::tcdic)]
-    {
-        // The discharges of a cycle and those before it.
-        let of_supply: f64 = (-12..3)
-            .map(|charge| {
-                let late = |r, place| by_supply(r, place - charge);
-                let late = Times {
-                    c1: late(parts.r_c1, 0),
-                    c2: late(parts.r_c2, 1),
-                    x: late(r_ohm, 2),
-                    switch: 0.0,
-                };
-                (equation(&parts, &exact.plus(late)) - r_ohm).powi(2)
-            })
-            .sum();
-        let of_noise = exact.scatter(PI4_NOISE.of_times(&parts, r_ohm), |times| equation(&parts, times));
-        let errors = restless_errors(&board, method, r_ohm);
-        expect_errors(&mut it, method, &errors, (of_supply + of_noise * of_noise).sqrt());
-    }
     for method in Method::ALL {
         let errors = restless_errors(&board, method, r_ohm);
+        if let Some(charged) = Charged::new(&board, method, r_ohm) {
+            expect_errors(&mut it, method, &errors, charged.error(SUPPLY));
+        }
         let good = is_true(&errors) & errors.rms_ratio(r_ohm).below(0.0015);
         it.cell_of(method, truth(&errors, r_ohm), &errors, good, method == Method::Tracked);
     }
