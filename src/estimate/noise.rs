@@ -197,6 +197,11 @@ impl Noise {
             Covariance { aa, bb, ab: shared.at(a_ns, b_ns).clamp(0.0, most) }
         }))
     }
+
+    /// What of the covariance of two crossings is the instant of their start, ns².
+    pub fn of_start(&self, covariance: &Covariance) -> f64 {
+        self.learned.map_or(0.0, |learned| learned.shared.constant.clamp(0.0, covariance.ab))
+    }
 }
 
 /// Covariance of both crossings: S + s T_A T_B, ns².

@@ -18,7 +18,6 @@
 use crate::estimate::limits::{BEYOND_NOISE, FEWEST_ROUNDS};
 use crate::estimate::noise::{Covariance, Noise};
 use crate::estimate::scatter::{MEDIAN_DEVIATION, SwitchScatter, expected_ns, mean, median};
-use crate::reading::Measured;
 use crate::record::{Record, UNLIKE_CALLS};
 
 /// What the split calibration found; each uncertainty is 1 sigma.
@@ -66,6 +65,27 @@ struct Round {
     u_switch_ns: f64,
     /// Of D, as far as it is due to its crossings, ns²; `None` while the noise is not known.
     variance: Option<f64>,
+}
+
+/// Where most values are: a spike is elsewhere.
+#[derive(Clone, Copy)]
+struct Usual {
+    middle: f64,
+    limit: f64,
+}
+
+impl Usual {
+    fn of(scratch: &mut Vec<f64>, values: impl Iterator<Item = f64>) -> Usual {
+        scratch.clear();
+        scratch.extend(values);
+        let middle = median(scratch);
+        scratch.iter_mut().for_each(|value| *value = (*value - middle).abs());
+        Usual { middle, limit: BEYOND_NOISE * median(scratch) / MEDIAN_DEVIATION }
+    }
+
+    fn has(self, value: f64) -> bool {
+        (value - self.middle).abs() <= self.limit
+    }
 }
 
 /// Collects rounds of a split calibration, the last ones up to a number.
@@ -149,12 +169,8 @@ impl SplitCalibration {
         if self.rounds.len() < FEWEST_ROUNDS {
             return None;
         }
-        self.scratch.clear();
-        self.scratch.extend(self.rounds.iter().map(|round| round.d_ns));
-        let middle = median(&mut self.scratch);
-        self.scratch.iter_mut().for_each(|d_ns| *d_ns = (*d_ns - middle).abs());
-        let limit = BEYOND_NOISE * median(&mut self.scratch) / MEDIAN_DEVIATION;
-        let kept = self.rounds.iter().filter(|round| (round.d_ns - middle).abs() <= limit);
+        let usual = Usual::of(&mut self.scratch, self.rounds.iter().map(|round| round.d_ns));
+        let kept = self.rounds.iter().filter(|round| usual.has(round.d_ns));
         let mean_of =
             |of: fn(&Round) -> f64| mean(kept.clone().map(of)).and_then(|mean| Some((mean.value, mean.u?)));
         let (d, r_o) = (mean_of(|round| round.d_ns)?, mean_of(|round| round.r_o_ohm)?);
@@ -164,13 +180,13 @@ impl SplitCalibration {
         let u_common_ns = UNLIKE_CALLS * mean_of(|round| round.u_switch_ns)?.0;
 
         let slope = (self.r2_ohm + r_o.0) / (self.r1_ohm + r_o.0);
-        let known =
-            kept.filter_map(|round| Some((round.difference_ns - slope * round.s_ns, round.variance?)));
+        let late_ns = |round: &Round| (round.difference_ns - slope * round.s_ns) / slope;
+        let usual = Usual::of(&mut self.scratch, kept.clone().map(late_ns));
         let mut scatter = SwitchScatter::default();
-        if let Some(Measured { value, .. }) = mean(known.clone().map(|(misfit, _)| misfit)) {
-            known.for_each(|(misfit, variance)| {
-                scatter.add((misfit - value) / slope, variance / (slope * slope))
-            });
+        for round in kept.filter(|round| usual.has(late_ns(round))) {
+            if let Some(variance) = round.variance {
+                scatter.add(late_ns(round) - usual.middle, variance / (slope * slope), round.u_switch_ns);
+            }
         }
         Some(Offset {
             d_ns: d.0,

@@ -30,75 +30,118 @@ pub fn expected_ns(record: &Record) -> f64 {
     record.u_switch_ns.unwrap_or(UNKNOWN_SWITCH_NS)
 }
 
+/// What squares have shown so far.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+struct Squares {
+    /// The mean square, and what of it something else explains, ns².
+    mean: f64,
+    rest: f64,
+    /// Of how many.
+    count: f64,
+}
+
+impl Squares {
+    /// `weight`: by nothing that the value itself has a part in, or small ones would weigh more than great ones.
+    fn add(&mut self, value: f64, rest: f64, weight: f64, most: f64) {
+        self.count = (self.count + weight).min(most);
+        let share = if self.count > 0.0 { weight / self.count } else { 0.0 };
+        self.mean += (value * value - self.mean) * share;
+        self.rest += (rest - self.rest) * share;
+    }
+
+    /// By how much the variance is greater than what is explained, ns²; negative by chance.
+    fn excess(&self) -> f64 {
+        self.mean - self.rest
+    }
+
+    /// 1 sigma of that, ns²; that of nothing is infinite.
+    fn u(&self) -> f64 {
+        if self.count > 0.0 { self.mean.max(self.rest) * (2.0 / self.count).sqrt() } else { f64::INFINITY }
+    }
+}
+
 /// How much the time from a start to a switch scatters: what split discharges show of it, against what is to be expected of
 /// calls of that length.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct SwitchScatter {
-    /// Of variances, ns^-4, and the sum of what each has told with its weight, ns^-2.
-    weight: f64,
-    excess: f64,
-    /// By how much successive readings of a sensor differ, as times of their switches: mean square, what of it is not the
-    /// switches', ns², and of how many.
-    readings: [f64; 3],
+    /// By how much split discharges seem to have been switched late.
+    splits: Squares,
+    /// By how much successive readings of a sensor differ, as times of their switches.
+    readings: Squares,
 }
 
 impl SwitchScatter {
     /// Takes by how much a split discharge seems to have been switched late, ns, and the variance that this would have if
-    /// switches did not scatter, ns².
-    pub fn add(&mut self, late_ns: f64, steady: f64) {
-        let spread = self.likely().max(0.0) + steady;
-        let weight = 1.0 / (2.0 * spread * spread);
-        let keep = 1.0 - 1.0 / SCATTER_MEMORY;
-        self.excess = keep * self.excess + weight * (late_ns * late_ns - steady);
-        self.weight = keep * self.weight + weight;
+    /// switches did not scatter, ns²; `expected_ns`: by the length of calls.
+    pub fn add(&mut self, late_ns: f64, steady: f64, expected_ns: f64) {
+        let expected = expected_ns * expected_ns;
+        let weight = if expected > 0.0 { (expected / (expected + steady)).powi(2) } else { 1.0 };
+        self.splits.add(late_ns, steady, weight, SCATTER_MEMORY);
     }
 
     /// One that is known from elsewhere, 1 sigma, ns.
     pub fn of(u_ns: f64) -> SwitchScatter {
-        let variance = u_ns * u_ns;
-        let weight = if variance > 0.0 { SCATTER_MEMORY / (2.0 * variance * variance) } else { 0.0 };
-        SwitchScatter { weight, excess: weight * variance, ..SwitchScatter::default() }
+        let mut scatter = SwitchScatter::default();
+        scatter.splits.add(u_ns, 0.0, SCATTER_MEMORY, SCATTER_MEMORY);
+        scatter
     }
 
     /// What the discharges alone say of it, 1 sigma, ns; `None` of none.
     pub fn found_ns(&self) -> Option<f64> {
-        (self.weight > 0.0).then(|| self.u_ns(UNKNOWN_SWITCH_NS))
+        (self.splits.count > 0.0).then(|| self.u_ns(UNKNOWN_SWITCH_NS))
     }
 
     /// Takes by how much a reading of a sensor is beside those before and after it, as a time of their switches, ns: at rest
     /// by no less than these scatter. `steady`: the variance if they did not, ns².
     pub fn add_reading(&mut self, beside_ns: f64, steady: f64) {
-        let [mean, rest, count] = &mut self.readings;
-        *count = (*count + 1.0).min(READINGS_OF_SCATTER[1]);
-        *mean += (beside_ns * beside_ns - *mean) / *count;
-        *rest += (steady - *rest) / *count;
+        self.readings.add(beside_ns, steady, 1.0, READINGS_OF_SCATTER[1]);
     }
 
     /// No steadier than this are switches if the sensor is at rest, and steadier if it is not, ns².
     fn bound(&self) -> f64 {
-        let [mean, rest, count] = self.readings;
-        if count < READINGS_OF_SCATTER[0] {
+        if self.readings.count < READINGS_OF_SCATTER[0] {
             return f64::INFINITY;
         }
-        (mean - rest).max(0.0) + mean.max(rest) * (2.0 / count).sqrt()
-    }
-
-    /// What the discharges alone say, ns²; may be negative by chance.
-    fn likely(&self) -> f64 {
-        if self.weight > 0.0 { self.excess / self.weight } else { 0.0 }
+        self.readings.excess().max(0.0) + self.readings.u()
     }
 
     /// 1 sigma, ns, and as much more as is not known of it; `expected_ns`: by the length of calls, which may be wrong by as
     /// much as it is, or as the discharges say, but is not less steady than readings are.
     pub fn u_ns(&self, expected_ns: f64) -> f64 {
         let expected = (expected_ns * expected_ns).min(self.bound());
-        let doubt = expected.max(self.likely());
-        let weight = if doubt > 0.0 { 1.0 / (doubt * doubt) } else { 0.0 };
-        let all = weight + self.weight;
+        let doubt = expected.max(self.splits.excess());
+        let [prior, shown] = [doubt, self.splits.u()].map(|u| if u > 0.0 { 1.0 / (u * u) } else { 0.0 });
+        let all = prior + shown;
         if all <= 0.0 {
             return expected_ns;
         }
-        let variance = (weight * expected + self.excess) / all;
+        let variance = (prior * expected + shown * self.splits.excess()) / all;
         (variance.max(0.0) + SCATTER_DOUBT * (1.0 / all).sqrt()).sqrt()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::seed::rng;
+    use rand::RngExt;
+    use rand_distr::StandardNormal;
+
+    /// Instruments that begin by chance with small values must not believe them for ever.
+    #[test]
+    fn every_instrument_finds_the_scatter_to_what_its_sample_tells() {
+        let (true_ns, steady) = (1900.0, 100.0);
+        let found = |seed: u64| {
+            let (mut rng, mut scatter) = (rng(seed), SwitchScatter::default());
+            for _ in 0..64 {
+                scatter.add(true_ns * rng.sample::<f64, _>(StandardNormal), steady, 6700.0);
+            }
+            scatter.u_ns(6700.0)
+        };
+        let mut found: Vec<f64> = (0..400).map(found).collect();
+        found.sort_unstable_by(f64::total_cmp);
+        // 64 values tell a sigma to 9 %.
+        let [low, middle, high] = [20, 200, 379].map(|index: usize| found[index] / true_ns);
+        assert!(low > 0.8 && (0.95..1.15).contains(&middle) && high < 1.35, "{low} {middle} {high}");
     }
 }

@@ -195,6 +195,7 @@ impl Tracker {
             let state = [slope[0], slope[1], r_o_ohm, offset.d_ns, 0.0, 0.0, 0.0];
             // While little is known no gate keeps a spike out, and what fits it is rejected afterwards: then the
             // rounds are seen again without the first one. If that never helps, there are new rounds.
+            self.scatter = offset.scatter;
             self.ready = (0..BEGINNINGS).any(|skipped| self.fits(state, &rounds[skipped..]));
             if self.ready {
                 self.noise.expect_what_comes();
@@ -206,7 +207,7 @@ impl Tracker {
 
     /// Lets the filter see rounds, starting from almost no knowledge; whether they fit.
     fn fits(&mut self, state: State, rounds: &[[Record; 3]]) -> bool {
-        (self.state, self.scatter) = (state, SwitchScatter::default());
+        self.state = state;
         self.open();
         self.at = rounds[0][0].start;
         let mut rejected = 0;
@@ -339,7 +340,11 @@ impl Tracker {
         }
         self.learn_misfit(kind, &gain, innovation, seen);
         self.learn_walk(kind, &gain, &states, innovation);
-        self.learn_scatter(by_switch, &gain.by_state.plus(&crossings), innovation, seen);
+        // The first rounds have told their scatter as they told the state: they are not beside it as strangers are.
+        if self.ready {
+            let steady = gain.by_state.plus(&crossings);
+            self.learn_scatter(by_switch, &steady, innovation, seen, expected_ns(record));
+        }
         for index in 0..UNKNOWNS {
             self.state[index] += gain.of[index][0] * innovation[0] + gain.of[index][1] * innovation[1];
         }

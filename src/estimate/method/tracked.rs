@@ -213,6 +213,12 @@ impl Fit {
         let [a, b] = of_nodes(&|one| one.by_crossing(near));
         // Covariance of the residuals by noise and switch, and with what is not known of the state.
         let mut own = Covariance { aa: a * a * noise.aa, bb: b * b * noise.bb, ab: a * b * noise.ab };
+        // A late start is in the crossing of A, and in the time until the switch, not in how long B takes after it. It is half
+        // of what a switch scatters by.
+        if let [Some(Equation { next: None, .. }), Some(Equation { next: Some(_), .. })] = nodes {
+            let start = (0.5 * u_switch_ns * u_switch_ns).min(noise.aa);
+            own.ab += a * a * start - a * b * tracker.noise().of_start(noise);
+        }
         let by_switch = of_nodes(&|one| one.by_switch(near));
         own.add_outer(by_switch.map(|by| by * u_switch_ns));
         let rows = nodes.map(|node| node.map_or(State::default(), |one| one.by_state(state, near)));

@@ -62,17 +62,18 @@ impl Tracker {
     }
 
     /// How late the switch seems to have been by the nodes that were seen, and how well they would tell it if it never
-    /// scattered; `steady`: the innovation's covariance then.
+    /// scattered; `steady`: the innovation's covariance then; `expected_ns`: as in [`Tracker::u_switch_ns`].
     pub(super) fn learn_scatter(
         &mut self,
         by: [f64; 2],
         steady: &Covariance,
         innovation: [f64; 2],
         seen: [bool; 2],
+        expected_ns: f64,
     ) {
         let Some(inverse) = steady.inverse(seen).filter(|_| by[0] != 0.0) else { return };
         let (weights, information) = (inverse.times(by), inverse.of(by[0], by[1]));
         let late_ns = (weights[0] * innovation[0] + weights[1] * innovation[1]) / information;
-        self.scatter.add(late_ns, 1.0 / information);
+        self.scatter.add(late_ns, 1.0 / information, expected_ns);
     }
 }
