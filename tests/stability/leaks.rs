@@ -1,8 +1,11 @@
 //! Leakage at node A, from a defect to nothing: from where on it is told, and what it does to a reading where it is not.
 
+use crate::common::chance::{Figure, sigmas};
 use crate::common::{Bench, Errors, read, settle};
 use crate::paper::Parts;
+use crate::switching::PI4_NOISE;
 use cermd::reading::{Fault, Method, Reading, Status};
+use std::f64::consts::FRAC_PI_2;
 use std::fmt::Write;
 
 const SEEDS: std::ops::Range<u64> = 1..13;
@@ -14,16 +17,30 @@ const TO_FOLLOW: usize = 2000;
 const SENSORS: [f64; 3] = [100.0, 1000.0, 16_200.0];
 /// Leaks, ohm; the last one is none.
 const LEAKS: [f64; 8] = [150e3, 300e3, 1e6, 3e6, 10e6, 30e6, 100e6, f64::INFINITY];
+/// How long a look is held, and how many are remembered.
+const HELD_S: f64 = 40e-3;
+const LOOKS: f64 = 16.0;
+/// What a leak does half-way is what it does on average but for this part.
+const HALF_WAY: f64 = 0.1;
 /// Of the readings of all seeds, in every cell.
 const LEAST_COVERAGE: f64 = 0.93;
 
 /// What the instruments of a cell said.
 #[derive(Default)]
 struct Seen {
-    /// Those found, in parts of the real one.
-    found: Vec<f64>,
+    /// Those found, siemens.
+    found: Vec<Figure>,
     refused: usize,
     errors: Errors,
+}
+
+/// A leak by the median of looks, each of which tells it by a crossing of A through Rc2 and another one.
+fn found(siemens: f64) -> Figure {
+    let parts = Parts::PI4;
+    let [lost_s, _] =
+        PI4_NOISE.sigma(&parts, parts.r_c2).map(|sigma| (2.0 * FRAC_PI_2 / LOOKS).sqrt() * sigma);
+    let u = lost_s / (HELD_S * parts.r_c2);
+    Figure { value: siemens, u, margin: sigmas() * u }
 }
 
 fn measure(method: Method, r_ohm: f64, leak_ohm: f64) -> Seen {
@@ -38,7 +55,7 @@ fn measure(method: Method, r_ohm: f64, leak_ohm: f64) -> Seen {
             seen.refused += usize::from(reading.status == Status::Fault(Fault::Leakage));
             seen.errors.add(reading, r_ohm);
         });
-        seen.found.extend(instrument.stats().leak_siemens.map(|siemens| 1.0 / siemens / leak_ohm));
+        seen.found.extend(instrument.stats().leak_siemens.map(found));
     }
     seen
 }
@@ -56,7 +73,7 @@ fn examine(method: Method, r_ohm: f64, leak_ohm: f64) -> (String, String) {
         }
         return ("leakage".to_owned(), wrong);
     }
-    let are_right = seen.found.iter().all(|ratio| leak_ohm.is_finite() && (0.5..1.5).contains(ratio));
+    let are_right = seen.found.iter().all(|found| found.is(1.0 / leak_ohm, HALF_WAY / leak_ohm));
     let are_found = seen.found.len() == seeds || leak_ohm > 3e6;
     let shorts = seen.errors.not_ok.iter().filter(|status| **status == "short").count();
     if !are_right || !are_found || seen.refused > 0 || seen.errors.count() + shorts < readings * 9 / 10 {
