@@ -150,6 +150,8 @@ pub const REJECTED_OF_A_STEP: u32 = 3;
 /// wander; g relative, beside how fast it drifts, which is part of the state; Ro in ohm, for the temperature of a board changes
 /// in minutes.
 pub const SLOWEST_WALK: [f64; 3] = [0.01, 2e-5, 0.01];
+/// The same as long as nothing has been seen of them: of Ro what a pin does whose driver heats up.
+pub const WALK_AT_FIRST: [f64; 3] = [0.01, 2e-5, 0.3];
 /// How fast either g may change at first, 1/s: 1 % in a minute.
 pub const RATE_AT_FIRST: f64 = 2e-4;
 /// How fast that itself walks, per root second.
@@ -162,9 +164,13 @@ pub const FASTEST_WALK: [f64; 3] = [2.0, 2e-3, 5.0];
 pub const LEARN_WALK: f64 = 0.3;
 /// Innovations that a trend is the mean of, at the least and at the most.
 pub const TREND_OF: [f64; 2] = [8.0, 512.0];
+/// The last innovations, in whose mean a state that lags shows soon.
+pub const LAST_OF: f64 = 16.0;
+/// If that is so many sigma from nothing.
+pub const LAST_SHOWS: f64 = 4.0;
 /// Where nothing speaks for a faster walk it becomes slower by so much in as many innovations as a trend is the mean of, in the
 /// square of a sigma.
-pub const WALK_CALM: f64 = 0.8;
+pub const WALK_CALM: f64 = 0.5;
 /// Discharges of a kind that its mean innovation is taken over.
 pub const MISFIT_OF: f64 = 64.0;
 /// Mean innovations contradict the state when their mean square is so many times what chance makes it: of six it is more

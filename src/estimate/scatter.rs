@@ -75,7 +75,7 @@ impl SwitchScatter {
     /// switches did not scatter, ns²; `expected_ns`: by the length of calls.
     pub fn add(&mut self, late_ns: f64, steady: f64, expected_ns: f64) {
         let expected = expected_ns * expected_ns;
-        let weight = if expected > 0.0 { (expected / (expected + steady)).powi(2) } else { 1.0 };
+        let weight = if expected > 0.0 { (1.0 + steady / expected).powi(-2) } else { 1.0 };
         self.splits.add(late_ns, steady, weight, SCATTER_MEMORY);
     }
 

@@ -10,7 +10,7 @@ use crate::circuit::Node;
 use crate::estimate::law::{Crossing, D, D_B, R_O, Route, State, UNKNOWNS};
 use crate::estimate::limits::{
     BEGINNINGS, FIRST_ROUNDS, INNOVATION_GATE, LATE_NS, MOST_REJECTED, RATE_AT_FIRST, REJECTED_OF_A_STEP,
-    SLOWEST_WALK, SPLIT_FRACTION,
+    SPLIT_FRACTION, WALK_AT_FIRST,
 };
 use crate::estimate::noise::{Covariance, Noise};
 use crate::estimate::offset::{Offset, SplitCalibration};
@@ -58,10 +58,11 @@ pub struct Tracker {
     state: State,
     covariance: Matrix,
     at: Nanos,
-    /// How fast d, g and Ro walk, and the running mean of the innovations that tell it, in sigma: each by one kind of
-    /// discharge.
+    /// How fast d, g and Ro walk, and the running means of the innovations that tell it, in sigma, of as many as the state
+    /// remembers and of the last few: each by one kind of discharge.
     walk: [f64; 3],
     trend: [f64; 3],
+    last_trend: [f64; 3],
     /// What each crossing of each kind of discharge is beside its expectation on average, in sigma.
     means: [[f64; 2]; 3],
     rejected_in_row: u32,
@@ -98,8 +99,9 @@ impl Tracker {
             state: State::default(),
             covariance: Matrix::default(),
             at: Nanos::ZERO,
-            walk: SLOWEST_WALK,
+            walk: WALK_AT_FIRST,
             trend: [0.0; 3],
+            last_trend: [0.0; 3],
             means: [[0.0; 2]; 3],
             rejected_in_row: 0,
             counts: Counts::default(),

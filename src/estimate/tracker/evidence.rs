@@ -5,7 +5,7 @@ use super::Tracker;
 use super::gain::Gain;
 use crate::estimate::law::{D, R_O, State, UNKNOWNS};
 use crate::estimate::limits::{
-    FASTEST_WALK, LEARN_WALK, MISFIT_OF, MISFIT_SHOWS, SLOWEST_WALK, TREND_OF, WALK_CALM,
+    FASTEST_WALK, LAST_OF, LAST_SHOWS, LEARN_WALK, MISFIT_OF, MISFIT_SHOWS, SLOWEST_WALK, TREND_OF, WALK_CALM,
 };
 use crate::estimate::noise::Covariance;
 use crate::record::CalibrationKind;
@@ -30,10 +30,16 @@ impl Tracker {
         // A walk that lags shows in as many innovations as the state is the mean of.
         let remembered = gain.remembered(by).clamp(TREND_OF[0], TREND_OF[1]);
         let (walk, trend) = (&mut self.walk[kind as usize], &mut self.trend[kind as usize]);
-        let faster = LEARN_WALK * (away * *trend - WALK_CALM / remembered);
-        *walk = (*walk * faster.clamp(-4.0 * LEARN_WALK, 4.0 * LEARN_WALK).exp())
+        let last = &mut self.last_trend[kind as usize];
+        let mut faster = away * *trend - WALK_CALM / remembered;
+        // One that has just begun to lag need not wait until it is all that the state remembers.
+        if last.abs() > LAST_SHOWS * (2.0 * LAST_OF - 1.0).sqrt().recip() {
+            faster = faster.max(away * *last);
+        }
+        *walk = (*walk * (LEARN_WALK * faster.clamp(-4.0, 4.0)).exp())
             .clamp(SLOWEST_WALK[kind as usize], FASTEST_WALK[kind as usize]);
         *trend += (away - *trend) / remembered;
+        *last += (away - *last) / LAST_OF;
     }
 
     /// A state that is right leaves nothing over on average, whatever the kind of discharge.
