@@ -21,6 +21,12 @@ const STEPS: u32 = 500;
 /// V_A and V_B.
 type Volts = [f64; 2];
 
+/// When A and B cross, and how that scatters, s.
+struct Crossings {
+    at: [f64; 2],
+    sigma: [f64; 2],
+}
+
 /// A method that takes a calibration of its own in each cycle.
 pub struct Charged {
     parts: Parts,
@@ -62,16 +68,16 @@ impl Charged {
     fn cycle(&self, noise: Noise, supply: impl Fn(usize) -> f64) -> (Times, Times) {
         let parts = &self.parts;
         let mut volts = [V_DD; 2];
-        let found: [([f64; 2], [f64; 2]); CHARGES] = std::array::from_fn(|n| {
+        let crossings: [Crossings; CHARGES] = std::array::from_fn(|n| {
             let r = [parts.r_c1, parts.r_c2, self.r_ohm][n % 3] + R_O;
             self.charge(&mut volts, [supply(2 * n), supply(2 * n + 1)]);
             self.discharge(&mut volts, r, noise)
         });
-        let of = |get: fn(&([f64; 2], [f64; 2])) -> [f64; 2]| {
-            let [c1, c2, x] = [3, 2, 1].map(|back| get(&found[CHARGES - back]));
+        let last = |of: fn(&Crossings) -> [f64; 2]| {
+            let [c1, c2, x] = [3, 2, 1].map(|back| of(&crossings[CHARGES - back]));
             Times { c1, c2, x, switch: 0.0 }
         };
-        (of(|(times, _)| *times), of(|(_, sigma)| *sigma))
+        (last(|crossings| crossings.at), last(|crossings| crossings.sigma))
     }
 
     fn charge(&self, volts: &mut Volts, supply: [f64; 2]) {
@@ -96,7 +102,7 @@ impl Charged {
     }
 
     /// Through `r`, Ro included: the crossings of A and B, and how they scatter. Leaves what is there when the sink lets go.
-    fn discharge(&self, volts: &mut Volts, r: f64, noise: Noise) -> ([f64; 2], [f64; 2]) {
+    fn discharge(&self, volts: &mut Volts, r: f64, noise: Noise) -> Crossings {
         let Parts { c_a, c_b, v_th, .. } = self.parts;
         let (tau, k) = (r * c_a * c_b / (c_a + c_b), c_a / (c_a + c_b));
         let [a, b] = *volts;
@@ -106,6 +112,6 @@ impl Charged {
         let times = a_at.map(|left| tau * (a / left).ln());
         let left = a * (-(times[self.last.index()] + RELEASE) / tau).exp();
         *volts = [left, b - k * (a - left)];
-        (times, slope.map(|slope| noise.jitter.hypot(noise.voltage / slope)))
+        Crossings { at: times, sigma: slope.map(|slope| noise.jitter.hypot(noise.voltage / slope)) }
     }
 }
