@@ -78,3 +78,8 @@ build_package() {
     SOURCE_DATE_EPOCH=1767225600 dpkg-deb --root-owner-group -b "$out/newer" "$out/newer.deb" >/dev/null
     rm -rf "$out/newer"
 }
+
+# build_armhf: the programs for 32-bit boards, static, in $cache/build/armhf.
+build_armhf() {
+    CERMD_VM_CACHE=$cache "$root_of_crate/packaging/build" --programs "$cache/build/armhf" armhf
+}

@@ -29,6 +29,7 @@ image_package() {
     done
     image_tests "$root" $system_suite
     cp "$cache/build/packages-vm"/*.deb "$root/test"
+    cp -r "$cache/build/armhf" "$root/test"
     pack_initramfs "$root" package
 }
 

@@ -1,0 +1,23 @@
+# The programs of a 32-bit board, which 64-bit kernels run as well: their calls to the kernel have another layout.
+. /test/lib.sh
+PATH=/test/armhf:$PATH
+[ "$(head -c 5 "$(command -v cermd)" | od -An -tx1 | tr -d ' ')" = 7f454c4601 ] || fail "this is no 32-bit program"
+cermd --version
+for backend in chardev chardev-v1; do
+    echo "== $backend"
+    for ohm in 100 1000 16200; do
+        circuit r_mohm "2320000,12700000,${ohm}000,0"
+        write_configuration cermd.toml method=tracked backend=$backend
+        start_cermd cermd.toml
+        until_true 200 sh -c "cermctl get --json | grep '\"status\":\"ok\"' | grep -v '\"settling\":true'" ||
+            fail "$ohm ohm: no reading that has settled: $(cermctl get --json)"
+        cermctl get --json | tee reading
+        stop_cermd
+        [ "$(cat /sys/kernel/debug/gpio-cermd/outputs)" = 0 ] || fail "lines drive"
+        field() { sed -n "s/.*\"$1\":\([0-9.]*\).*/\1/p" reading; }
+        mawk -v r="$(field r_ohm)" -v u="$(field r_u_ohm)" -v true="$ohm" 'BEGIN {
+            print r - true " ohm off, u " u
+            exit !(u > 0 && u < 0.02 * true && (r - true) ^ 2 < 16 * u * u)
+        }' || fail "that is not $ohm ohm"
+    done
+done
