@@ -37,6 +37,7 @@ impl Config {
             nominal: Nanos::from_seconds(circuit.crossing(Node::A, circuit.r_c1).unwrap_or_default().0),
             drain: self.drain_time(),
             charge: self.charges(),
+            charge_ohm: self.measure.charge_time.is_none().then_some([circuit.r_charge.0, circuit.r_o.0]),
             settle: self.settle_time(),
             deadline: self.deadline(),
             period: self.period(),

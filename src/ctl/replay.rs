@@ -75,6 +75,7 @@ impl Replay {
             nominal: Nanos::ZERO,
             drain: Nanos::ZERO,
             charge: Charges::alike(Charge::alone(Nanos::ZERO)),
+            charge_ohm: None,
             settle: Nanos::ZERO,
             deadline: Nanos::MAX,
             period: None,

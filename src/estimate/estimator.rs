@@ -1,7 +1,7 @@
 //! The estimator: the calibration that is in force, uncertainty by propagation, and the states of a reading.
 
 use crate::circuit::Node;
-use crate::estimate::limits::UNTOLD_SWITCH_NS;
+use crate::estimate::limits::{BEYOND_NOISE, UNTOLD_SWITCH_NS};
 use crate::estimate::mean::Basis;
 use crate::estimate::method::tracked::{self, Observed, Solution};
 use crate::estimate::method::{Scale, Switched, Switching, Times, dual};
@@ -258,9 +258,11 @@ impl Estimator {
     }
 
     /// Whether the uncertainty of an estimate is more prior than evidence.
-    fn is_settling(&self, record: &Record, branch: Branch) -> bool {
-        let is_untold = branch == Branch::Inferred && self.told_switch_ns(record).is_none();
-        is_untold || self.leak_is_prior || !self.noise().is_known()
+    fn is_settling(&self, record: &Record, Estimate { branch, r_ohm, basis }: &Estimate) -> bool {
+        let is_untold = *branch == Branch::Inferred && self.told_switch_ns(record).is_none();
+        let by_offset = r_ohm.u.map_or(0.0, |u| u * u - basis.own);
+        let is_early = self.offset().is_unknown() && by_offset > basis.own;
+        is_untold || is_early || self.leak_is_prior || !self.noise().is_known()
     }
 
     /// What a discharge goes on through after a switch, ohm.
@@ -283,8 +285,15 @@ impl Estimator {
     /// The times of an estimate, and which equation is to be used.
     fn times(&self, record: &Record) -> Result<(Times<f64>, Branch), Fault> {
         let (c1, c2) = self.calibration().ok_or(Fault::NoCalibration)?;
-        let ordered = (0..self.nodes).all(|node| c2[node] > c1[node] && c1[node] > self.offset().d_ns);
-        let nodes_ordered = self.nodes == 1 || (c1[1] > c1[0] && c2[1] > c2[0]);
+        // Crossings that are closer than their noise may come in any order.
+        let by_noise = |crossings| {
+            let noise = self.noise().covariance(crossings).unwrap_or_default();
+            BEYOND_NOISE * noise.aa.max(noise.bb).sqrt()
+        };
+        let early = by_noise(c1);
+        let ordered =
+            (0..self.nodes).all(|node| c2[node] > c1[node] && c1[node] > self.offset().d_ns - early);
+        let nodes_ordered = self.nodes == 1 || (c1[1] > c1[0] - early && c2[1] > c2[0] - by_noise(c2));
         if !ordered || !nodes_ordered {
             return Err(Fault::Implausible);
         }
@@ -299,7 +308,7 @@ impl Estimator {
             _ => {}
         }
         let x = self.existing(record.crossings());
-        if x.into_iter().flatten().any(|crossing| crossing < 0.0) || last <= d {
+        if x.into_iter().flatten().any(|crossing| crossing < 0.0) || last <= d - early {
             return Err(Fault::Implausible);
         }
         let switch = switch.map(|switch| Switched { at: switch.at_ns, on: switch.on_ns });

@@ -6,7 +6,9 @@
 //! that takes charge in or gives it back looks the same.
 //!
 //! What a leak at node A does to a reading: a discharge through R takes g (R+Ro) / (1 + G (R+Ro)), and two-point calibration
-//! makes of it a resistance that is too high between R_1 and R_2 and too low elsewhere: [`error_ohm`].
+//! makes of it a resistance that is too high between R_1 and R_2 and too low elsewhere: [`error_ohm`]. Where R_2 sinks beside the
+//! sensor (QERM), the leak takes the same part in the discharge as in that of R_2 alone and cancels: T_x* is g (R_x+Ro), and
+//! only the calibration is wrong.
 
 #[cfg(doc)]
 use crate::estimate::limits::LEAK_HELD_AT;
@@ -76,8 +78,13 @@ pub fn siemens_by(lost_ns: f64, r_ohm: f64) -> f64 {
 }
 
 /// By how much a leak at node A makes a reading of `r_ohm` too high (or too low, where negative), ohm; `None`: no
-/// resistance is too high for it.
-pub fn error_ohm(siemens: f64, [r1, r2]: [f64; 2], r_ohm: f64) -> Option<f64> {
+/// resistance is too high for it. `sinks_beside`: R_2 sinks with the sensor.
+pub fn error_ohm(siemens: f64, [r1, r2]: [f64; 2], r_ohm: f64, sinks_beside: bool) -> Option<f64> {
+    if sinks_beside {
+        // The chord itself.
+        let [t1, t2] = [r1, r2].map(|r| r / (1.0 + siemens * r));
+        return Some(r_ohm - t1 - (r_ohm - r1) / (r2 - r1) * (t2 - t1));
+    }
     // The chord from R_1 to R_2 taken for the curve r / (1 + G r), the other way round.
     let left = 1.0 + siemens * (r2 + r1 - r_ohm);
     (left > 0.0).then(|| siemens * (r_ohm - r1) * (r2 - r_ohm) / left)
@@ -119,10 +126,25 @@ mod tests {
         let time = |r: f64| r / (1.0 + siemens * r);
         for r_ohm in [1.0, 100.0, 1000.0, 2320.0, 6000.0, 12_700.0, 30_000.0, 1e6] {
             let found = r1 + (time(r_ohm) - time(r1)) / (time(r2) - time(r1)) * (r2 - r1);
-            let error = error_ohm(siemens, [r1, r2], found).unwrap();
+            let error = error_ohm(siemens, [r1, r2], found, false).unwrap();
             assert!((error - (found - r_ohm)).abs() < 1e-9 * r_ohm, "{r_ohm}: {found} {error}");
         }
-        assert_eq!(error_ohm(siemens, [r1, r2], 200_000.0), None);
+        assert_eq!(error_ohm(siemens, [r1, r2], 200_000.0, false), None);
+    }
+
+    #[test]
+    fn beside_r_2_a_leak_spoils_the_calibration_alone() {
+        let (g, siemens, [r1, r2]) = (0.5, 1e-6, [470.0, 13_170.0]);
+        let alone = |r: f64| g / (1.0 / r + siemens);
+        for r_ohm in [1000.0, 5000.0, 40_000.0] {
+            // g = s/R_x + T3 (1/R_2 + G), with the sensor released half-way.
+            let s = 0.5 * g / (1.0 / r_ohm + 1.0 / r2 + siemens);
+            let t3 = (g - s / r_ohm) / (1.0 / r2 + siemens);
+            let t_x = s * alone(r2) / (alone(r2) - t3);
+            let found = r1 + (t_x - alone(r1)) / (alone(r2) - alone(r1)) * (r2 - r1);
+            let error = error_ohm(siemens, [r1, r2], found, true).unwrap();
+            assert!((error - (found - r_ohm)).abs() < 1e-9 * r_ohm, "{r_ohm}: {found} {error}");
+        }
     }
 
     #[test]

@@ -18,6 +18,8 @@ pub const RESOLVED: f64 = 6.0;
 pub const HIGHEST_R_O_OHM: f64 = 200.0;
 /// No kernel stamps crossings later on average, ns.
 pub const LATEST_STAMP_NS: f64 = 100_000.0;
+/// The latency offset as long as nobody has found it, ns, 1 sigma: boards stamp 4 to 20 us late on average (hw/scenes).
+pub const UNKNOWN_OFFSET_NS: f64 = 20_000.0;
 /// The noise of crossings as long as it is not known, ns, 1 sigma: kernels of boards were found to stamp within 7 us
 /// (hw/scenes).
 pub const UNKNOWN_JITTER_NS: f64 = 10_000.0;

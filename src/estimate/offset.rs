@@ -15,7 +15,7 @@
 //! spoilt are left out. What the scatter does not show is an error of s that is the same each time: the line that starts
 //! the discharge is sunk, the one that ends s is released ([`UNLIKE_CALLS`], type B).
 
-use crate::estimate::limits::{BEYOND_NOISE, FEWEST_ROUNDS};
+use crate::estimate::limits::{BEYOND_NOISE, FEWEST_ROUNDS, UNKNOWN_OFFSET_NS};
 use crate::estimate::noise::{Covariance, Noise};
 use crate::estimate::scatter::{MEDIAN_DEVIATION, SwitchScatter, expected_ns, mean, median};
 use crate::record::{Record, UNLIKE_CALLS};
@@ -41,6 +41,16 @@ impl Offset {
     /// An offset that is known from elsewhere.
     pub fn given(d_ns: f64) -> Offset {
         Offset { d_ns, ..Offset::default() }
+    }
+
+    /// One that is still to be found.
+    pub fn unknown() -> Offset {
+        Offset { u_d_ns: UNKNOWN_OFFSET_NS, ..Offset::default() }
+    }
+
+    /// Whether it is still to be found.
+    pub fn is_unknown(&self) -> bool {
+        self.r_o_ohm.is_none() && self.u_d_ns >= UNKNOWN_OFFSET_NS
     }
 
     /// Ro, ohm; 0 where it is not known.

@@ -117,7 +117,8 @@ impl Cycle {
         let estimator = if settings.tracked {
             Estimator::tracked(method, r1, r2, nodes)
         } else {
-            Estimator::new(method, r1, r2, nodes, Offset::given(settings.offset_ns.unwrap_or(0.0)))
+            let offset = settings.offset_ns.map_or_else(Offset::unknown, Offset::given);
+            Estimator::new(method, r1, r2, nodes, offset)
         };
         let (leak, mut estimator) =
             (LeakTest::default(), estimator.with_resolution(settings.resolution.as_ns()));

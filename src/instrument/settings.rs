@@ -47,6 +47,13 @@ impl Charges {
     pub fn alike(charge: Charge) -> Charges {
         Charges { to_a: charge, to_b: charge, anew: charge }
     }
+
+    /// So many times as long.
+    pub fn times(self, factor: f64) -> Charges {
+        let longer = |time: Nanos| Nanos((factor * time.as_ns()) as i64);
+        let charge = |Charge { alone, together }| Charge { alone: longer(alone), together: longer(together) };
+        Charges { to_a: charge(self.to_a), to_b: charge(self.to_b), anew: charge(self.anew) }
+    }
 }
 
 /// Everything that the measuring thread needs to know.
@@ -58,12 +65,14 @@ pub struct Settings {
     pub kind: Kind,
     /// Rc1 and Rc2, ohm.
     pub r_c_ohm: [f64; 2],
-    /// When node A should cross in a discharge through R_1, by nominal values, for diagnosis alone.
+    /// When node A should cross in a discharge through R_1, by nominal values: what diagnosis and charges compare with.
     pub nominal: Nanos,
     /// Length of what goes before the charge after a discharge that ended before its time.
     pub drain: Nanos,
     /// How to charge.
     pub charge: Charges,
+    /// Rp + Ro of a charger, and Ro, ohm: the nominal values that this follows from; `None`: somebody has said how long.
+    pub charge_ohm: Option<[f64; 2]>,
     /// Pause between charge and discharge.
     pub settle: Nanos,
     /// The longest discharge through a sensor.

@@ -63,7 +63,8 @@ impl Estimator {
     /// The same estimate less what a leak that shows has made of it; that, or what one that does not show may have made of it,
     /// is in its uncertainty, and what dielectrics do. `None` if the sensor may have any higher resistance.
     pub(super) fn with_defects(&self, r_ohm: Measured) -> Option<Measured> {
-        let error_ohm = leak::error_ohm(self.leak_siemens, [self.r1_ohm, self.r2_ohm], r_ohm.value)?;
+        let beside = self.method.rules().sinks_beside;
+        let error_ohm = leak::error_ohm(self.leak_siemens, [self.r1_ohm, self.r2_ohm], r_ohm.value, beside)?;
         let is_bounded = r_ohm.value < self.r2_ohm || r_ohm.value > COVERAGE * error_ohm.abs();
         let known_ohm = if self.leak_shows { error_ohm } else { 0.0 };
         let absorption_ohm = absorption::u_ohm(self.absorbed, self.r1_ohm, r_ohm.value + self.offset().r_o());

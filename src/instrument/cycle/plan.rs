@@ -12,8 +12,8 @@ use crate::estimate::motion::Motion;
 use crate::estimate::scatter::expected_ns;
 use crate::instrument::discharge::Charge;
 use crate::instrument::limits::{
-    B_FORGOTTEN, B_LEFT_ALONE, CALIBRATION_PAYS, HYSTERESIS, LONGEST_IDLE, OFFSET_SHARE, OUTLIERS_OF_DOUBT,
-    RESTLESS_KEEPS, RETRY_EARLIER, YOUNG, YOUNG_EVERY, YOUNG_PAUSE,
+    B_FORGOTTEN, B_LEFT_ALONE, CALIBRATION_PAYS, CHARGE_STEP, HYSTERESIS, LONGEST_IDLE, MOST_LONGER,
+    OFFSET_SHARE, OUTLIERS_OF_DOUBT, RESTLESS_KEEPS, RETRY_EARLIER, YOUNG, YOUNG_EVERY, YOUNG_PAUSE,
 };
 use crate::instrument::settings::Charges;
 use crate::sensor::Channel;
@@ -187,7 +187,7 @@ impl Cycle {
 
     /// B is put back as long as somebody waits for it: at once after another discharge that did so, else from anywhere.
     fn charge(&self, last: Node) -> Charge {
-        let Charges { to_a, to_b, anew } = self.settings.charge;
+        let Charges { to_a, to_b, anew } = self.charges();
         // What leaks beside B pulls A along as far as B has sagged.
         let is_wanted = last == Node::B || self.waits_for_b() || self.leak.siemens().is_some();
         let is_within = |time: Nanos| self.b_charged.is_some_and(|at| self.asked - at < time);
@@ -197,6 +197,25 @@ impl Cycle {
             false if is_within(B_LEFT_ALONE) => to_a,
             _ => anew,
         }
+    }
+
+    /// How to charge on this board: never shorter than by nominal values, and longer where its capacitors or pins are slower.
+    fn charges(&self) -> Charges {
+        let longer = ((self.slower().unwrap_or(1.0) - 1.0) / CHARGE_STEP).round() * CHARGE_STEP;
+        if longer > 0.0 {
+            self.settings.charge.times(1.0 + longer.min(MOST_LONGER))
+        } else {
+            self.settings.charge
+        }
+    }
+
+    /// The time constant of charges in parts of the nominal one; `None` as long as it is not known.
+    fn slower(&self) -> Option<f64> {
+        let [r_charge, r_o] = self.settings.charge_ohm?;
+        let ((c1, c2), (r_o_ohm, _)) = (self.estimator.calibration()?, self.estimator.offset().r_o_ohm?);
+        let [r1, r2] = self.settings.r_ohm();
+        let of_capacitors = (c2[0] - c1[0]) / (r2 - r1) / (self.settings.nominal.as_ns() / (r1 + r_o));
+        Some(of_capacitors * (1.0 + (r_o_ohm - r_o) / r_charge))
     }
 
     /// Whether the sensors' discharges wait for B.
@@ -277,7 +296,7 @@ impl Cycle {
 
     /// What goes before a discharge that waits for A, and for B, ns.
     fn before_ns(&self) -> [f64; 2] {
-        let Charges { to_a, to_b, .. } = self.settings.charge;
+        let Charges { to_a, to_b, .. } = self.charges();
         [to_a, to_b].map(|charge| (charge.time() + self.settings.settle).as_ns() + self.overhead_ns)
     }
 
