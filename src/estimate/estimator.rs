@@ -285,19 +285,16 @@ impl Estimator {
     /// The times of an estimate, and which equation is to be used.
     fn times(&self, record: &Record) -> Result<(Times<f64>, Branch), Fault> {
         let (c1, c2) = self.calibration().ok_or(Fault::NoCalibration)?;
-        // Crossings that are closer than their noise may come in any order.
-        let by_noise = |crossings| {
-            let noise = self.noise().covariance(crossings).unwrap_or_default();
-            BEYOND_NOISE * noise.aa.max(noise.bb).sqrt()
-        };
-        let early = by_noise(c1);
-        let ordered =
-            (0..self.nodes).all(|node| c2[node] > c1[node] && c1[node] > self.offset().d_ns - early);
-        let nodes_ordered = self.nodes == 1 || (c1[1] > c1[0] - early && c2[1] > c2[0] - by_noise(c2));
+        // Of crossings that are closer than their noise any may be the first, but R_1 and R_2 are apart by more.
+        let noise = self.noise().covariance(c1).unwrap_or_default();
+        let close = BEYOND_NOISE * noise.aa.max(noise.bb).sqrt();
+        let d = self.offset().d_ns;
+        let ordered = (0..self.nodes).all(|node| c2[node] > c1[node] + close && c1[node] > d - close);
+        let nodes_ordered = self.nodes == 1 || (c1[1] > c1[0] - close && c2[1] > c2[0] - close);
         if !ordered || !nodes_ordered {
             return Err(Fault::Implausible);
         }
-        let (d, last) = (self.offset().d_ns, record.crossing(self.last()).ok_or(Fault::MissedEdge)?);
+        let last = record.crossing(self.last()).ok_or(Fault::MissedEdge)?;
         let switch = record.switch.filter(|switch| last - d > switch.on_ns);
         let branch = if switch.is_some() { Branch::Inferred } else { Branch::Direct };
         match (switch, self.method.rules().switching) {
@@ -308,7 +305,7 @@ impl Estimator {
             _ => {}
         }
         let x = self.existing(record.crossings());
-        if x.into_iter().flatten().any(|crossing| crossing < 0.0) || last <= d - early {
+        if x.into_iter().flatten().any(|crossing| crossing < 0.0) || last <= d - close {
             return Err(Fault::Implausible);
         }
         let switch = switch.map(|switch| Switched { at: switch.at_ns, on: switch.on_ns });

@@ -29,7 +29,8 @@ use crate::estimate::offset::{Offset, SplitCalibration};
 use crate::instrument::diagnosis::Diagnosis;
 use crate::instrument::discharge::{Outcome, Plan};
 use crate::instrument::limits::{
-    FOLLOW_EVERY, MOST_CALIBRATIONS, MOST_OF_SENSOR, OVERHEAD_STEP, RETRIES, ROUNDS, WINDOW, YOUNG,
+    FOLLOW_EVERY, MOST_CALIBRATIONS, MOST_OF_SENSOR, OVERHEAD_STEP, RETRIES, ROUNDS, ROUNDS_AT_FIRST, WINDOW,
+    YOUNG,
 };
 use crate::instrument::settings::Settings;
 use crate::instrument::stats::Stats;
@@ -402,7 +403,7 @@ impl Cycle {
         let Ok(record) = &outcome.result else { return };
         let before = split.taken();
         split.add(c1, c2, record, self.estimator.noise());
-        if split.taken() != before && split.taken() >= ROUNDS {
+        if split.taken() != before && split.taken() >= ROUNDS_AT_FIRST {
             if let Some(offset) = split.result() {
                 self.estimator.set_offset(offset);
             }

@@ -29,7 +29,9 @@ pub const RETRIES: u32 = 2;
 pub const MOST_OF_SENSOR: u32 = RETRIES + 1;
 /// Calibration discharges of one cycle at the most: of each kind, each of them taken again.
 pub const MOST_CALIBRATIONS: u32 = 3 * (RETRIES + 1);
-/// Rounds of split calibration after which the offset is put in force; from then on each round betters it at once.
+/// Rounds of split calibration after which the offset is better than none: from then on each round betters it at once.
+pub const ROUNDS_AT_FIRST: usize = 16;
+/// Rounds after which discharges are planned by it.
 pub const ROUNDS: usize = 64;
 /// Rounds that the offset is the mean of, when there have been that many.
 pub const WINDOW: usize = 8 * ROUNDS;
