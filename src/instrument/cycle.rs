@@ -97,8 +97,6 @@ pub struct Cycle {
     planned: Nanos,
     /// When B had its charger last, and whether that was before the last discharge.
     b_charged: Option<Nanos>,
-    /// Charges in parts of the nominal ones.
-    longer: f64,
     b_is_kept: bool,
     /// The last discharge ended before its time.
     ended_early: bool,
@@ -147,7 +145,6 @@ impl Cycle {
             overhead_ns: 0.0,
             planned: Nanos::ZERO,
             b_charged: None,
-            longer: 1.0,
             b_is_kept: false,
             ended_early: false,
             failed: None,
@@ -389,7 +386,6 @@ impl Cycle {
             self.since_calibration = 0;
             self.memory.iter_mut().for_each(|memory| memory.is_startled = false);
             self.young = if tracks { (self.young + 1).min(YOUNG) } else { 0 };
-            self.follow_time_constant();
             self.step = self.next_calibration(Some(kind));
             return;
         }

@@ -39,7 +39,7 @@ pub const WINDOW: usize = 8 * ROUNDS;
 pub const FOLLOW_EVERY: u64 = 8;
 /// For so long node B may float while nobody waits for it: at 1 Mohm beside it a sixth of its charge is gone then.
 pub const B_LEFT_ALONE: Nanos = Nanos(250_000_000);
-/// Charges follow the board's own time constant where it is longer by more than this part: less does little to a reading.
+/// Charges follow the board's own time constant in such steps: less does nothing to a reading.
 pub const CHARGE_STEP: f64 = 0.05;
 /// By so much at the most: more is no tolerance, but another part than the configuration says.
 pub const MOST_LONGER: f64 = 1.0;

@@ -5,7 +5,6 @@ use super::window::Window;
 use super::{Branch, CalibrationKind, Cycle, Estimator, Fault, Judged, Look, Plan, Record, Status, Through};
 use crate::circuit::Node;
 use crate::estimate::Predicted;
-use crate::estimate::absorption::AbsorptionTest;
 use crate::estimate::law::State;
 use crate::estimate::limits::{ABSORPTION_REST, LEAK_HELD_AT, LEAK_HOLD, SPLIT_FRACTION};
 use crate::estimate::method::Switching;
@@ -200,20 +199,14 @@ impl Cycle {
         }
     }
 
-    /// Charges become longer where the calibration tells that capacitors or pins are slower than nominal, and never shorter. What
-    /// was found with the charges before is then another circuit's.
-    pub(super) fn follow_time_constant(&mut self) {
-        let Some(slower) = self.slower() else { return };
-        let longer = slower.min(1.0 + MOST_LONGER);
-        if longer > self.longer + CHARGE_STEP {
-            (self.longer, self.absorption) = (longer, AbsorptionTest::default());
-            self.estimator.set_absorption(&self.absorption);
-            self.estimator.begin_anew();
-        }
-    }
-
+    /// How to charge on this board: never shorter than by nominal values, and longer where its capacitors or pins are slower.
     fn charges(&self) -> Charges {
-        if self.longer > 1.0 { self.settings.charge.times(self.longer) } else { self.settings.charge }
+        let longer = ((self.slower().unwrap_or(1.0) - 1.0) / CHARGE_STEP).round() * CHARGE_STEP;
+        if longer > 0.0 {
+            self.settings.charge.times(1.0 + longer.min(MOST_LONGER))
+        } else {
+            self.settings.charge
+        }
     }
 
     /// The time constant of charges in parts of the nominal one; `None` as long as it is not known.
