@@ -1,4 +1,5 @@
-# The programs of a 32-bit board, which 64-bit kernels run as well: their calls to the kernel have another layout.
+# The programs of a 32-bit board, which 64-bit kernels run as well: their calls to the kernel have another layout. How exact readings
+# are is for the other images to say; a call that is not understood gives nothing like it.
 . /test/lib.sh
 PATH=/test/armhf:$PATH
 [ "$(head -c 5 "$(command -v cermd)" | od -An -tx1 | tr -d ' ')" = 7f454c4601 ] || fail "this is no 32-bit program"
@@ -17,7 +18,7 @@ for backend in chardev chardev-v1; do
         field() { sed -n "s/.*\"$1\":\([0-9.]*\).*/\1/p" reading; }
         mawk -v r="$(field r_ohm)" -v u="$(field r_u_ohm)" -v true="$ohm" 'BEGIN {
             print r - true " ohm off, u " u
-            exit !(u > 0 && u < 0.02 * true && (r - true) ^ 2 < 16 * u * u)
+            exit !(u > 0 && u < 0.02 * true && (r - true) ^ 2 < (0.02 * true) ^ 2)
         }' || fail "that is not $ohm ohm"
     done
 done
