@@ -73,7 +73,8 @@ fn examine(method: Method, r_ohm: f64, leak_ohm: f64) -> (String, String) {
         }
         return ("leakage".to_owned(), wrong);
     }
-    let are_right = seen.found.iter().all(|found| found.is(1.0 / leak_ohm, HALF_WAY / leak_ohm));
+    let are_right =
+        seen.found.iter().all(|found| leak_ohm.is_finite() && found.is(1.0 / leak_ohm, HALF_WAY / leak_ohm));
     let are_found = seen.found.len() == seeds || leak_ohm > 3e6;
     let shorts = seen.errors.not_ok.iter().filter(|status| **status == "short").count();
     if !are_right || !are_found || seen.refused > 0 || seen.errors.count() + shorts < readings * 9 / 10 {

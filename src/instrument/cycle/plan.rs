@@ -306,6 +306,7 @@ impl Cycle {
         let dependences = || self.memory.iter().filter_map(|memory| memory.dependence);
         // Of a mean, what each reading has of its own is less.
         let readings = self.settings.average.map_or(1.0, |time| (time.as_ns() / self.cycle_ns).max(1.0));
+        let before_ns = self.before_ns();
         let all = CalibrationKind::ALL
             .into_iter()
             .flat_map(|kind| Node::BOTH[..self.settings.nodes()].iter().map(move |last| (kind, *last)));
@@ -319,7 +320,7 @@ impl Cycle {
             };
             let takes_ns = tracker.planned(kind).crossing(tracker.state(), last.index()).ns;
             let channels = self.memory.len() as f64;
-            dependences().map(relative).sum::<f64>() / channels / (self.before_ns()[last.index()] + takes_ns)
+            dependences().map(relative).sum::<f64>() / channels / (before_ns[last.index()] + takes_ns)
         };
         let (best, pays) =
             all.map(|discharge| (discharge, value(discharge))).max_by(|a, b| a.1.total_cmp(&b.1))?;
