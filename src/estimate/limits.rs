@@ -105,6 +105,9 @@ pub const MOTION_POINTS: usize = 6;
 /// A sensor whose readings have a larger predicted error, relative, moves fast: crossings that contradict each other are its
 /// own then.
 pub const FAST: f64 = 0.01;
+/// Where stamps are often late: a hand changes a sensor by so much from reading to reading, and stamps that are late alike by less
+/// are one in a hundred of those that are.
+pub const NEAR: f64 = 0.1;
 /// A predicted error below so many sigma may be noise.
 pub const STATED: f64 = 3.0;
 /// What is so many times faster than everything before it was not to be expected.

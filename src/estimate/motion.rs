@@ -16,7 +16,7 @@
 
 mod evidence;
 
-use crate::estimate::limits::{BEYOND_NOISE, COVERAGE, FAST, MOTION_POINTS, OPEN_LN, STATED, SUDDEN};
+use crate::estimate::limits::{BEYOND_NOISE, COVERAGE, FAST, MOTION_POINTS, NEAR, OPEN_LN, STATED, SUDDEN};
 use crate::reading::Fault;
 use crate::units::Nanos;
 pub use evidence::Evidence;
@@ -75,6 +75,8 @@ pub struct Motion {
     count: usize,
     /// The last one changed by more than its noise can hide.
     is_fast: bool,
+    /// ln(R_x+Ro) of the last reading that none has repeated yet, and 1 sigma.
+    alone: Option<[f64; 2]>,
 }
 
 impl Motion {
@@ -93,6 +95,14 @@ impl Motion {
     ) -> Result<Moved, Fault> {
         let through = |r_ohm: f64| (r_ohm + r_o_ohm).max(1e-3);
         let all_ohm = through(r_ohm);
+        // Where the value is anything, nothing can be said of how it changes.
+        if u_ohm >= all_ohm {
+            return if evidence.contradicts {
+                Err(Fault::LatencyOutlier)
+            } else {
+                Ok(Moved { u_ohm: 0.0, is_moving: false })
+            };
+        }
         let pair = evidence.pair.map(|pair| pair.map(through, all_ohm));
         let mut point = Point {
             at: start + Nanos(evidence.at_ns as i64),
@@ -133,6 +143,19 @@ impl Motion {
         }
         self.push(point);
         self.error(evidence, is_sudden).hypot(hidden)
+    }
+
+    /// Whether a reading is near the last one, or else near the last that was not: where stamps are often late, two may be late
+    /// alike, and only a change that has come twice is one.
+    pub fn repeats(&mut self, [r_ohm, u_ohm]: [f64; 2], r_o_ohm: f64) -> bool {
+        let all_ohm = (r_ohm + r_o_ohm).max(1e-3);
+        let [z, u] = [all_ohm.ln(), u_ohm / all_ohm];
+        let last = self.points().last().map(|point| [point.z, point.u]);
+        let is_near =
+            |[before, u_before]: [f64; 2]| (z - before).abs() <= NEAR + BEYOND_NOISE * u.hypot(u_before);
+        let repeats = last.into_iter().chain(self.alone).any(is_near);
+        self.alone = (!repeats).then_some([z, u]);
+        repeats
     }
 
     /// Takes a reading that is no number: a resistance above `r_min_ohm`.

@@ -106,12 +106,13 @@ impl Estimator {
             Ok(found) => found,
             Err(fault) => return Status::Fault(fault),
         };
-        if self.noise().is_often_late() && !evidence.is_confirmed() {
+        let Measured { value, u } = estimate.r_ohm;
+        let r_o_ohm = self.offset().r_o();
+        let mut is_repeated = || u.is_none_or(|u| motion.repeats([value, u], r_o_ohm));
+        if self.noise().is_often_late() && !(evidence.is_confirmed() && is_repeated()) {
             return Status::Fault(Fault::LatencyOutlier);
         }
         (judged.at_ns, judged.basis) = (evidence.at_ns, estimate.basis);
-        let Measured { value, u } = estimate.r_ohm;
-        let r_o_ohm = self.offset().r_o();
         let moved = u.map(|u| motion.judge(record.start, [value, u], r_o_ohm, &evidence)).transpose();
         let moved = match moved {
             Ok(moved) => moved,
