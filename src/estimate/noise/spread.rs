@@ -79,7 +79,7 @@ impl Spread {
             if self.outliers_in_row < least {
                 return Err(Fault::LatencyOutlier);
             }
-            (self.mean, self.last, self.far) = (away, away, 0.0);
+            (self.mean, self.last) = (away, away);
         }
         self.outliers_in_row = 0;
         self.learn(away, times, has_b);
