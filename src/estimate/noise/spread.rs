@@ -139,12 +139,15 @@ impl Spread {
         }
         // Where many have a late stamp steps tell nothing, but the shortest interval of a third of them does.
         let thirds = [0, 1].map(|node| shortest_third(&mut self.warm_up.map(|pair| pair[node])));
-        let is_late = |node: usize| {
-            let ((middle, sigma), (too_many, away)) = (thirds[node], TOO_MANY_LATE);
+        let (too_many, away) = TOO_MANY_LATE;
+        let late = [0, 1].map(|node| {
+            let (middle, sigma) = thirds[node];
             let beyond = (away * sigma.max(resolution_ns)).max(LATE_NS);
-            self.warm_up.iter().filter(|pair| (pair[node] - middle).abs() > beyond).count() >= too_many
-        };
-        if is_late(0) || is_late(1) {
+            self.warm_up.iter().filter(|pair| (pair[node] - middle).abs() > beyond).count()
+        });
+        let late = late[0].max(late[1]);
+        self.far = late as f64 / NOISE_WARM_UP as f64;
+        if late >= too_many {
             (self.far, self.weight) = (1.0, [WEIGHT_OF_A_THIRD; 2]);
             let [a, b] = thirds.map(|(_, sigma)| 2.0 * self.weight[0] * sigma * sigma);
             self.sum = Covariance { aa: a, bb: b, ab: 0.0 };
