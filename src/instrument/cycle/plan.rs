@@ -214,14 +214,20 @@ impl Cycle {
     /// readings rest, what is not known yet is as slow as it may be; without one it is as nominal.
     fn slower(&self) -> f64 {
         let Some([r_charge, r_o]) = self.settings.charge_ohm else { return 1.0 };
-        let is_found = self.settings.method.is_tracked() && self.estimator.tracker().is_none();
         let known = self.estimator.offset().r_o_ohm.map(|(ohm, _)| ohm);
-        let Some(r_o_ohm) = known.or(is_found.then_some(r_o.max(SLOWEST_PIN_OHM))) else { return 1.0 };
+        let Some(r_o_ohm) = known.or(self.finds_state().then_some(r_o.max(SLOWEST_PIN_OHM))) else {
+            return 1.0;
+        };
         let of_capacitors = self.estimator.calibration().map_or(1.0, |(c1, c2)| {
             let [r1, r2] = self.settings.r_ohm();
             (c2[0] - c1[0]) / (r2 - r1) / (self.settings.nominal.as_ns() / (r1 + r_o))
         });
         of_capacitors * (1.0 + (r_o_ohm - r_o) / r_charge)
+    }
+
+    /// Whether there is no tracked state yet.
+    pub(super) fn finds_state(&self) -> bool {
+        self.settings.method.is_tracked() && self.estimator.tracker().is_none()
     }
 
     /// Whether the sensors' discharges wait for B.
