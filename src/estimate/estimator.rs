@@ -136,6 +136,12 @@ impl Estimator {
         self.tracker().map_or(self.offset, Tracker::offset)
     }
 
+    /// Ro as far as it is known, ohm: before there is a tracked state, too.
+    pub fn r_o_ohm(&self) -> Option<f64> {
+        let known = self.offset().r_o_ohm.map(|(ohm, _)| ohm);
+        known.or_else(|| self.tracker.as_ref()?.rough_r_o_ohm())
+    }
+
     /// Puts another offset in force.
     pub fn set_offset(&mut self, offset: Offset) {
         self.offset = offset;

@@ -67,6 +67,9 @@ pub const BY_ABSORPTION: f64 = 2.5;
 pub const SHARED_VARIANCE: f64 = 0.5;
 /// A covariance is in proportion to the times when it is so many sigma greater through R_2 than through R_1.
 pub const PROPORTIONAL_SHOWS: f64 = 3.0;
+/// What is left of the discharge before after a charge of nine time constants, in parts of the time of a crossing: less noise than
+/// that is not believed.
+pub const REMEMBERED: f64 = 3e-5;
 /// Discharges taken before anything is said about noise.
 pub const NOISE_WARM_UP: usize = 16;
 /// Discharges that the share of those far off is the mean of, about.
@@ -143,6 +146,8 @@ pub const UNKNOWN_SWITCH_NS: f64 = 400.0;
 // The tracked calibration; found with tests/accuracy, tracked.
 /// Rounds (R_1, R_2, split) from which the first state is found.
 pub const FIRST_ROUNDS: usize = 32;
+/// Rounds before them that tell Ro, to an ohm on usual boards: what charges go by from then on.
+pub const ROUGH_ROUNDS: usize = 6;
 /// From so many of these rounds the filter tries to begin.
 pub const BEGINNINGS: usize = 8;
 /// One in so many of the first discharges may be rejected.

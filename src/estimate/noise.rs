@@ -14,7 +14,9 @@
 mod gate;
 mod spread;
 
-use crate::estimate::limits::{PROPORTIONAL_SHOWS, SHARED_VARIANCE, UNKNOWN_JITTER_NS, UNKNOWN_NOISE};
+use crate::estimate::limits::{
+    PROPORTIONAL_SHOWS, REMEMBERED, SHARED_VARIANCE, UNKNOWN_JITTER_NS, UNKNOWN_NOISE,
+};
 use crate::reading::Fault;
 use crate::record::CalibrationKind;
 pub use gate::Gate;
@@ -64,8 +66,15 @@ impl Covariance {
         if node == 0 { self.aa } else { self.bb }
     }
 
-    fn at_least(self, variance: f64) -> Covariance {
-        Covariance { aa: self.aa.max(variance), bb: self.bb.max(variance), ab: self.ab }
+    fn at_least(self, [a, b]: [f64; 2]) -> Covariance {
+        Covariance { aa: self.aa.max(a), bb: self.bb.max(b), ab: self.ab }
+    }
+
+    /// What crossings at `times` ns owe to the discharge before, which differs from one order of discharges to another and shows in
+    /// no scatter.
+    fn remembered(times: [f64; 2]) -> Covariance {
+        let [aa, bb] = times.map(|ns| (REMEMBERED * ns).powi(2));
+        Covariance { aa, bb, ab: 0.0 }
     }
 
     /// Adds what a common cause does, which moves the crossings by `d`.
@@ -143,7 +152,11 @@ impl Noise {
         if !self.c1.is_known() || !self.c2.is_known() {
             return;
         }
-        let [v1, v2] = [&self.c1, &self.c2].map(|spread| spread.covariance().at_least(self.quantisation));
+        let [v1, v2] = [&self.c1, &self.c2].map(|spread| {
+            let remembered = Covariance::remembered(spread.time);
+            let least = |variance: f64| variance.max(self.quantisation);
+            spread.covariance().at_least([least(remembered.aa), least(remembered.bb)])
+        });
         let freedom = self.c1.freedom(self.nodes - 1).min(self.c2.freedom(self.nodes - 1));
         self.learned = Some(Learned {
             nodes: Law::through([(self.c1.time, v1), (self.c2.time, v2)], self.quantisation),

@@ -10,7 +10,7 @@ use crate::circuit::Node;
 use crate::estimate::law::{Crossing, D, D_B, R_O, Route, State, UNKNOWNS};
 use crate::estimate::limits::{
     BEGINNINGS, FIRST_ROUNDS, INNOVATION_GATE, LATE_NS, MOST_REJECTED, RATE_AT_FIRST, REJECTED_OF_A_STEP,
-    SPLIT_FRACTION, WALK_AT_FIRST,
+    ROUGH_ROUNDS, SPLIT_FRACTION, WALK_AT_FIRST,
 };
 use crate::estimate::noise::{Covariance, Noise};
 use crate::estimate::offset::{Offset, SplitCalibration};
@@ -71,6 +71,8 @@ pub struct Tracker {
     split: SplitCalibration,
     rounds: Vec<[Record; 3]>,
     round: [Option<Record>; 3],
+    /// Ro by the rounds before these, ohm.
+    rough_r_o_ohm: Option<f64>,
     ready: bool,
     /// Gain and rows of the last correction.
     last: ([[f64; 2]; UNKNOWNS], [State; 2]),
@@ -109,6 +111,7 @@ impl Tracker {
             split,
             rounds,
             round: [None; 3],
+            rough_r_o_ohm: None,
             ready: false,
             last: Default::default(),
         }
@@ -117,6 +120,11 @@ impl Tracker {
     /// How many nodes there are.
     pub fn nodes(&self) -> usize {
         self.nodes
+    }
+
+    /// Ro as far as it is known before there is a state, ohm.
+    pub fn rough_r_o_ohm(&self) -> Option<f64> {
+        self.rough_r_o_ohm
     }
 
     /// Whether there is a state.
@@ -170,6 +178,7 @@ impl Tracker {
         if let [Some(first), Some(second), Some(split)] = self.round {
             self.round = [None; 3];
             self.rounds.push([first, second, split]);
+            self.look_roughly();
         }
         if self.rounds.len() >= FIRST_ROUNDS && self.noise.is_known() {
             self.begin();
@@ -177,21 +186,24 @@ impl Tracker {
         Ok(())
     }
 
+    /// Charges may be other ones once Ro is known roughly, so that the state begins with what comes after that.
+    fn look_roughly(&mut self) {
+        if self.rough_r_o_ohm.is_some() || self.rounds.len() < ROUGH_ROUNDS {
+            return;
+        }
+        self.take_rounds_apart();
+        self.rough_r_o_ohm = self.split.result().and_then(|offset| Some(offset.r_o_ohm?.0));
+        self.split.clear();
+        if self.rough_r_o_ohm.is_some() {
+            self.rounds.clear();
+        }
+    }
+
     /// The first state by closed form from the mean of the first rounds; its covariance by letting the filter see them
     /// all, starting from almost no knowledge.
     fn begin(&mut self) {
-        let [r1, r2] = self.r_ohm;
+        let slope = self.take_rounds_apart();
         let rounds = std::mem::take(&mut self.rounds);
-        let mut slope = [0.0; 2];
-        for [first, second, split] in &rounds {
-            let (Some(c1), Some(c2)) = (first.complete(self.nodes), second.complete(self.nodes)) else {
-                continue;
-            };
-            self.split.add(c1, c2, split, &self.noise);
-            for node in 0..2 {
-                slope[node] += (c2[node] - c1[node]) / (r2 - r1) / rounds.len() as f64;
-            }
-        }
         let offset = self.split.result();
         if let Some((offset, (r_o_ohm, _))) = offset.and_then(|offset| Some((offset, offset.r_o_ohm?))) {
             let state = [slope[0], slope[1], r_o_ohm, offset.d_ns, 0.0, 0.0, 0.0];
@@ -205,6 +217,22 @@ impl Tracker {
         }
         self.rounds = rounds;
         self.rounds.clear();
+    }
+
+    /// Gives the rounds to the split calibration; answers the mean of g of both nodes by their plain discharges.
+    fn take_rounds_apart(&mut self) -> [f64; 2] {
+        let [r1, r2] = self.r_ohm;
+        let mut slope = [0.0; 2];
+        for [first, second, split] in &self.rounds {
+            let (Some(c1), Some(c2)) = (first.complete(self.nodes), second.complete(self.nodes)) else {
+                continue;
+            };
+            self.split.add(c1, c2, split, &self.noise);
+            for node in 0..2 {
+                slope[node] += (c2[node] - c1[node]) / (r2 - r1) / self.rounds.len() as f64;
+            }
+        }
+        slope
     }
 
     /// Lets the filter see rounds, starting from almost no knowledge; whether they fit.

@@ -298,8 +298,7 @@ impl Cycle {
         let may = self.failed.is_none() && self.estimator.calibration().is_some();
         match may {
             true if self.leak.is_due(now) => Step::Hold(Look::Leak),
-            // What the longer charges of the first discharges have filled, later ones do not find.
-            true if !self.finds_state() && self.absorption.is_due(now) => Step::Hold(Look::Absorption),
+            true if self.absorption.is_due(now) => Step::Hold(Look::Absorption),
             _ => Step::Start,
         }
     }

@@ -43,8 +43,6 @@ pub const B_LEFT_ALONE: Nanos = Nanos(250_000_000);
 pub const CHARGE_STEP: f64 = 0.05;
 /// By so much at the most: more is no tolerance, but another part than the configuration says.
 pub const MOST_LONGER: f64 = 1.0;
-/// Pins of boards have 15 to 90 ohm: what one may have before that is known.
-pub const SLOWEST_PIN_OHM: f64 = 90.0;
 /// A charge of B that is older is made anew where B is waited for.
 pub const B_FORGOTTEN: Nanos = Nanos(50_000_000);
 

@@ -171,7 +171,7 @@ impl Spread {
 
     /// How far the farther node is from the running mean, or another place.
     fn sigmas(&self, away: [f64; 2], from: [f64; 2], has_b: bool, quantisation: f64) -> f64 {
-        let variance = self.covariance().at_least(quantisation);
+        let variance = self.covariance().at_least([quantisation; 2]);
         // The running mean has a variance of its own: 1/(2 x 16 - 1) of a single time's.
         let of = |node: usize| (away[node] - from[node]).abs() / (1.04 * variance.node(node)).sqrt();
         if has_b { of(0).max(of(1)) } else { of(0) }

@@ -13,8 +13,7 @@ use crate::estimate::scatter::expected_ns;
 use crate::instrument::discharge::Charge;
 use crate::instrument::limits::{
     B_FORGOTTEN, B_LEFT_ALONE, CALIBRATION_PAYS, CHARGE_STEP, HYSTERESIS, LONGEST_IDLE, MOST_LONGER,
-    OFFSET_SHARE, OUTLIERS_OF_DOUBT, RESTLESS_KEEPS, RETRY_EARLIER, SLOWEST_PIN_OHM, YOUNG, YOUNG_EVERY,
-    YOUNG_PAUSE,
+    OFFSET_SHARE, OUTLIERS_OF_DOUBT, RESTLESS_KEEPS, RETRY_EARLIER, YOUNG, YOUNG_EVERY, YOUNG_PAUSE,
 };
 use crate::instrument::settings::Charges;
 use crate::sensor::Channel;
@@ -202,7 +201,7 @@ impl Cycle {
 
     /// How to charge on this board: never shorter than by nominal values, and longer where its capacitors or pins are slower.
     fn charges(&self) -> Charges {
-        let longer = ((self.slower() - 1.0) / CHARGE_STEP).round() * CHARGE_STEP;
+        let longer = ((self.slower().unwrap_or(1.0) - 1.0) / CHARGE_STEP).round() * CHARGE_STEP;
         if longer > 0.0 {
             self.settings.charge.times(1.0 + longer.min(MOST_LONGER))
         } else {
@@ -210,24 +209,13 @@ impl Cycle {
         }
     }
 
-    /// The time constant of charges in parts of the nominal one. While a tracked state is being found, on which all later
-    /// readings rest, what is not known yet is as slow as it may be; without one it is as nominal.
-    fn slower(&self) -> f64 {
-        let Some([r_charge, r_o]) = self.settings.charge_ohm else { return 1.0 };
-        let known = self.estimator.offset().r_o_ohm.map(|(ohm, _)| ohm);
-        let Some(r_o_ohm) = known.or(self.finds_state().then_some(r_o.max(SLOWEST_PIN_OHM))) else {
-            return 1.0;
-        };
-        let of_capacitors = self.estimator.calibration().map_or(1.0, |(c1, c2)| {
-            let [r1, r2] = self.settings.r_ohm();
-            (c2[0] - c1[0]) / (r2 - r1) / (self.settings.nominal.as_ns() / (r1 + r_o))
-        });
-        of_capacitors * (1.0 + (r_o_ohm - r_o) / r_charge)
-    }
-
-    /// Whether there is no tracked state yet.
-    pub(super) fn finds_state(&self) -> bool {
-        self.settings.method.is_tracked() && self.estimator.tracker().is_none()
+    /// The time constant of charges in parts of the nominal one; `None` as long as it is not known.
+    fn slower(&self) -> Option<f64> {
+        let [r_charge, r_o] = self.settings.charge_ohm?;
+        let ((c1, c2), r_o_ohm) = (self.estimator.calibration()?, self.estimator.r_o_ohm()?);
+        let [r1, r2] = self.settings.r_ohm();
+        let of_capacitors = (c2[0] - c1[0]) / (r2 - r1) / (self.settings.nominal.as_ns() / (r1 + r_o));
+        Some(of_capacitors * (1.0 + (r_o_ohm - r_o) / r_charge))
     }
 
     /// Whether the sensors' discharges wait for B.
