@@ -69,15 +69,30 @@ fn a_spike_is_an_outlier_and_a_step_is_followed() {
     assert_eq!(noise.add(CalibrationKind::First, away.map(Some), [0.0; 2]), Ok(()));
 }
 
-#[test]
-fn a_silent_circuit_still_has_the_rounding_of_stamps() {
-    let mut noise = Noise::new(2, 1.0);
+/// Crossings that never scatter.
+fn silent(resolution_ns: f64) -> Noise {
+    let mut noise = Noise::new(2, resolution_ns);
     for _ in 0..50 {
         let _ = noise.add(CalibrationKind::First, [1e6, 1.2e6].map(Some), [0.0; 2]);
         let _ = noise.add(CalibrationKind::Second, [6e6, 7e6].map(Some), [0.0; 2]);
     }
-    let found = noise.covariance([1e5, 2e5]).unwrap();
-    assert!((found.aa - 1.0 / 12.0).abs() < 1e-12 && found.ab == 0.0, "{found:?}");
+    noise
+}
+
+#[test]
+fn a_silent_circuit_still_has_the_rounding_of_stamps() {
+    let found = silent(1000.0).covariance([1e5, 2e5]).unwrap();
+    assert!((found.aa - 1e6 / 12.0).abs() < 1e-6 && found.ab == 0.0, "{found:?}");
+}
+
+#[test]
+fn a_silent_circuit_still_remembers_the_discharge_before() {
+    let found = silent(1.0).covariance([6e6, 7e6]).unwrap();
+    let least = [6e6, 7e6].map(|ns| (REMEMBERED * ns).powi(2));
+    assert!(
+        (found.aa / least[0] - 1.0).abs() < 1e-9 && (found.bb / least[1] - 1.0).abs() < 1e-9,
+        "{found:?}"
+    );
 }
 
 const C1: [f64; 2] = [1.1e6, 1.3e6];

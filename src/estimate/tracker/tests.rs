@@ -85,8 +85,11 @@ fn the_truth_lies_within_the_stated_covariance() {
 
 #[test]
 fn nothing_is_known_before_the_first_rounds() {
-    assert!(!tracked(1, FIRST_ROUNDS - 1).1.is_ready());
-    assert!(tracked(1, FIRST_ROUNDS).1.is_ready());
+    let r_o_ohm = |rounds: usize| tracked(1, rounds).1.rough_r_o_ohm();
+    assert_eq!(r_o_ohm(ROUGH_ROUNDS - 1), None);
+    assert!(r_o_ohm(ROUGH_ROUNDS).is_some_and(|ohm| (ohm - TRUTH[R_O]).abs() < 5.0));
+    assert!(!tracked(1, ROUGH_ROUNDS + FIRST_ROUNDS - 1).1.is_ready());
+    assert!(tracked(1, ROUGH_ROUNDS + FIRST_ROUNDS).1.is_ready());
 }
 
 #[test]
