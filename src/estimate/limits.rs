@@ -145,9 +145,9 @@ pub const UNKNOWN_SWITCH_NS: f64 = 400.0;
 
 // The tracked calibration; found with tests/accuracy, tracked.
 /// Rounds (R_1, R_2, split) from which the first state is found.
-pub const FIRST_ROUNDS: usize = 32;
+pub const FIRST_ROUNDS: usize = 28;
 /// Rounds before them that tell Ro, to an ohm on usual boards: what charges go by from then on.
-pub const ROUGH_ROUNDS: usize = 6;
+pub const ROUGH_ROUNDS: usize = 4;
 /// From so many of these rounds the filter tries to begin.
 pub const BEGINNINGS: usize = 8;
 /// One in so many of the first discharges may be rejected.
