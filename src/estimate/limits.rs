@@ -67,8 +67,8 @@ pub const BY_ABSORPTION: f64 = 2.5;
 pub const SHARED_VARIANCE: f64 = 0.5;
 /// A covariance is in proportion to the times when it is so many sigma greater through R_2 than through R_1.
 pub const PROPORTIONAL_SHOWS: f64 = 3.0;
-/// What is left of the discharge before after a charge of nine time constants, in parts of the time of a crossing: less noise than
-/// that is not believed.
+/// What crossings owe to the discharge before, nine time constants of charge later, in parts of their time: it differs from one order
+/// of discharges to another and shows in no scatter. Less noise than that is not believed.
 pub const REMEMBERED: f64 = 3e-5;
 /// Discharges taken before anything is said about noise.
 pub const NOISE_WARM_UP: usize = 16;

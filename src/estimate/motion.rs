@@ -93,17 +93,13 @@ impl Motion {
         r_o_ohm: f64,
         evidence: &Evidence,
     ) -> Result<Moved, Fault> {
-        let through = |r_ohm: f64| (r_ohm + r_o_ohm).max(1e-3);
-        let all_ohm = through(r_ohm);
+        let all_ohm = through(r_ohm, r_o_ohm);
         // Where the value is anything, nothing can be said of how it changes.
         if u_ohm >= all_ohm {
-            return if evidence.contradicts {
-                Err(Fault::LatencyOutlier)
-            } else {
-                Ok(Moved { u_ohm: 0.0, is_moving: false })
-            };
+            let at_rest = Moved { u_ohm: 0.0, is_moving: false };
+            return if evidence.contradicts { Err(Fault::LatencyOutlier) } else { Ok(at_rest) };
         }
-        let pair = evidence.pair.map(|pair| pair.map(through, all_ohm));
+        let pair = evidence.pair.map(|pair| pair.map(|r_ohm| through(r_ohm, r_o_ohm), all_ohm));
         let mut point = Point {
             at: start + Nanos(evidence.at_ns as i64),
             z: all_ohm.ln(),
@@ -148,7 +144,7 @@ impl Motion {
     /// Whether a reading is near the last one, or else near the last that was not: where stamps are often late, two may be late
     /// alike, and only a change that has come twice is one.
     pub fn repeats(&mut self, [r_ohm, u_ohm]: [f64; 2], r_o_ohm: f64) -> bool {
-        let all_ohm = (r_ohm + r_o_ohm).max(1e-3);
+        let all_ohm = through(r_ohm, r_o_ohm);
         let [z, u] = [all_ohm.ln(), u_ohm / all_ohm];
         let last = self.points().last().map(|point| [point.z, point.u]);
         let is_near =
@@ -368,6 +364,11 @@ impl Motion {
         }
         (slopes().map(|[slope, u]| slope * slope - u * u).sum::<f64>() / count).max(0.0)
     }
+}
+
+/// All that a discharge goes through, whose logarithm there is even where noise has made a sensor negative, ohm.
+fn through(r_ohm: f64, r_o_ohm: f64) -> f64 {
+    (r_ohm + r_o_ohm).max(1e-3)
 }
 
 /// What is left when the greatest may have been a step; 0 for fewer than two.

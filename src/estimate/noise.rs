@@ -70,13 +70,6 @@ impl Covariance {
         Covariance { aa: self.aa.max(a), bb: self.bb.max(b), ab: self.ab }
     }
 
-    /// What crossings at `times` ns owe to the discharge before, which differs from one order of discharges to another and shows in
-    /// no scatter.
-    fn remembered(times: [f64; 2]) -> Covariance {
-        let [aa, bb] = times.map(|ns| (REMEMBERED * ns).powi(2));
-        Covariance { aa, bb, ab: 0.0 }
-    }
-
     /// Adds what a common cause does, which moves the crossings by `d`.
     pub fn add_outer(&mut self, d: [f64; 2]) {
         self.aa += d[0] * d[0];
@@ -153,9 +146,8 @@ impl Noise {
             return;
         }
         let [v1, v2] = [&self.c1, &self.c2].map(|spread| {
-            let remembered = Covariance::remembered(spread.time);
-            let least = |variance: f64| variance.max(self.quantisation);
-            spread.covariance().at_least([least(remembered.aa), least(remembered.bb)])
+            let least = spread.time.map(|ns| (REMEMBERED * ns).powi(2).max(self.quantisation));
+            spread.covariance().at_least(least)
         });
         let freedom = self.c1.freedom(self.nodes - 1).min(self.c2.freedom(self.nodes - 1));
         self.learned = Some(Learned {

@@ -42,8 +42,9 @@ proportion (derivation: [src/circuit/charge.rs](../src/circuit/charge.rs)). The 
 shortest with which this error stays below a tenth of a reading's uncertainty, for any resistances that follow on each other
 ([src/config/charge.rs](../src/config/charge.rs)). The uncertainty is predicted for a board with less noise than any we know, as the
 configuration does not know the noise; what is left of the tenth on `pi4` is the reserve for capacitors and chargers with some percent
-more than is written down. Where it is more, `tracked` sees it in its first four rounds of calibration: from then on charges follow the board's own time constant,
-up to twice as long, and the state begins with what comes after (coverage.md: Ro of 90 ohm for 40, capacitors 15 % larger).
+more than is written down. Where it is more, `tracked` sees it in its first four rounds of calibration: from then on charges follow the
+board's own time constant, up to twice as long, and the state begins with what comes after ([coverage.md](coverage.md): Ro of 90 ohm
+for 40, capacitors 15 % larger).
 
 A discharge that ends before its time (deadline, preemption, lost edge) leaves the capacitors nearly full, as no other
 does. The next one then begins by sinking through Rc1 for as long as Rc1 takes, so that its charge begins where others do.

@@ -62,15 +62,11 @@ const DEFECTS: [Defect; 14] = [
         to_notice: TO_NOTICE_HELD,
         ..defect("150 kohm of leakage at node A", |c| c.sense[0].to_ground = 1.0 / 150e3, &[Suspect::Leak])
     },
-    // It comes as a row of calibration discharges that are late, and for some hundred more a crossing alone is no evidence.
-    Defect {
-        to_notice: (150, TO_NOTICE.1),
-        ..defect(
-            "pull-up of 50 kohm left on at A and B",
-            |c| c.sense.iter_mut().for_each(|sense| sense.to_v_dd = 1.0 / 50e3),
-            &[Suspect::Pull, Suspect::StaysHigh(Node::B)],
-        )
-    },
+    defect(
+        "pull-up of 50 kohm left on at A and B",
+        |c| c.sense.iter_mut().for_each(|sense| sense.to_v_dd = 1.0 / 50e3),
+        &[Suspect::Pull, Suspect::StaysHigh(Node::B)],
+    ),
     defect("V_DD 20 % low", |c| c.v_dd *= 0.8, &[]),
     defect(
         "sense line A stuck high",

@@ -27,6 +27,8 @@ pub struct Spread {
     outliers_in_row: u32,
     /// The share of discharges that are so far off that no gate would let them in.
     far: f64,
+    /// The same before the outliers in a row, which may turn out to be a step.
+    far_before: f64,
     /// The last one that was refused.
     refused: [f64; 2],
 }
@@ -44,6 +46,7 @@ impl Spread {
         gate: Gate::new(BEYOND_NOISE),
         outliers_in_row: 0,
         far: 0.0,
+        far_before: 0.0,
         refused: [0.0; 2],
     };
 
@@ -69,6 +72,9 @@ impl Spread {
         let is_often_late = self.is_often_late();
         let away_ns = [0, 1]
             .map(|node: usize| if all || node == 0 { (away[node] - self.mean[node]).abs() } else { 0.0 });
+        if self.outliers_in_row == 0 {
+            self.far_before = self.far;
+        }
         self.tell_far(sigmas > GATE_WIDEST * BEYOND_NOISE && away_ns[0].max(away_ns[1]) > LATE_NS);
         if !self.gate.admits(sigmas) {
             // A step is where the next ones are, too; late stamps are anywhere.
@@ -79,7 +85,8 @@ impl Spread {
             if self.outliers_in_row < least {
                 return Err(Fault::LatencyOutlier);
             }
-            (self.mean, self.last) = (away, away);
+            // What a step has moved was not late.
+            (self.mean, self.last, self.far) = (away, away, self.far_before);
         }
         self.outliers_in_row = 0;
         self.learn(away, times, has_b);
