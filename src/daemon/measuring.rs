@@ -17,8 +17,9 @@ use crate::pins::{Pins, PinsError, monotonic};
 use crate::units::Nanos;
 use interruptible::Interruptible;
 use nix::sys::eventfd::{EfdFlags, EventFd};
-use rtrb::{Consumer, Producer, RingBuffer};
+use rtrb::{Consumer, Producer, PushError, RingBuffer};
 use std::io;
+use std::mem;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::thread::{self, JoinHandle};
@@ -29,6 +30,8 @@ use std::time::Duration;
 pub enum Update {
     /// A reading or a discharge.
     Message(Message),
+    /// What a full ring has lost between the update before and the next one.
+    Lost(Lost),
     /// What became of the wishes of `[realtime]`. Comes first.
     Realtime(realtime::Rights),
     /// Counters, from time to time.
@@ -41,13 +44,41 @@ pub enum Update {
     Recovered,
 }
 
+/// Messages that found no room.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub struct Lost {
+    /// Readings.
+    pub readings: u64,
+    /// Discharges.
+    pub discharges: u64,
+}
+
+impl Lost {
+    /// Whether there are any.
+    pub fn is_some(&self) -> bool {
+        *self != Lost::default()
+    }
+
+    /// Counts those of another gap, too.
+    pub fn add(&mut self, other: Lost) {
+        self.readings += other.readings;
+        self.discharges += other.discharges;
+    }
+
+    fn count(&mut self, update: &Update) {
+        match update {
+            Update::Message(Message::Reading(_)) => self.readings += 1,
+            Update::Message(Message::Discharge { .. }) => self.discharges += 1,
+            _ => {}
+        }
+    }
+}
+
 /// What both sides share.
 #[derive(Debug)]
 struct Shared {
     stop: AtomicBool,
     beat: AtomicU64,
-    lost_readings: AtomicU64,
-    lost_discharges: AtomicU64,
     /// Whether a reading wakes whoever reads the ring.
     watched: AtomicBool,
     wake: EventFd,
@@ -73,7 +104,9 @@ pub struct Stuck;
 pub struct Measuring {
     shared: Arc<Shared>,
     results: Consumer<Update>,
-    thread: Option<JoinHandle<()>>,
+    /// What the thread could not tell any more.
+    left: Lost,
+    thread: Option<JoinHandle<Lost>>,
 }
 
 impl Measuring {
@@ -91,16 +124,16 @@ impl Measuring {
         let shared = Arc::new(Shared {
             stop: AtomicBool::new(false),
             beat: AtomicU64::new(0),
-            lost_readings: AtomicU64::new(0),
-            lost_discharges: AtomicU64::new(0),
             watched: AtomicBool::new(true),
             wake: EventFd::from_flags(EfdFlags::EFD_CLOEXEC | EfdFlags::EFD_NONBLOCK)?,
         });
-        let worker = Worker { shared: Arc::clone(&shared), sender, tap, config, said: None };
-        let thread = thread::Builder::new()
-            .name("cermd-measure".to_owned())
-            .spawn(move || worker.run(pins, settings))?;
-        Ok(Measuring { shared, results, thread: Some(thread) })
+        let lost = Lost::default();
+        let mut worker = Worker { shared: Arc::clone(&shared), sender, lost, tap, config, said: None };
+        let thread = thread::Builder::new().name("cermd-measure".to_owned()).spawn(move || {
+            worker.run(pins, settings);
+            worker.lost
+        })?;
+        Ok(Measuring { shared, results, left: lost, thread: Some(thread) })
     }
 
     /// Readable when there are results.
@@ -110,13 +143,11 @@ impl Measuring {
 
     /// The next result, if there is one.
     pub fn next(&mut self) -> Option<Update> {
-        self.results.pop().ok()
-    }
-
-    /// Readings and discharges that a full ring has lost since the last call.
-    pub fn take_lost(&self) -> (u64, u64) {
-        let take = |counter: &AtomicU64| counter.swap(0, Ordering::Relaxed);
-        (take(&self.shared.lost_readings), take(&self.shared.lost_discharges))
+        let left = self.left;
+        self.results.pop().ok().or_else(|| {
+            self.left = Lost::default();
+            left.is_some().then_some(Update::Lost(left))
+        })
     }
 
     /// Whether readings are urgent: if nobody waits for them they are only kept, and come with the next counters.
@@ -155,7 +186,7 @@ impl Measuring {
         }
         if let Some(thread) = self.thread.take() {
             // A panic of the thread has been reported when it happened; its lines are released.
-            let _ = thread.join();
+            self.left = thread.join().unwrap_or_default();
         }
         Ok(())
     }
@@ -172,6 +203,8 @@ impl Drop for Measuring {
 struct Worker {
     shared: Arc<Shared>,
     sender: Producer<Update>,
+    /// What has found no room since the last update that did.
+    lost: Lost,
     tap: Option<Tap>,
     config: Config,
     /// What was said last about pins that do not work; `None` while they do.
@@ -179,7 +212,7 @@ struct Worker {
 }
 
 impl Worker {
-    fn run(mut self, pins: Option<AnyPins>, settings: Settings) {
+    fn run(&mut self, pins: Option<AnyPins>, settings: Settings) {
         // Rights are the thread's own, and held as long as it lives.
         let realtime = Realtime::request(&self.config.realtime);
         self.send(Update::Realtime(realtime.rights.clone()));
@@ -192,7 +225,7 @@ impl Worker {
         let mut offset_was_known = false;
         let mut cycles_before = 0;
         while !self.shared.is_stopped() {
-            let result = instrument.step(&mut |message| self.send(Update::Message(message)));
+            let result = instrument.step(&mut |message| self.tell(message));
             if let Err(error) = result {
                 if matches!(error, PinsError::Stopped) {
                     return;
@@ -208,9 +241,9 @@ impl Worker {
                 self.send(Update::Stats(instrument.stats()));
                 self.reopen(&mut instrument);
             }
-            if self.said.is_some() && instrument.stats().cycles > cycles_before {
+            let works = instrument.stats().cycles > cycles_before;
+            if self.said.is_some() && works && self.send(Update::Recovered) {
                 self.said = None;
-                self.send(Update::Recovered);
             }
             let now = instrument.pins().now();
             let offset_is_known = instrument.cycle().offset_is_known();
@@ -242,46 +275,58 @@ impl Worker {
                 Err(error) => self.complain(error.to_string(), Update::NotOpened(error)),
             }
             // Silence would look like a daemon that hangs.
-            instrument.report_failure(&mut |message| self.send(Update::Message(message)));
+            instrument.report_failure(&mut |message| self.tell(message));
             self.send(Update::Stats(instrument.stats()));
         }
     }
 
     /// Says why the pins do not work, unless that was said last: the same reason every second would fill the log.
     fn complain(&mut self, why: String, update: Update) {
-        if self.said.as_ref() != Some(&why) {
+        if self.said.as_ref() != Some(&why) && self.send(update) {
             self.said = Some(why);
-            self.send(update);
         }
     }
 
-    fn send(&mut self, update: Update) {
-        let shared = &self.shared;
-        let reading = match &update {
-            Update::Message(Message::Reading(reading)) => Some(*reading),
-            _ => None,
+    fn tell(&mut self, message: Message) {
+        let reading = match &message {
+            Message::Reading(reading) => Some(*reading),
+            Message::Discharge { .. } => None,
         };
-        let (lost, is_urgent) = match update {
-            Update::Message(Message::Reading(_)) => {
-                (Some(&shared.lost_readings), shared.watched.load(Ordering::Relaxed))
-            }
-            // It waits for the reading that it leads to.
-            Update::Message(Message::Discharge { .. }) => (Some(&shared.lost_discharges), false),
-            _ => (None, true),
-        };
-        if self.sender.push(update).is_err() {
-            if let Some(counter) = lost {
-                counter.fetch_add(1, Ordering::Relaxed);
-            }
-        }
+        self.push(Update::Message(message));
         // After the main thread: it is to tell of a reading before what follows from it.
         if let (Some(reading), Some(tap)) = (&reading, &mut self.tap) {
             tap.give(reading);
         }
-        if is_urgent {
-            // It fails only when the counter would overflow: then it is readable anyway.
-            let _ = shared.wake.write(1);
+        // A discharge waits for the reading that it leads to.
+        if reading.is_some() && self.shared.watched.load(Ordering::Relaxed) {
+            self.wake();
         }
+    }
+
+    /// Returns whether there was room.
+    fn send(&mut self, update: Update) -> bool {
+        let has_room = self.push(update);
+        self.wake();
+        has_room
+    }
+
+    /// What was lost goes before the next that finds room: it stands where the gap is.
+    fn push(&mut self, update: Update) -> bool {
+        if self.lost.is_some() {
+            if self.sender.slots() < 2 {
+                self.lost.count(&update);
+                return false;
+            }
+            let _ = self.sender.push(Update::Lost(mem::take(&mut self.lost)));
+        }
+        let Err(PushError::Full(update)) = self.sender.push(update) else { return true };
+        self.lost.count(&update);
+        false
+    }
+
+    fn wake(&self) {
+        // It fails only when the counter would overflow: then it is readable anyway.
+        let _ = self.shared.wake.write(1);
     }
 }
 

@@ -25,7 +25,7 @@ use crate::stream::tape::Header;
 use crate::units::Nanos;
 use heartbeat::Heartbeat;
 use limits::LOOK_AFTER;
-use measuring::Stuck;
+use measuring::{Lost, Stuck, Update};
 use nix::poll::{PollFd, PollFlags, PollTimeout, poll};
 use nix::time::ClockId;
 use publish::Known;
@@ -260,18 +260,21 @@ impl Daemon {
         let events = self.threads.events();
         let before = self.known.stats;
         let to_wall = clock(ClockId::CLOCK_REALTIME) - monotonic();
+        let mut lost = Lost::default();
         while let Some(update) = self.threads.measuring.next() {
+            if let Update::Lost(some) = &update {
+                lost.add(*some);
+            }
             publish::publish(&mut self.server, &mut self.known, &self.loaded, update, to_wall);
         }
         for told in events {
             publish::publish_event(&mut self.server, &self.loaded, &told, to_wall);
         }
-        let (readings, discharges) = self.threads.measuring.take_lost();
-        if readings + discharges > 0 {
+        if lost.is_some() {
+            let Lost { readings, discharges } = lost;
             log::warn!(
                 "{readings} readings and {discharges} discharges were lost: this process gets too little time"
             );
-            self.server.miss(readings, discharges);
         }
         let found = self.known.stats;
         let is_found = found.offset_is_known && !before.offset_is_known;

@@ -2,7 +2,7 @@
 
 use super::Loaded;
 use super::limits::GONE_AFTER;
-use super::measuring::Update;
+use super::measuring::{Lost, Update};
 use super::triggering::Told;
 use crate::config::Config;
 use crate::instrument::Message;
@@ -128,6 +128,7 @@ pub fn publish(server: &mut Server, known: &mut Known, loaded: &Loaded, update: 
                 server.publish_discharge(DischargeLine { as_read_ohm, ..line });
             }
         }
+        Update::Lost(Lost { readings, discharges }) => server.miss(readings, discharges),
         Update::Stats(stats) => {
             known.log_leak(&stats);
             known.log_absorption(&stats);

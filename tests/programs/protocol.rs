@@ -261,9 +261,35 @@ fn what_a_filter_drops_is_not_lost() {
 fn what_the_instrument_loses_is_told_to_everybody() {
     let mut bench = Bench::new();
     let mut peer = bench.connect();
+    bench.publish(2);
     bench.server.miss(3, 100);
     bench.publish(2);
-    assert_eq!(received(&bench.lines(&mut peer)), (vec![1, 2], 3));
+    let lines = bench.lines(&mut peer);
+    let lost: Vec<_> =
+        lines.iter().filter(|line| line["class"] == "READING").map(|line| line["lost"].clone()).collect();
+    assert_eq!(lost, [0, 0, 3, 0], "told where the gap is");
+}
+
+#[test]
+fn losses_on_the_way_add_to_those_of_a_slow_client_at_their_places() {
+    let mut bench = Bench::new();
+    let mut stalled = bench.connect();
+    let mut expected = 0;
+    for _ in 0..5000 {
+        bench.publish(1);
+        bench.server.miss(2, 1);
+        expected += 3;
+    }
+    bench.publish(1);
+    let lines = bench.lines(&mut stalled);
+    let told: Vec<_> = lines.iter().filter(|line| line["class"] == "READING").collect();
+    let (seqs, lost) = received(&lines);
+    assert_eq!(seqs.len() as u64 + lost, expected + 1);
+    assert!(seqs.len() < 5000, "it lost some by itself");
+    for pair in told.windows(2) {
+        let [before, after] = [pair[0], pair[1]].map(|line| line["seq"].as_u64().unwrap());
+        assert_eq!(pair[1]["lost"], 3 * (after - before) - 1, "at {after}");
+    }
 }
 
 #[test]

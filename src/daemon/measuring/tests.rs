@@ -245,3 +245,65 @@ fn a_reason_is_told_once() {
     // But whoever reads hears in each round that there is no reading; a busy machine may see one more.
     assert!(complaints == 1 && faults >= 2, "{complaints} complaints, {faults} faults");
 }
+
+/// Holds the gaps in the numbers of readings and discharges against what was told as lost.
+#[derive(Default)]
+struct Gaps {
+    reading: u64,
+    discharge: u64,
+    lost: Lost,
+    seen: u32,
+}
+
+impl Gaps {
+    fn look(&mut self, update: &Update) {
+        let (before, told, now) = match update {
+            Update::Lost(lost) => {
+                assert!(lost.is_some());
+                self.lost.add(*lost);
+                self.seen += 1;
+                return;
+            }
+            Update::Message(Message::Reading(reading)) => {
+                (&mut self.reading, &mut self.lost.readings, reading.seq)
+            }
+            Update::Message(Message::Discharge { seq, .. }) => {
+                (&mut self.discharge, &mut self.lost.discharges, *seq)
+            }
+            _ => return,
+        };
+        assert_eq!(now - mem::replace(before, now) - 1, mem::take(told), "before {now}");
+    }
+}
+
+#[test]
+fn what_a_full_ring_loses_is_told_where_the_gap_is() {
+    let (config, settings) = config("ideal");
+    let pins = SimPins::new(&Scene::builtin("ideal").unwrap(), None);
+    let mut measuring = Measuring::start(Some(Box::new(pins)), config, settings, None).unwrap();
+    let mut gaps = Gaps::default();
+    let overflow = |measuring: &Measuring| {
+        let beat = measuring.beat();
+        // A message takes a few beats.
+        while measuring.beat() < beat + 50 * RING as u64 {
+            thread::yield_now();
+        }
+    };
+    while gaps.seen < 3 {
+        overflow(&measuring);
+        // Not all: the thread is as fast.
+        for _ in 0..RING {
+            if let Some(update) = measuring.next() {
+                gaps.look(&update);
+            }
+        }
+    }
+    overflow(&measuring);
+    measuring.stop().unwrap();
+    let mut last = None;
+    while let Some(update) = measuring.next() {
+        gaps.look(&update);
+        last = Some(update);
+    }
+    assert!(matches!(last, Some(Update::Lost(_))), "also what was lost at the end: {last:?}");
+}

@@ -30,6 +30,8 @@ pub(super) enum Content {
     Event(String),
     /// Of the sensor of a channel, or of all: a calibration.
     Discharge(Option<String>),
+    /// No line: so many never came here.
+    Lost { readings: u64, discharges: u64 },
 }
 
 impl Published {

@@ -29,7 +29,7 @@ pub(super) struct Session {
     tape_due: Option<Arc<Published>>,
     /// The last event of each channel before the first line in the queue, until it is written.
     events_due: Vec<Arc<Published>>,
-    /// Wanted lines that were dropped since the last one it got.
+    /// Wanted lines that were lost between the last one it got and the first in the queue.
     lost: u64,
     subscription: Subscription,
 }
@@ -81,7 +81,7 @@ impl Session {
         self.watches() && !self.subscription.watch.raw
     }
 
-    /// Takes what was published into the queue. Returns how many wanted lines had to go for it.
+    /// Takes what was published into the queue. Returns how many wanted lines are lost: had to go for it, or never came.
     pub fn queue(&mut self, published: &Arc<Published>) -> u64 {
         if !self.subscription.is_of(&published.content) {
             return 0;
@@ -94,7 +94,7 @@ impl Session {
         let lost = if self.queue.len() < self.queue_lines { 0 } else { self.drop_oldest() };
         self.queue.push_back(Arc::clone(published));
         self.lost += lost;
-        lost
+        lost + self.subscription.missed(&published.content)
     }
 
     /// Drops the oldest reading or discharge; what was announced around it is still due to those after it, and the last event of
@@ -116,6 +116,10 @@ impl Session {
                     }
                 }
                 Content::Tape => self.tape_due = self.queue.pop_front(),
+                Content::Lost { .. } => {
+                    self.lost += self.subscription.missed(&oldest.content);
+                    self.queue.pop_front();
+                }
                 Content::Reading(_) | Content::Discharge(_) if lost.is_some() => break,
                 Content::Reading(_) | Content::Discharge(_) => {
                     lost = Some(u64::from(self.subscription.wants(&oldest.content)));
@@ -124,18 +128,6 @@ impl Session {
             }
         }
         lost.unwrap_or(0)
-    }
-
-    /// Readings and discharges were lost to everybody before they could be published. Of which channel they were is
-    /// unknown, so they count whatever the filter. Returns how many count.
-    pub fn miss(&mut self, readings: u64, discharges: u64) -> u64 {
-        let counted = match (self.wants_readings(), self.wants_raw()) {
-            (true, _) => readings,
-            (_, true) => discharges,
-            _ => 0,
-        };
-        self.lost += counted;
-        counted
     }
 
     /// The bytes to be sent next: to the end of one line. Empty when there is nothing to say.
@@ -198,7 +190,7 @@ impl Session {
                 self.output.extend(to_line(&ErrorLine::lost(self.lost)));
                 self.lost = 0;
             }
-            _ => {}
+            _ => self.lost += self.subscription.missed(&published.content),
         }
         self.output.extend_from_slice(&published.line);
     }

@@ -22,6 +22,17 @@ impl Subscription {
             Content::Version => true,
             Content::Reading(_) | Content::Event(_) => self.watch.enable && !self.watch.raw,
             Content::Tape | Content::Discharge(_) => self.watch.enable && self.watch.raw,
+            Content::Lost { .. } => self.watch.enable,
+        }
+    }
+
+    /// How many of what this client watches never came to the server.
+    pub fn missed(&self, content: &Content) -> u64 {
+        match *content {
+            Content::Lost { readings, discharges } if self.watch.enable => {
+                if self.watch.raw { discharges } else { readings }
+            }
+            _ => 0,
         }
     }
 
@@ -30,7 +41,7 @@ impl Subscription {
     pub fn wants(&mut self, content: &Content) -> bool {
         match content {
             _ if !self.is_of(content) => false,
-            Content::Version | Content::Tape => true,
+            Content::Version | Content::Tape | Content::Lost { .. } => true,
             Content::Discharge(None) => true,
             // No rate: each of them is a state of its own.
             Content::Discharge(Some(channel)) | Content::Event(channel) => self.wants_channel(channel),
