@@ -85,8 +85,9 @@ impl Spread {
             if self.outliers_in_row < least {
                 return Err(Fault::LatencyOutlier);
             }
-            // What a step has moved was not late.
-            (self.mean, self.last, self.far) = (away, away, self.far_before);
+            // What a step has moved was not late; so many in a row are no late stamps either.
+            let far = if self.outliers_in_row < NEVER_SO_LATE { self.far_before } else { 0.0 };
+            (self.mean, self.last, self.far) = (away, away, far);
         }
         self.outliers_in_row = 0;
         self.learn(away, times, has_b);
