@@ -2,7 +2,7 @@
 //!
 //! Every value here is meaningful only for a configuration without error findings.
 
-use super::limits::{DEADLINE, DRAIN, SWITCH_FRACTION, TOGETHER};
+use super::limits::{DEADLINE, DEADLINE_SHARE, DRAIN, LEAST_DEADLINE, SWITCH_FRACTION, TOGETHER};
 use super::{Calibration, Config};
 use crate::circuit::{Chargers, Node};
 use crate::instrument::discharge::Charge;
@@ -57,11 +57,20 @@ impl Config {
         self.measure.settle_time.unwrap_or(Nanos::ZERO)
     }
 
-    /// The longest discharge through a sensor.
+    /// The longest discharge through a sensor: as given, or some of R_2, or fewer where a reading is wanted sooner and its discharge
+    /// can be finished early.
     pub fn deadline(&self) -> Nanos {
-        self.measure
-            .deadline
-            .unwrap_or_else(|| Nanos::from_seconds(DEADLINE * self.discharge(self.circuit.r_second()).0))
+        let second = self.discharge(self.circuit.r_second()).0;
+        let wanted = self.wanted_every().filter(|_| self.is_tracked());
+        let channels = self.channels.len().max(1) as f64;
+        let left = |every: Nanos| (DEADLINE_SHARE * every.as_seconds() - second) / channels;
+        let derived = wanted.map_or(f64::INFINITY, left).max(LEAST_DEADLINE * second).min(DEADLINE * second);
+        self.measure.deadline.unwrap_or_else(|| Nanos::from_seconds(derived))
+    }
+
+    /// How often a reading of each channel is wanted; `None`: as often as may be.
+    fn wanted_every(&self) -> Option<Nanos> {
+        self.measure.average.or(self.measure.rate_hz.map(|hertz| Nanos::from_seconds(1.0 / hertz)))
     }
 
     /// From one cycle to the next, where the rate is to be no higher than wanted.
@@ -72,8 +81,7 @@ impl Config {
 
     /// The time over which what is published is the mean: as given, or all that the wanted rate leaves.
     pub fn average(&self) -> Option<Nanos> {
-        let all = self.measure.rate_hz.filter(|_| !self.measure.idle);
-        self.measure.average.or(all.map(|hertz| Nanos::from_seconds(1.0 / hertz)))
+        if self.measure.idle { self.measure.average } else { self.wanted_every() }
     }
 
     /// The latency offset.

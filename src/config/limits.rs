@@ -24,6 +24,8 @@
 //! | `SHORTEST_DISCHARGE` | 1 | us | a system call takes as long on the fastest of boards | docs/latency.md |
 //! | `SHORTEST_PART` | 50 | us | a part of a split discharge has to be long against the system calls between them | judgement |
 //! | `DEADLINE` | 5 | discharges of R_2 | the derived deadline: sensors up to about five times R_2 | judgement |
+//! | `LEAST_DEADLINE` | 2 | discharges of R_2 | the same where readings are wanted often: room for a calibration on slow capacitors | judgement |
+//! | `DEADLINE_SHARE` | 0.9 | of the time for a cycle | what the discharges of sensors may take and one of R_2; the rest is for charges | tests/accuracy/averages.rs |
 //! | `TOGETHER` | 0.5 | time constants of B | how long B has its charger in each charge: 29 % of what has leaked away since the last one comes back | tests/accuracy/charging.rs |
 //! | `DRAIN` | 1.2 | discharges of R_1 | the tolerance of the capacitors | judgement |
 //! | `SWITCH_FRACTION` | 0.9 | T_xA | where the switch comes unless it is given | judgement |
@@ -64,6 +66,8 @@ pub const SHORT_CHARGE: f64 = 0.9;
 pub const SHORTEST_DISCHARGE: Seconds = Seconds(1e-6);
 pub const SHORTEST_PART: Seconds = Seconds(50e-6);
 pub const DEADLINE: f64 = 5.0;
+pub const LEAST_DEADLINE: f64 = 2.0;
+pub const DEADLINE_SHARE: f64 = 0.9;
 pub const TOGETHER: f64 = 0.5;
 pub const DRAIN: f64 = 1.2;
 pub const SWITCH_FRACTION: f64 = 0.9;

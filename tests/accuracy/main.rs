@@ -17,3 +17,4 @@ mod paper;
 mod regression;
 mod starts;
 mod tracked;
+mod wanted;

@@ -147,7 +147,9 @@ fn predictions(config: &Config, findings: &mut Findings) {
     findings.info("measure.charge-time", format!("{charge:.3}, {whose}, {}", remembers(config)));
     let deadline = Seconds::from(config.deadline());
     if let Some(highest) = circuit.resistance(config.last_node(), deadline) {
-        findings.info("measure.deadline", format!("{deadline:.3}, enough for a sensor of {highest:.3}"));
+        let above = if config.is_tracked() { "; one of more is finished early" } else { "" };
+        findings
+            .info("measure.deadline", format!("{deadline:.3}, enough for a sensor of {highest:.3}{above}"));
     }
     let [_, usual] = config.cycle(config.discharge(circuit.r_second()));
     let [_, longest] = config.cycle(deadline);

@@ -31,7 +31,10 @@ pub(super) enum Content {
     /// Of the sensor of a channel, or of all: a calibration.
     Discharge(Option<String>),
     /// No line: so many never came here.
-    Lost { readings: u64, discharges: u64 },
+    Lost {
+        readings: u64,
+        discharges: u64,
+    },
 }
 
 impl Published {

@@ -144,7 +144,10 @@ impl Server {
     /// So many readings and discharges were lost on the way to the server, between what was published before and what will be: to
     /// every client that watches these or those. Of which channel they were is unknown, so they count whatever the filter.
     pub fn miss(&mut self, readings: u64, discharges: u64) {
-        self.publish(&Arc::new(Published { content: Content::Lost { readings, discharges }, line: Vec::new() }));
+        self.publish(&Arc::new(Published {
+            content: Content::Lost { readings, discharges },
+            line: Vec::new(),
+        }));
     }
 
     /// When a turn is due even if nothing happens; `None`: never.

@@ -30,7 +30,11 @@ impl Subscription {
     pub fn missed(&self, content: &Content) -> u64 {
         match *content {
             Content::Lost { readings, discharges } if self.watch.enable => {
-                if self.watch.raw { discharges } else { readings }
+                if self.watch.raw {
+                    discharges
+                } else {
+                    readings
+                }
             }
             _ => 0,
         }
