@@ -3,20 +3,21 @@
 use crate::circuit::Node;
 use crate::estimate::limits::{BEYOND_NOISE, UNTOLD_SWITCH_NS};
 use crate::estimate::mean::Basis;
-use crate::estimate::method::tracked::{self, Observed, Solution};
+use crate::estimate::method::tracked::{self, Observed};
 use crate::estimate::method::{Scale, Switched, Switching, Times, dual};
 use crate::estimate::motion::Evidence;
 use crate::estimate::noise::{Covariance, Noise};
 use crate::estimate::offset::Offset;
 use crate::estimate::tracker::Tracker;
 use crate::reading::{Branch, Fault, Measured, Method};
-use crate::record::{CalibrationKind, Record, Switch, Through, UNLIKE_CALLS};
+use crate::record::{CalibrationKind, Record, UNLIKE_CALLS};
 use crate::units::Nanos;
 use covariances::Covariances;
 use dual::Dual;
 
 mod covariances;
 mod leakage;
+mod prediction;
 mod status;
 
 pub use status::Judged;
@@ -271,23 +272,6 @@ impl Estimator {
         is_untold || is_early || self.leak_is_prior || !self.noise().is_known()
     }
 
-    /// What a discharge goes on through after a switch, ohm.
-    pub fn ohm_after(&self, switch: Switch) -> f64 {
-        if switch.to == Through::C1 { self.r1_ohm } else { self.r2_ohm }
-    }
-
-    /// What an x discharge through `r_ohm` would tell that waits for `last`, switched as given or not at all.
-    pub fn predict_tracked(
-        &self,
-        r_ohm: f64,
-        switch: Option<Switch>,
-        u_switch_ns: f64,
-        last: Node,
-    ) -> Option<Solution> {
-        let switch = switch.map(|switch| (switch, self.ohm_after(switch)));
-        tracked::predict(self.tracker()?, r_ohm, switch, u_switch_ns, last)
-    }
-
     /// The times of an estimate, and which equation is to be used.
     fn times(&self, record: &Record) -> Result<(Times<f64>, Branch), Fault> {
         let (c1, c2) = self.calibration().ok_or(Fault::NoCalibration)?;
@@ -371,48 +355,6 @@ impl Estimator {
                 tracker: None,
             },
         })
-    }
-
-    /// The variances of the ratio to be expected from a direct and from an inferred estimate of a sensor at `ratio`,
-    /// switched at `fraction` of the time in which A crosses.
-    pub fn predict(&self, ratio: f64, fraction: f64, u_switch_ns: f64) -> Option<Predicted> {
-        // A prior is not what discharges are planned by.
-        let (c1, c2) = self.calibration().filter(|_| self.noise().is_known())?;
-        let (d, rules, last) = (self.offset().d_ns, self.method.rules(), self.last().index());
-        let mut full = [0, 1].map(|node| c1[node] + ratio * (c2[node] - c1[node]));
-        for (node, ns) in full.iter_mut().enumerate().take(self.nodes) {
-            *ns = self.x_discharge_ns(*ns, node)?;
-        }
-        let at = fraction * (full[0] - d);
-        let rest = (c2[last] - d) * (1.0 - at / (full[last] - d));
-        if !(at > 0.0 && rest > 0.0) {
-            return None;
-        }
-        let mut switched = full;
-        switched[last] = at + rest + d;
-        let [c1, c2, direct, inferred] =
-            [c1, c2, full, switched].map(|crossings| self.existing(crossings.map(Some)));
-        let variance = |x: [Option<f64>; 2], switch, late: [Option<f64>; 2], branch| {
-            let times = dual::variables(&Times { c1, c2, x, switch, beside: None, d });
-            let covariances = self.covariances(late.map(|crossing| crossing.unwrap_or(0.0)), u_switch_ns)?;
-            let by = (rules.ratio)(&times, branch)?.by;
-            Some((covariances.of(&by), covariances.of_offset(&by)))
-        };
-        let (direct, _) = variance(direct, None, direct, Branch::Direct)?;
-        let switch = Some(Switched { at, on: at });
-        let (inferred, by_offset) = variance(inferred, switch, c2, Branch::Inferred)?;
-        Some(Predicted { direct, inferred, by_offset })
-    }
-
-    /// When a node crosses in an x discharge of this method, given the crossing `x_ns` through the sensor alone; d included in
-    /// both.
-    pub fn x_discharge_ns(&self, x_ns: f64, node: usize) -> Option<f64> {
-        if !self.method.rules().sinks_beside {
-            return Some(x_ns);
-        }
-        let (_, c2) = self.calibration()?;
-        let d = self.offset().d_ns;
-        Some(d + 1.0 / (1.0 / (x_ns - d) + 1.0 / (c2[node] - d)))
     }
 }
 

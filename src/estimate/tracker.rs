@@ -9,8 +9,7 @@
 use crate::circuit::Node;
 use crate::estimate::law::{Crossing, D, D_B, R_O, Route, State, UNKNOWNS};
 use crate::estimate::limits::{
-    BEGINNINGS, FIRST_ROUNDS, INNOVATION_GATE, LATE_NS, MOST_REJECTED, RATE_AT_FIRST, REJECTED_OF_A_STEP,
-    ROUGH_ROUNDS, SPLIT_FRACTION, WALK_AT_FIRST,
+    FIRST_ROUNDS, INNOVATION_GATE, LATE_NS, REJECTED_OF_A_STEP, SPLIT_FRACTION, WALK_AT_FIRST,
 };
 use crate::estimate::noise::{Covariance, Noise};
 use crate::estimate::offset::{Offset, SplitCalibration};
@@ -20,6 +19,7 @@ use crate::record::{CalibrationKind, Record, Switch, Through, UNLIKE_CALLS};
 use crate::units::Nanos;
 use gain::Gain;
 
+mod beginning;
 mod evidence;
 mod gain;
 mod walk;
@@ -186,82 +186,6 @@ impl Tracker {
         Ok(())
     }
 
-    /// Charges may be other ones once Ro is known roughly, so that the state begins with what comes after that.
-    fn look_roughly(&mut self) {
-        if self.rough_r_o_ohm.is_some() || self.rounds.len() < ROUGH_ROUNDS {
-            return;
-        }
-        self.take_rounds_apart();
-        self.rough_r_o_ohm = self.split.result().and_then(|offset| Some(offset.r_o_ohm?.0));
-        self.split.clear();
-        if self.rough_r_o_ohm.is_some() {
-            self.rounds.clear();
-        }
-    }
-
-    /// The first state by closed form from the mean of the first rounds; its covariance by letting the filter see them
-    /// all, starting from almost no knowledge.
-    fn begin(&mut self) {
-        let slope = self.take_rounds_apart();
-        let rounds = std::mem::take(&mut self.rounds);
-        let offset = self.split.result();
-        if let Some((offset, (r_o_ohm, _))) = offset.and_then(|offset| Some((offset, offset.r_o_ohm?))) {
-            let state = [slope[0], slope[1], r_o_ohm, offset.d_ns, 0.0, 0.0, 0.0];
-            // While little is known no gate keeps a spike out, and what fits it is rejected afterwards: then the
-            // rounds are seen again without the first one. If that never helps, there are new rounds.
-            self.scatter = offset.scatter;
-            self.ready = (0..BEGINNINGS).any(|skipped| self.fits(state, &rounds[skipped..]));
-            if self.ready {
-                self.noise.expect_what_comes();
-            }
-        }
-        self.rounds = rounds;
-        self.rounds.clear();
-    }
-
-    /// Gives the rounds to the split calibration; answers the mean of g of both nodes by their plain discharges.
-    fn take_rounds_apart(&mut self) -> [f64; 2] {
-        let [r1, r2] = self.r_ohm;
-        let mut slope = [0.0; 2];
-        for [first, second, split] in &self.rounds {
-            let (Some(c1), Some(c2)) = (first.complete(self.nodes), second.complete(self.nodes)) else {
-                continue;
-            };
-            self.split.add(c1, c2, split, &self.noise);
-            for node in 0..2 {
-                slope[node] += (c2[node] - c1[node]) / (r2 - r1) / self.rounds.len() as f64;
-            }
-        }
-        slope
-    }
-
-    /// Lets the filter see rounds, starting from almost no knowledge; whether they fit.
-    fn fits(&mut self, state: State, rounds: &[[Record; 3]]) -> bool {
-        self.state = state;
-        self.open();
-        self.at = rounds[0][0].start;
-        let mut rejected = 0;
-        for record in rounds.iter().flatten() {
-            self.advance(record.start);
-            // One that the gate rejects is one less.
-            let used = record.ended(self.nodes).zip(record.calibration_kind());
-            let used = used.is_some_and(|(times, kind)| self.correct(kind, record, times).is_ok());
-            rejected += usize::from(!used);
-        }
-        rejected * MOST_REJECTED <= 3 * rounds.len()
-    }
-
-    /// As little knowledge as physics leaves: g to 5 %, Ro to 50 ohm, each d to 50 us, a drift to what boards do.
-    fn open(&mut self) {
-        self.covariance = Matrix::default();
-        let d_b = if self.nodes == 2 { 50_000.0 } else { 0.0 };
-        let [rate, rate_b] = [RATE_AT_FIRST, if self.nodes == 2 { RATE_AT_FIRST } else { 0.0 }];
-        let sigma = [0.05 * self.state[0], 0.05 * self.state[1], 50.0, 50_000.0, d_b, rate, rate_b];
-        for (index, sigma) in sigma.into_iter().enumerate() {
-            self.covariance[index][index] = sigma * sigma;
-        }
-    }
-
     fn update(
         &mut self,
         kind: CalibrationKind,
@@ -310,16 +234,6 @@ impl Tracker {
     /// The covariance of u and of v times the state.
     pub fn covariance_of(&self, u: &State, v: &State) -> f64 {
         self.misfit() * bilinear(&self.covariance, u, v)
-    }
-
-    /// After a step. Nothing of the old state may bias the new one: how far the step went is not known.
-    pub fn begin_anew(&mut self) {
-        let counts = Counts { steps: self.counts.steps + 1, ..self.counts };
-        let (mut split, mut rounds) = (std::mem::take(&mut self.split), std::mem::take(&mut self.rounds));
-        split.clear();
-        rounds.clear();
-        *self =
-            Tracker { counts, ..Tracker::empty(self.r_ohm, self.nodes, self.resolution_ns, split, rounds) };
     }
 
     /// The resistors of a calibration discharge.

@@ -3,7 +3,7 @@
 
 use super::*;
 use crate::reading::Status;
-use crate::record::Switch;
+use crate::record::{Switch, Through};
 use crate::sensor::{Channel, Law};
 use crate::units::Nanos;
 use proptest::prelude::*;

@@ -3,6 +3,7 @@
 use super::*;
 use crate::chance::{mean_of, rms_of, sigmas};
 use crate::estimate::law::RATE;
+use crate::estimate::limits::ROUGH_ROUNDS;
 use crate::record::Switch;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
