@@ -105,6 +105,14 @@ impl SwitchScatter {
         self.readings.excess().max(0.0) + self.readings.u()
     }
 
+    /// What readings show as far as split discharges do not contradict: few of these say less by chance, ns².
+    fn agreed(&self) -> f64 {
+        if self.readings.count < READINGS_OF_SCATTER[0] {
+            return 0.0;
+        }
+        self.readings.excess().min(self.splits.excess() + 2.0 * self.splits.u()).max(0.0)
+    }
+
     /// 1 sigma, ns, and as much more as is not known of it; `expected_ns`: by the length of calls, which may be wrong by as
     /// much as it is, or as the discharges say, but is not less steady than readings are.
     pub fn u_ns(&self, expected_ns: f64) -> f64 {
@@ -116,7 +124,7 @@ impl SwitchScatter {
             return expected_ns;
         }
         let variance = (prior * expected + shown * self.splits.excess()) / all;
-        (variance.max(0.0) + SCATTER_DOUBT * (1.0 / all).sqrt()).sqrt()
+        (variance.max(self.agreed()) + SCATTER_DOUBT * (1.0 / all).sqrt()).sqrt()
     }
 }
 
@@ -143,5 +151,26 @@ mod tests {
         // 64 values tell a sigma to 9 %.
         let [low, middle, high] = [20, 200, 379].map(|index: usize| found[index] / true_ns);
         assert!(low > 0.8 && (0.95..1.15).contains(&middle) && high < 1.35, "{low} {middle} {high}");
+    }
+
+    /// Where split discharges say little, readings at rest keep them from saying too little, and readings of a moving hand nothing.
+    #[test]
+    fn readings_at_rest_are_no_steadier_than_their_switches() {
+        let (true_ns, noise_ns, expected_ns) = (280.0, 500.0, 1550.0);
+        let found = |seed: u64, readings_ns: f64| {
+            let (mut rng, mut scatter) = (rng(seed), SwitchScatter::default());
+            let mut normal = |sigma: f64| sigma * rng.sample::<f64, _>(StandardNormal);
+            for _ in 0..64 {
+                scatter.add(normal(f64::hypot(true_ns, noise_ns)), noise_ns * noise_ns, expected_ns);
+                scatter.add_reading(normal(f64::hypot(readings_ns, 50.0)), 2500.0);
+            }
+            scatter.u_ns(expected_ns) / true_ns
+        };
+        for (readings_ns, most) in [(true_ns, 1.5), (20_000.0, 2.5)] {
+            let mut found: Vec<f64> = (0..400).map(|seed| found(seed, readings_ns)).collect();
+            found.sort_unstable_by(f64::total_cmp);
+            let [low, high] = [20, 379].map(|index: usize| found[index]);
+            assert!(low > 0.75 && high < most, "readings by {readings_ns} ns: {low} {high}");
+        }
     }
 }

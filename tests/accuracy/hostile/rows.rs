@@ -34,7 +34,10 @@ const ALL: &[(Method, &[f64])] = &[
 const SWITCHED: &[(Method, &[f64])] =
     &[(Tracked, &[100.0, 1000.0]), (Cerm, &[100.0, 1000.0]), (Qerm, &[100.0, 1000.0])];
 
-pub static LINES: [Row; 8] = [
+const STEADY: &str = "[calls]\nfixed = '0 s'\nper-line = '7.6 us'\nmoves-at = [0.475, 0.525]\n[stamps]\njitter = '2.2 us'\n[circuit]\n\
+r-c1 = '1650 ohm'";
+
+pub static LINES: [Row; 10] = [
     Row { name: "none: the board pi4 as it is", cases: ALL, ..ROW },
     Row {
         name: "lines move anywhere in calls of 1.15 us",
@@ -46,6 +49,23 @@ pub static LINES: [Row; 8] = [
         name: "lines move anywhere in calls of 2.3 us",
         scene: "[calls]\nfixed = '0 s'\nper-line = '2.3 us'\nmoves-at = [0.0, 1.0]",
         cases: SWITCHED,
+        ..ROW
+    },
+    // Split discharges show little of that beside what stamps do.
+    Row {
+        name: "steady switches in calls of 7.6 us, stamps by 2.2 us, Rc1 of 1.65 kohm",
+        scene: STEADY,
+        circuit: "r-c1 = '1650 ohm'",
+        cases: &[(Tracked, &[100.0, 1000.0])],
+        ..ROW
+    },
+    Row {
+        name: "the same, one node",
+        scene: STEADY,
+        circuit: "r-c1 = '1650 ohm'",
+        kind: Some(Kind::OneCapacitor),
+        seconds: [4.0, f64::INFINITY],
+        cases: &[(Tracked, &[100.0, 300.0, 1000.0])],
         ..ROW
     },
     // A sigma of 0.3 us is 1.04 us wide.
