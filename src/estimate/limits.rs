@@ -137,7 +137,7 @@ pub const SCATTER_MEMORY: f64 = 4096.0;
 /// What is not known of a variance, in sigma, that is added to it.
 pub const SCATTER_DOUBT: f64 = 0.25;
 /// Readings that bound the scatter of switches, at the least and at the most.
-pub const READINGS_OF_SCATTER: [f64; 2] = [16.0, 64.0];
+pub const READINGS_OF_SCATTER: [f64; 2] = [16.0, 256.0];
 /// The uncertainty of a switch of which neither its recorder nor any split discharge has told one, ns: that of a posted write.
 pub const UNTOLD_SWITCH_NS: f64 = 2000.0;
 /// The uncertainty of a switch of which nobody has told one, as on a tape, ns: that of a call of a microsecond.

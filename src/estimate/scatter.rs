@@ -105,12 +105,13 @@ impl SwitchScatter {
         self.readings.excess().max(0.0) + self.readings.u()
     }
 
-    /// What readings show as far as split discharges do not contradict: few of these say less by chance, ns².
+    /// What readings show at the least, as far as split discharges do not contradict: few of these say less by chance, ns².
     fn agreed(&self) -> f64 {
         if self.readings.count < READINGS_OF_SCATTER[0] {
             return 0.0;
         }
-        self.readings.excess().min(self.splits.excess() + 2.0 * self.splits.u()).max(0.0)
+        let shown = self.readings.excess() - self.readings.u();
+        shown.min(self.splits.excess() + 2.0 * self.splits.u()).max(0.0)
     }
 
     /// 1 sigma, ns, and as much more as is not known of it; `expected_ns`: by the length of calls, which may be wrong by as
@@ -124,7 +125,7 @@ impl SwitchScatter {
             return expected_ns;
         }
         let variance = (prior * expected + shown * self.splits.excess()) / all;
-        (variance.max(self.agreed()) + SCATTER_DOUBT * (1.0 / all).sqrt()).sqrt()
+        (variance.max(0.0) + SCATTER_DOUBT * (1.0 / all).sqrt()).max(self.agreed()).sqrt()
     }
 }
 
