@@ -65,6 +65,8 @@ pub static LINES: [Row; 10] = [
         circuit: "r-c1 = '1650 ohm'",
         kind: Some(Kind::OneCapacitor),
         seconds: [4.0, f64::INFINITY],
+        // A call that is 2 us longer than the others is none too long, moves the line as much later, and no second node says so.
+        wild: 1e-4,
         cases: &[(Tracked, &[100.0, 300.0, 1000.0])],
         ..ROW
     },
@@ -314,6 +316,8 @@ pub static PARTS: [Row; 7] = [
         name: "330 nF and 100 nF",
         scene: "[circuit]\nc-a = '330 nF'\nc-b = '100 nF'",
         circuit: "c-a = '330 nF'\nc-b = '100 nF'",
+        // A stamp of B that is 30 us late is 1.5 % there, and A's noise 0.35 %.
+        wild: 1e-4,
         cases: ALL,
         ..ROW
     },
