@@ -25,6 +25,8 @@ use toml::{Table, Value};
 
 /// The share within two sigma that is promised of the readings that are numbers.
 const PROMISED: f64 = 0.93;
+/// A share below this is marked, however small its sample.
+const UNSAID: f64 = 0.90;
 const RARE: f64 = 0.01;
 
 /// One hostile board, read by some methods at some resistances.
@@ -160,7 +162,7 @@ impl Seen {
         if within.margin.is_nan() {
             return (true, false);
         }
-        (within.is_in(PROMISED..=1.0), within.value - within.margin < PROMISED)
+        (within.is_in(PROMISED..=1.0) && within.value >= UNSAID, within.value - within.margin < PROMISED)
     }
 }
 
