@@ -25,7 +25,7 @@
 //! | `SHORTEST_PART` | 50 | us | a part of a split discharge has to be long against the system calls between them | judgement |
 //! | `DEADLINE` | 5 | discharges of R_2 | the derived deadline: sensors up to about five times R_2 | judgement |
 //! | `LEAST_DEADLINE` | 2 | discharges of R_2 | the same where readings are wanted often: room for a calibration on slow capacitors | judgement |
-//! | `DEADLINE_SHARE` | 0.9 | of the time for a cycle | what the discharges of sensors may take and one of R_2; the rest is for charges | tests/accuracy/averages.rs |
+//! | `DEADLINE_SHARE` | 0.9 | of the time for a cycle | what the discharges of sensors may take and one of R_2; the rest is for charges | tests/accuracy/wanted.rs |
 //! | `TOGETHER` | 0.5 | time constants of B | how long B has its charger in each charge: 29 % of what has leaked away since the last one comes back | tests/accuracy/charging.rs |
 //! | `DRAIN` | 1.2 | discharges of R_1 | the tolerance of the capacitors | judgement |
 //! | `SWITCH_FRACTION` | 0.9 | T_xA | where the switch comes unless it is given | judgement |

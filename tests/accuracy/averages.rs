@@ -2,10 +2,9 @@
 //!
 //! Writes `docs/averages.md` with `UPDATE_DOCS=1 cargo test --test accuracy averages`, and fails when it is out of date.
 
-use crate::common::{Bench, Errors, check_page, rms};
+use crate::common::{Bench, Errors, check_page, hear_between, rms};
 use cermd::characterize::watch::published_s;
 use cermd::instrument::Message;
-use cermd::pins::Pins;
 use cermd::pins::sim::{Kind, Sensor};
 use cermd::reading::Method;
 use cermd::units::{Nanos, Ohm};
@@ -95,19 +94,13 @@ fn many(channels: usize) -> (f64, f64, Errors) {
         bench.scene = bench.scene.with_sensors(vec![Sensor::Constant(Ohm(1000.0)); channels]).unwrap();
         let mut instrument = bench.instrument();
         let end = before + Nanos(1_000_000_000);
-        while instrument.pins().now() < end {
-            let counts = instrument.pins().now() > before;
-            instrument
-                .step(&mut |message| match message {
-                    Message::Reading(reading) if counts => {
-                        readings += 1;
-                        errors.add(&reading, 1000.0);
-                    }
-                    Message::Discharge { .. } if counts => discharges += 1,
-                    _ => {}
-                })
-                .unwrap();
-        }
+        hear_between(&mut instrument, [before, end], |message| match message {
+            Message::Reading(reading) => {
+                readings += 1;
+                errors.add(&reading, 1000.0);
+            }
+            Message::Discharge { .. } => discharges += 1,
+        });
         seconds += 1.0;
     }
     let each_hz = readings as f64 / channels as f64 / seconds;

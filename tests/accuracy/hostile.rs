@@ -1,8 +1,7 @@
 //! Boards that break what an estimator takes for granted: of the readings that are numbers, 93 % have to lie within two of
 //! their own sigma whatever the board does, and none beyond ten without a state that says so
-//! (one in ten thousand where stamps are so often late that two in a row are late alike, where capacitors are so small that
-//! one late stamp of B looks like a step of the sensor beside the noise of A, and where one node has to find a call out that
-//! is a little longer than the others).
+//! (one in ten thousand where stamps are so often late that two in a row are late alike, and where one node has to find a
+//! call out that is a little longer than the others).
 //!
 //! `cargo test --test accuracy hostile -- --nocapture` prints the tables; `CERMD_ROWS=posted,PET` runs the rows alone whose
 //! names hold one of these, and `CERMD_BOARDS=10` ten times as many boards of each. A case that does not hold is marked in
@@ -149,8 +148,7 @@ impl Seen {
     /// Whether the promise may hold, and whether it may not.
     fn holds(&self, least_numbers: f64, wild: f64) -> (bool, bool) {
         let expected = wild * self.readings as f64;
-        // They come in runs of up to three: what is believed once is believed for some readings.
-        let most = if wild > 0.0 { 1.0 + expected + 3.0 * (3.0 * expected).sqrt() } else { 0.0 };
+        let most = if wild > 0.0 { 1.0 + expected + 3.0 * expected.sqrt() } else { 0.0 };
         if self.numbers() < least_numbers || self.errors.wild as f64 > most {
             return (false, true);
         }

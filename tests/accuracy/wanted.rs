@@ -2,9 +2,8 @@
 //!
 //! Writes `docs/rate.md` with `UPDATE_DOCS=1 cargo test --test accuracy wanted`, and fails when it is out of date.
 
-use crate::common::{Bench, Errors, check_page, rms};
+use crate::common::{Bench, Errors, check_page, hear_between, rms};
 use cermd::instrument::Message;
-use cermd::pins::Pins;
 use cermd::pins::sim::Kind;
 use cermd::reading::Method;
 use cermd::units::Nanos;
@@ -32,8 +31,9 @@ Without `rate-hz` each discharge is chosen for the most accuracy per time, and t
 (or with `average`) discharges through the sensors get what 0.9 of the time leaves beside one through R_2, in equal parts, but not less than
 two through R_2 take, so that calibration has room on slow capacitors. What has not crossed by then is finished through R_1 or R_2. So nine
 tenths of the rate at the least are kept for every sensor, up to rates of 0.3 over the time of a discharge through R_2 (`cermctl check`
-tells that time), and above them for sensors up to about R_2; what is missing is the looks for a leak and calibration. One that nobody touches is said to be open as soon, with a lower bound of less. A `deadline` in the configuration is
-kept instead; methods other than `tracked` cannot finish early, and nothing changes for them.
+tells that time), and above them for sensors up to about R_2; what is missing is the looks for a leak and calibration. One that nobody
+touches is said to be open as soon, with a lower bound of less. A `deadline` in the configuration is kept instead; methods other than
+`tracked` cannot finish early, and nothing changes for them.
 
 | capacitors | rate-hz | R_x / ohm | readings/s | error / ohm | u / ohm | within 2u |
 |---|--:|--:|--:|--:|--:|--:|
@@ -51,17 +51,12 @@ fn measure(kind: Kind, r_ohm: f64, rate_hz: Option<f64>) -> (f64, Errors) {
     for seed in 0..BOARDS {
         errors.next_board();
         let mut instrument = bench(kind, r_ohm, rate_hz, seed).instrument();
-        while instrument.pins().now() < end {
-            let counts = instrument.pins().now() > FROM;
-            instrument
-                .step(&mut |message| {
-                    if let (Message::Reading(reading), true) = (message, counts) {
-                        readings += 1;
-                        errors.add(&reading, r_ohm);
-                    }
-                })
-                .unwrap();
-        }
+        hear_between(&mut instrument, [FROM, end], |message| {
+            if let Message::Reading(reading) = message {
+                readings += 1;
+                errors.add(&reading, r_ohm);
+            }
+        });
     }
     (readings as f64 / (BOARDS as f64 * SECONDS as f64), errors)
 }

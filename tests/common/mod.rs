@@ -140,6 +140,24 @@ pub fn read(instrument: &mut Instrument<SimPins>, count: usize, mut each: impl F
     assert_eq!(instrument.pins().conflicts(), 0, "two outputs against each other");
 }
 
+/// Steps until the second of two instants, and hands each message of a step after the first one to `each`.
+pub fn hear_between(
+    instrument: &mut Instrument<SimPins>,
+    [from, to]: [Nanos; 2],
+    mut each: impl FnMut(Message),
+) {
+    while instrument.pins().now() < to {
+        let counts = instrument.pins().now() > from;
+        instrument
+            .step(&mut |message| {
+                if counts {
+                    each(message)
+                }
+            })
+            .unwrap();
+    }
+}
+
 /// A board without what happens once in some hundred readings: late stamps, preempted calls.
 pub fn quiet(mut scene: Scene) -> Scene {
     for delay in [&mut scene.stamps, &mut scene.wake, &mut scene.sleep] {

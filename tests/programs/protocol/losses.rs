@@ -2,6 +2,11 @@
 
 use super::bench::Bench;
 use super::{discharge, error_code, received};
+use serde_json::Value;
+
+fn readings(lines: &[Value]) -> Vec<&Value> {
+    lines.iter().filter(|line| line["class"] == "READING").collect()
+}
 
 #[test]
 fn a_stalled_client_loses_only_its_own_oldest_readings() {
@@ -21,7 +26,7 @@ fn a_stalled_client_loses_only_its_own_oldest_readings() {
     assert_eq!(seqs.last(), Some(&published), "the newest are kept");
     // `lost` is told by the first reading after each gap, and is its length.
     let mut previous = 0;
-    for line in lines.iter().filter(|line| line["class"] == "READING") {
+    for line in readings(&lines) {
         let seq = line["seq"].as_u64().unwrap();
         assert_eq!(line["lost"], seq - previous - 1, "at {seq}");
         previous = seq;
@@ -53,8 +58,7 @@ fn what_the_instrument_loses_is_told_to_everybody() {
     bench.server.miss(3, 100);
     bench.publish(2);
     let lines = bench.lines(&mut peer);
-    let lost: Vec<_> =
-        lines.iter().filter(|line| line["class"] == "READING").map(|line| line["lost"].clone()).collect();
+    let lost: Vec<_> = readings(&lines).into_iter().map(|line| line["lost"].clone()).collect();
     assert_eq!(lost, [0, 0, 3, 0], "told where the gap is");
 }
 
@@ -70,11 +74,10 @@ fn losses_on_the_way_add_to_those_of_a_slow_client_at_their_places() {
     }
     bench.publish(1);
     let lines = bench.lines(&mut stalled);
-    let told: Vec<_> = lines.iter().filter(|line| line["class"] == "READING").collect();
     let (seqs, lost) = received(&lines);
     assert_eq!(seqs.len() as u64 + lost, expected + 1);
     assert!(seqs.len() < 5000, "it lost some by itself");
-    for pair in told.windows(2) {
+    for pair in readings(&lines).windows(2) {
         let [before, after] = [pair[0], pair[1]].map(|line| line["seq"].as_u64().unwrap());
         assert_eq!(pair[1]["lost"], 3 * (after - before) - 1, "at {after}");
     }
