@@ -60,23 +60,25 @@ impl Config {
     /// The longest discharge through a sensor: as given, or some of R_2, or fewer where a reading is wanted sooner and its discharge
     /// can be finished early.
     pub fn deadline(&self) -> Nanos {
+        if let Some(given) = self.measure.deadline {
+            return given;
+        }
         let second = self.discharge(self.circuit.r_second()).0;
         let wanted = self.wanted_every().filter(|_| self.is_tracked());
         let channels = self.channels.len().max(1) as f64;
         let left = |every: Nanos| (DEADLINE_SHARE * every.as_seconds() - second) / channels;
         let derived = wanted.map_or(f64::INFINITY, left).max(LEAST_DEADLINE * second).min(DEADLINE * second);
-        self.measure.deadline.unwrap_or_else(|| Nanos::from_seconds(derived))
+        Nanos::from_seconds(derived)
     }
 
     /// How often a reading of each channel is wanted; `None`: as often as may be.
     fn wanted_every(&self) -> Option<Nanos> {
-        self.measure.average.or(self.measure.rate_hz.map(|hertz| Nanos::from_seconds(1.0 / hertz)))
+        self.measure.average.or(self.measure.every())
     }
 
     /// From one cycle to the next, where the rate is to be no higher than wanted.
     pub fn period(&self) -> Option<Nanos> {
-        let period = self.measure.rate_hz.map(|hertz| Nanos::from_seconds(1.0 / hertz));
-        period.filter(|_| self.measure.idle || self.measure.average.is_some())
+        self.measure.every().filter(|_| self.measure.idle || self.measure.average.is_some())
     }
 
     /// The time over which what is published is the mean: as given, or all that the wanted rate leaves.

@@ -91,7 +91,8 @@ pub struct Measure {
     /// them take.
     pub settle_time: Option<Nanos>,
     /// The longest discharge through a sensor, up to 1 min, and not below the predicted discharge through Rc2 (Rc1 +
-    /// Rc2 where they are in series); a higher resistance reads `open`. Default: 5 times that discharge.
+    /// Rc2 where they are in series); a higher resistance reads `open`. Default: 5 times that discharge; of `tracked` less, down
+    /// to 2 times, where `rate-hz` or `average` ask for readings sooner.
     pub deadline: Option<Nanos>,
     /// The latency offset d of the crossings, 0 to 1 ms. Default: `auto` for `cerm` and `qerm`; in the other
     /// methods it cancels, and is 0.
@@ -108,6 +109,13 @@ pub struct Measure {
     /// The planned switch comes at this fraction of the predicted T_xA, above 0 and below 1.3. Default: 0.9.
     #[serde(deserialize_with = "number::optional")]
     pub switch_fraction: Option<f64>,
+}
+
+impl Measure {
+    /// From one reading to the next, as `rate-hz` asks.
+    fn every(&self) -> Option<Nanos> {
+        self.rate_hz.map(|hertz| Nanos::from_seconds(1.0 / hertz))
+    }
 }
 
 /// How often the calibration discharges are taken.

@@ -143,9 +143,8 @@ impl Measuring {
 
     /// The next result, if there is one.
     pub fn next(&mut self) -> Option<Update> {
-        let left = self.left;
         self.results.pop().ok().or_else(|| {
-            self.left = Lost::default();
+            let left = std::mem::take(&mut self.left);
             left.is_some().then_some(Update::Lost(left))
         })
     }

@@ -93,13 +93,17 @@ pub const OUTLIERS_OF_A_STEP: u32 = 3;
 /// Differences of successive discharges that are remembered, about.
 pub const NOISE_MEMORY: f64 = 2048.0;
 
+// Where most values are.
+/// A step towards a value, in parts of how far values usually are from their median.
+pub const USUAL_STEP: f64 = 1.0 / 16.0;
+
 // How wide a gate is.
 /// A value that is refused widens the gate by this factor.
 pub const GATE_WIDER: f64 = 1.5;
 /// A value that is let in narrows it by this part.
 pub const GATE_NARROWER: f64 = 1.0 / 80.0;
-/// A gate becomes no wider than so many times its least width; what is beyond that is a spike, however frequent, and does
-/// not widen it.
+/// A gate for crossings becomes no wider than so many times its least width; what is beyond that is a spike, however frequent,
+/// and does not widen it.
 pub const GATE_WIDEST: f64 = 4.0;
 
 // Motion of the sensor; found with tests/accuracy, dynamic.
@@ -108,9 +112,9 @@ pub const MOTION_POINTS: usize = 6;
 /// A sensor whose readings have a larger predicted error, relative, moves fast: crossings that contradict each other are its
 /// own then.
 pub const FAST: f64 = 0.01;
-/// Where stamps are often late: a hand changes a sensor by so much from reading to reading, and stamps that are late alike by less
-/// are one in a hundred of those that are.
-pub const NEAR: f64 = 0.1;
+/// Where stamps are often late: a sensor may change by so much from reading to reading. Of stamps that are late alike few are so
+/// by less, and that is no more than some sigma of such a board's readings.
+pub const NEAR: f64 = 0.03;
 /// A predicted error below so many sigma may be noise.
 pub const STATED: f64 = 3.0;
 /// What is so many times faster than everything before it was not to be expected.
@@ -180,7 +184,7 @@ pub const LAST_OF: f64 = 16.0;
 pub const LAST_SHOWS: f64 = 4.0;
 /// Where nothing speaks for a faster walk it becomes slower by so much in as many innovations as a trend is the mean of, in the
 /// square of a sigma.
-pub const WALK_CALM: f64 = 0.5;
+pub const WALK_CALM: f64 = 0.1;
 /// Discharges of a kind that its mean innovation is taken over.
 pub const MISFIT_OF: f64 = 64.0;
 /// Mean innovations contradict the state when their mean square is so many times what chance makes it: of six it is more

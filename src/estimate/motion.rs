@@ -77,6 +77,8 @@ pub struct Motion {
     is_fast: bool,
     /// ln(R_x+Ro) of the last reading that none has repeated yet, and 1 sigma.
     alone: Option<[f64; 2]>,
+    /// The last one was settling.
+    was_settling: bool,
 }
 
 impl Motion {
@@ -152,6 +154,12 @@ impl Motion {
         let repeats = last.into_iter().chain(self.alone).any(is_near);
         self.alone = (!repeats).then_some([z, u]);
         repeats
+    }
+
+    /// Whether a reading is settling, or the first that is not: no other has yet been known well enough to tell a late stamp of
+    /// it, or of its calibration, from the sensor.
+    pub fn settles(&mut self, is_settling: bool) -> bool {
+        std::mem::replace(&mut self.was_settling, is_settling) || is_settling
     }
 
     /// Takes a reading that is no number: a resistance above `r_min_ohm`.
@@ -234,7 +242,7 @@ impl Motion {
     fn certain_speeds(&self) -> impl Iterator<Item = f64> {
         self.sound().zip(self.sound().skip(1)).map(|(point, next)| {
             let seconds = (next.at - point.at).as_seconds().max(1e-6);
-            (point.speed_to(next).abs() - COVERAGE * point.u.hypot(next.u) / seconds).max(0.0)
+            (point.speed_to(next).abs() - STATED * point.u.hypot(next.u) / seconds).max(0.0)
         })
     }
 
@@ -271,18 +279,21 @@ impl Motion {
         !is_early && !rises
     }
 
-    /// Whether it has changed faster than anything before it.
+    /// Whether it has changed faster than anything before it: since the last point, or since one that the last went along with
+    /// and that says better where the sensor was.
     fn is_sudden(&self, point: &Point) -> bool {
         let Some(last) = self.sound().next_back() else { return false };
-        let change = (point.z - last.z).abs();
         if last.is_open() {
             // Anywhere above its bound, and how it came below nobody has seen.
-            return change > OPEN_LN + BEYOND_NOISE * point.u;
+            return (point.z - last.z).abs() > OPEN_LN + BEYOND_NOISE * point.u;
         }
-        let slopes = self.slopes().map(|[slope, u]| slope.abs() - 3.0 * u);
+        let slopes = self.slopes().map(|[slope, u]| slope.abs() - STATED * u);
         let speed = second_greatest(self.certain_speeds()).max(second_greatest(slopes));
-        let noise = BEYOND_NOISE * point.u.hypot(last.u);
-        change > SUDDEN * speed * (point.at - last.at).as_seconds() + noise
+        let is_faster = |from: &Point, to: &Point| {
+            let noise = BEYOND_NOISE * to.u.hypot(from.u);
+            (to.z - from.z).abs() > SUDDEN * speed * (to.at - from.at).as_seconds() + noise
+        };
+        self.sound().any(|from| !is_faster(from, last) && is_faster(from, point))
     }
 
     /// What a sudden change may hide that came perhaps in the middle of this discharge: as much as its two stretches

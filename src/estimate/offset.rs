@@ -15,9 +15,9 @@
 //! spoilt are left out. What the scatter does not show is an error of s that is the same each time: the line that starts
 //! the discharge is sunk, the one that ends s is released ([`UNLIKE_CALLS`], type B).
 
-use crate::estimate::limits::{BEYOND_NOISE, FEWEST_ROUNDS, UNKNOWN_OFFSET_NS};
+use crate::estimate::limits::{FEWEST_ROUNDS, UNKNOWN_OFFSET_NS};
 use crate::estimate::noise::{Covariance, Noise};
-use crate::estimate::scatter::{MEDIAN_DEVIATION, SwitchScatter, expected_ns, mean, median};
+use crate::estimate::scatter::{SwitchScatter, Usual, expected_ns, mean};
 use crate::record::{Record, UNLIKE_CALLS};
 
 /// What the split calibration found; each uncertainty is 1 sigma.
@@ -78,24 +78,10 @@ struct Round {
 }
 
 /// Where most values are: a spike is elsewhere.
-#[derive(Clone, Copy)]
-struct Usual {
-    middle: f64,
-    limit: f64,
-}
-
-impl Usual {
-    fn of(scratch: &mut Vec<f64>, values: impl Iterator<Item = f64>) -> Usual {
-        scratch.clear();
-        scratch.extend(values);
-        let middle = median(scratch);
-        scratch.iter_mut().for_each(|value| *value = (*value - middle).abs());
-        Usual { middle, limit: BEYOND_NOISE * median(scratch) / MEDIAN_DEVIATION }
-    }
-
-    fn has(self, value: f64) -> bool {
-        (value - self.middle).abs() <= self.limit
-    }
+fn usual_of(scratch: &mut Vec<f64>, values: impl Iterator<Item = f64>) -> Usual {
+    scratch.clear();
+    scratch.extend(values);
+    Usual::of(scratch)
 }
 
 /// Collects rounds of a split calibration, the last ones up to a number.
@@ -179,7 +165,7 @@ impl SplitCalibration {
         if self.rounds.len() < FEWEST_ROUNDS {
             return None;
         }
-        let usual = Usual::of(&mut self.scratch, self.rounds.iter().map(|round| round.d_ns));
+        let usual = usual_of(&mut self.scratch, self.rounds.iter().map(|round| round.d_ns));
         let kept = self.rounds.iter().filter(|round| usual.has(round.d_ns));
         let mean_of =
             |of: fn(&Round) -> f64| mean(kept.clone().map(of)).and_then(|mean| Some((mean.value, mean.u?)));
@@ -191,11 +177,11 @@ impl SplitCalibration {
 
         let slope = (self.r2_ohm + r_o.0) / (self.r1_ohm + r_o.0);
         let late_ns = |round: &Round| (round.difference_ns - slope * round.s_ns) / slope;
-        let usual = Usual::of(&mut self.scratch, kept.clone().map(late_ns));
+        let usual = usual_of(&mut self.scratch, kept.clone().map(late_ns));
         let mut scatter = SwitchScatter::default();
         for round in kept.filter(|round| usual.has(late_ns(round))) {
             if let Some(variance) = round.variance {
-                scatter.add(late_ns(round) - usual.middle, variance / (slope * slope), round.u_switch_ns);
+                scatter.add(late_ns(round) - usual.place, variance / (slope * slope), round.u_switch_ns);
             }
         }
         Some(Offset {

@@ -1,6 +1,8 @@
 //! Middle and spread of measured values.
 
-use crate::estimate::limits::{READINGS_OF_SCATTER, SCATTER_DOUBT, SCATTER_MEMORY, UNKNOWN_SWITCH_NS};
+use crate::estimate::limits::{
+    BEYOND_NOISE, READINGS_OF_SCATTER, SCATTER_DOUBT, SCATTER_MEMORY, UNKNOWN_SWITCH_NS, USUAL_STEP,
+};
 use crate::reading::Measured;
 use crate::record::Record;
 
@@ -13,6 +15,47 @@ pub fn median(values: &mut [f64]) -> f64 {
 
 /// What the median of the absolute deviations of a normal distribution is, in sigma.
 pub const MEDIAN_DEVIATION: f64 = 0.6745;
+
+/// Where most of many values are, and how far from there: both go a small step towards each value, so that a value far away
+/// moves them no more than a near one. With these steps the place of normal values is uncertain by a sixth of
+/// their sigma.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Usual {
+    /// The median.
+    pub place: f64,
+    /// The median of the absolute deviations from it.
+    deviation: f64,
+}
+
+impl Usual {
+    /// Of nothing.
+    pub const NONE: Usual = Usual { place: 0.0, deviation: 0.0 };
+
+    /// Of the first values. Sorts them.
+    pub fn of(values: &mut [f64]) -> Usual {
+        let place = median(values);
+        values.iter_mut().for_each(|value| *value = (*value - place).abs());
+        Usual { place, deviation: median(values) }
+    }
+
+    /// 1 sigma of normal values whose deviations have such a median.
+    pub fn sigma(&self) -> f64 {
+        self.deviation / MEDIAN_DEVIATION
+    }
+
+    /// Whether a value is no farther away than noise makes it.
+    pub fn has(&self, value: f64) -> bool {
+        (value - self.place).abs() <= BEYOND_NOISE * self.sigma()
+    }
+
+    /// Takes a value; steps are no smaller than `least`, or those of values that were all alike would be none.
+    pub fn add(&mut self, value: f64, least: f64) {
+        let step = (USUAL_STEP * self.deviation).max(least);
+        let beside = value - self.place;
+        self.place += beside.clamp(-step, step);
+        self.deviation += (beside.abs() - self.deviation).clamp(-step, step);
+    }
+}
 
 /// The mean with its 1-sigma uncertainty by the scatter of independent values (GUM type A); `None` of none.
 pub fn mean(values: impl Iterator<Item = f64> + Clone) -> Option<Measured> {

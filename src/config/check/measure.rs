@@ -54,9 +54,8 @@ fn rates(measure: &Measure, findings: &mut Findings) {
     if measure.idle && measure.rate_hz.is_none() {
         findings.warning("measure.idle", "not used: there is no rate-hz to be idle between", "rate-hz = 10");
     }
-    let period = measure.rate_hz.map(|hertz| Nanos::from_seconds(1.0 / hertz));
-    if let Some((average, period)) = measure.average.zip(period).filter(|(average, period)| average > period)
-    {
+    let both = measure.average.zip(measure.every());
+    if let Some((average, period)) = both.filter(|(average, period)| average > period) {
         findings.error(
             "measure.average",
             format!(

@@ -128,7 +128,7 @@ impl Estimator {
         let (value, readout_u) = (sensor.corrected(r_ohm.value), r_ohm.u);
         let pins_u_ohm = sensor.pins_u_ohm(value, known);
         let r_ohm = Measured { value, u: readout_u.map(|u| u.hypot(pins_u_ohm)) };
-        let is_settling = self.is_settling(record, &estimate);
+        let is_settling = motion.settles(self.is_settling(record, &estimate));
         let is_resolved = r_ohm.u.is_none_or(|u| r_ohm.value > COVERAGE * u);
         match r_ohm.u {
             Some(u) if r_ohm.value < -BEYOND_NOISE * u => Status::Fault(Fault::Implausible),

@@ -1,6 +1,6 @@
 //! What one discharge tells: over which stretches, and whether they agree.
 
-use crate::estimate::limits::{APART, BEYOND_NOISE};
+use crate::estimate::limits::{APART, BEYOND_NOISE, STATED};
 
 /// What a discharge tells of R_x, and when it was so. Times in ns since the start.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -75,9 +75,9 @@ impl Evidence {
         }
     }
 
-    /// Whether a second crossing says the same.
+    /// Whether a second crossing says the same where stamps are often late: none is late that agrees by chance.
     pub fn is_confirmed(&self) -> bool {
-        self.pair.is_some() && !self.contradicts
+        !self.contradicts && self.pair.is_some_and(|pair| pair.difference().abs() <= STATED * pair.u_ohm)
     }
 
     /// The same, with another word on whether the crossings disagree.

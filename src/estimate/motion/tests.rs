@@ -131,6 +131,42 @@ fn one_stretch_alone_that_is_far_off_costs_one_reading_if_it_is_over_at_once() {
     assert!(moved.is_moving && (moved.u_ohm * 3f64.sqrt() / most - 1.0).abs() < 1e-3, "{judged:?}");
 }
 
+/// A reading that is less certain than the others hides no late stamp of the next one.
+#[test]
+fn a_late_stamp_after_an_uncertain_reading_is_still_sudden() {
+    let mut motion = Motion::default();
+    let mut take = |index: i64, r_ohm: f64, u_ohm: f64| {
+        motion.judge(Nanos(index * 2_000_000), [r_ohm, u_ohm], R_O, &Evidence::over(300e3)).unwrap()
+    };
+    (0..6).for_each(|index| assert!(!take(index, 1000.0, 0.8).is_moving));
+    assert!(!take(6, 1001.0, 2.6).is_moving);
+    let late = take(7, 1008.3, 0.8);
+    assert!(late.is_moving && late.u_ohm > 2.0, "{late:?}");
+}
+
+/// Four sigma of noise now and then are no motion that would explain a late stamp.
+#[test]
+fn a_spike_of_noise_is_no_speed() {
+    let mut motion = Motion::default();
+    let mut take = |index: i64, r_ohm: f64| {
+        motion.judge(Nanos(index * 1_100_000), [r_ohm, 5.0], R_O, &Evidence::over(770e3)).unwrap()
+    };
+    for (index, r_ohm) in [5008.0, 4997.0, 5004.0, 5007.0, 4979.0, 5006.0].into_iter().enumerate() {
+        take(index as i64, r_ohm);
+    }
+    let late = take(6, 5075.0);
+    assert!(late.is_moving && late.u_ohm > 30.0, "{late:?}");
+}
+
+#[test]
+fn the_first_reading_that_does_not_settle_does_so_still() {
+    let mut motion = Motion::default();
+    assert_eq!(
+        [false, true, false, false].map(|is_settling| motion.settles(is_settling)),
+        [false, true, true, false]
+    );
+}
+
 #[test]
 fn a_step_within_one_stretch_alone_is_in_two_readings_there_and_two_back() {
     let mut motion = Motion::default();

@@ -5,7 +5,7 @@ use crate::estimate::limits::{
     BEYOND_NOISE, FAR_OF, GATE_WIDEST, LATE_NS, NEVER_SO_LATE, NOISE_MEMORY, NOISE_WARM_UP, OFTEN_LATE,
     OUTLIERS_OF_A_STEP, SHORTEST_THIRD, TOO_MANY_LATE, WEIGHT_OF_A_THIRD,
 };
-use crate::estimate::scatter::{MEDIAN_DEVIATION, median};
+use crate::estimate::scatter::{MEDIAN_DEVIATION, Usual, median};
 use crate::reading::Fault;
 
 /// The spread of the crossings of one calibration resistor.
@@ -31,6 +31,8 @@ pub struct Spread {
     far_before: f64,
     /// The last one that was refused.
     refused: [f64; 2],
+    /// Where most are, late ones or not: of noise that late stamps were taken for, none is far off.
+    usual: [Usual; 2],
 }
 
 impl Spread {
@@ -43,11 +45,12 @@ impl Spread {
         last_had_b: true,
         sum: Covariance { aa: 0.0, bb: 0.0, ab: 0.0 },
         weight: [0.0; 2],
-        gate: Gate::new(BEYOND_NOISE),
+        gate: Gate::new(BEYOND_NOISE, GATE_WIDEST),
         outliers_in_row: 0,
         far: 0.0,
         far_before: 0.0,
         refused: [0.0; 2],
+        usual: [Usual::NONE; 2],
     };
 
     /// `seen`: the nodes that were waited for, of those that there are. Only discharges in which all were begin it.
@@ -70,12 +73,12 @@ impl Spread {
         }
         let sigmas = self.sigmas(away, self.mean, has_b, quantisation);
         let is_often_late = self.is_often_late();
-        let away_ns = [0, 1]
-            .map(|node: usize| if all || node == 0 { (away[node] - self.mean[node]).abs() } else { 0.0 });
         if self.outliers_in_row == 0 {
             self.far_before = self.far;
         }
-        self.tell_far(sigmas > GATE_WIDEST * BEYOND_NOISE && away_ns[0].max(away_ns[1]) > LATE_NS);
+        let nodes = if all { 2 } else { 1 };
+        self.tell_far((0..nodes).any(|node| is_far(away[node], &self.usual[node])));
+        (0..nodes).for_each(|node| self.usual[node].add(away[node], quantisation.sqrt()));
         if !self.gate.admits(sigmas) {
             // A step is where the next ones are, too; late stamps are anywhere.
             let is_alike = self.sigmas(away, self.refused, has_b, quantisation) <= self.gate.sigma();
@@ -88,6 +91,7 @@ impl Spread {
             // What a step has moved was not late; so many in a row are no late stamps either.
             let far = if self.outliers_in_row < NEVER_SO_LATE { self.far_before } else { 0.0 };
             (self.mean, self.last, self.far) = (away, away, far);
+            (0..2).for_each(|node| self.usual[node].place = away[node]);
         }
         self.outliers_in_row = 0;
         self.learn(away, times, has_b);
@@ -131,10 +135,12 @@ impl Spread {
     /// From now on something else is expected, namely what comes.
     pub fn expect_what_comes(&mut self) {
         (self.mean, self.last) = ([0.0; 2], [0.0; 2]);
+        self.usual.iter_mut().for_each(|usual| usual.place = 0.0);
     }
 
     /// After the warm-up: differences that are outliers by the median of their absolute values are left out.
     fn begin(&mut self, quantisation: f64) {
+        self.usual = [0, 1].map(|node| Usual::of(&mut self.warm_up.map(|pair| pair[node])));
         // Less than a count does not show.
         let resolution_ns = (12.0 * quantisation).sqrt();
         let mut limit = [0.0; 2];
@@ -200,6 +206,11 @@ impl Spread {
     pub fn freedom(&self, node: usize) -> f64 {
         (self.weight[node] * 2.0 / 3.0).max(1.0)
     }
+}
+
+/// Whether a value is so far from where most are that no gate would let it in.
+fn is_far(away: f64, usual: &Usual) -> bool {
+    (away - usual.place).abs() > (GATE_WIDEST * BEYOND_NOISE * usual.sigma()).max(LATE_NS)
 }
 
 /// The middle of the shortest interval that has a third of the values, and the sigma of normal ones that have it so short:

@@ -3,7 +3,8 @@
 use super::*;
 use crate::chance::{Figure, mean_of, share_is_in};
 use crate::estimate::limits::NOISE_WARM_UP;
-use rand_distr::{Distribution, StandardNormal};
+use rand::RngExt;
+use rand_distr::{Distribution, Exp1, StandardNormal};
 
 const LATENCY: f64 = 1500.0;
 const TRIGGER: f64 = 4e-4;
@@ -141,6 +142,26 @@ fn what_a_charge_does_to_both_crossings_goes_by_their_times() {
         let found = of_each(&noises, [a_ns, b_ns], of_ratio).times(1.0 / of_ratio(&truth));
         assert!(found.is_in(1.0..=2.0), "{a_ns}: {found} of that of the ratio");
     }
+}
+
+/// However late stamps are, and however many of them are near enough to be taken for noise, that they are often so is not forgotten.
+#[test]
+fn stamps_that_are_often_late_stay_so() {
+    let forgets = |seed: &u64| {
+        let mut rng = crate::seed::rng(*seed);
+        let mut noise = Noise::new(2, 1.0);
+        let mut late = move || {
+            let jitter: f64 = rng.sample::<f64, _>(StandardNormal);
+            let tail: f64 = if rng.random_bool(0.3) { 1e6 * rng.sample::<f64, _>(Exp1) } else { 0.0 };
+            10_000.0 * jitter + tail
+        };
+        for _ in 0..100 {
+            let _ = noise.add(CalibrationKind::First, C1.map(|ns| Some(ns + late())), [0.0; 2]);
+            let _ = noise.add(CalibrationKind::Second, C2.map(|ns| Some(ns + late())), [0.0; 2]);
+        }
+        !noise.is_often_late()
+    };
+    assert_eq!((0..400).filter(forgets).count(), 0);
 }
 
 #[test]
