@@ -183,8 +183,8 @@ pub const LAST_OF: f64 = 16.0;
 /// If that is so many sigma from nothing.
 pub const LAST_SHOWS: f64 = 4.0;
 /// Where nothing speaks for a faster walk it becomes slower by so much in as many innovations as a trend is the mean of, in the
-/// square of a sigma.
-pub const WALK_CALM: f64 = 0.1;
+/// square of a sigma: of so many at the least, for a trend of fewer is often by chance what a fast walk makes it.
+pub const WALK_CALM: (f64, f64) = (0.5, 32.0);
 /// Discharges of a kind that its mean innovation is taken over.
 pub const MISFIT_OF: f64 = 64.0;
 /// Mean innovations contradict the state when their mean square is so many times what chance makes it: of six it is more

@@ -31,7 +31,7 @@ impl Tracker {
         let remembered = gain.remembered(by).clamp(TREND_OF[0], TREND_OF[1]);
         let (walk, trend) = (&mut self.walk[kind as usize], &mut self.trend[kind as usize]);
         let last = &mut self.last_trend[kind as usize];
-        let mut faster = away * *trend - WALK_CALM / remembered;
+        let mut faster = away * *trend - WALK_CALM.0 / remembered.max(WALK_CALM.1);
         // One that has just begun to lag need not wait until it is all that the state remembers.
         if last.abs() > LAST_SHOWS * (2.0 * LAST_OF - 1.0).sqrt().recip() {
             faster = faster.max(away * *last);
