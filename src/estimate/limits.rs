@@ -102,8 +102,8 @@ pub const USUAL_STEP: f64 = 1.0 / 16.0;
 pub const GATE_WIDER: f64 = 1.5;
 /// A value that is let in narrows it by this part.
 pub const GATE_NARROWER: f64 = 1.0 / 80.0;
-/// A gate for crossings becomes no wider than so many times its least width; what is beyond that is a spike, however frequent,
-/// and does not widen it.
+/// A gate becomes no wider than so many times its least width; what is beyond that is a spike, however frequent, and does
+/// not widen it.
 pub const GATE_WIDEST: f64 = 4.0;
 
 // Motion of the sensor; found with tests/accuracy, dynamic.

@@ -87,8 +87,6 @@ pub const RETRY_EARLIER: f64 = 0.1;
 // Calls that switch lines.
 /// Calls whose median is the first value.
 pub const FIRST_CALLS: usize = 5;
-/// A usual call is longer than the median by no more than so many sigma of their lengths, and as many ns more: in calls of 7.6 us
-/// whose lines move in the middle, one that was 1.9 us longer was 4 ohm of 100 (tests/accuracy, hostile).
-pub const LONGER_CALL: (f64, f64) = (4.0, 250.0);
-/// Where calls are often longer than that, by up to so many times as much: of calls of a microsecond, those of five.
-pub const OFTEN_LONGER: f64 = 16.0;
+/// A usual call is longer than the median by no more than this part of it, and as many ns more; where many calls are
+/// longer, by as much as the gate becomes wider.
+pub const LONGER_CALL: (f64, f64) = (0.5, 1000.0);

@@ -1,6 +1,6 @@
 //! A gate for spikes that cannot be kept narrow by noise that was taken for too small.
 
-use crate::estimate::limits::{GATE_NARROWER, GATE_WIDER};
+use crate::estimate::limits::{GATE_NARROWER, GATE_WIDER, GATE_WIDEST};
 
 /// A gate of so many sigma.
 ///
@@ -11,14 +11,13 @@ use crate::estimate::limits::{GATE_NARROWER, GATE_WIDER};
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Gate {
     least: f64,
-    widest: f64,
     sigma: f64,
 }
 
 impl Gate {
-    /// Never narrower than so many sigma, and never so many times as wide.
-    pub const fn new(least: f64, times: f64) -> Gate {
-        Gate { least, widest: times * least, sigma: least }
+    /// Never narrower than so many sigma.
+    pub const fn new(least: f64) -> Gate {
+        Gate { least, sigma: least }
     }
 
     /// How many sigma it is wide now.
@@ -28,10 +27,11 @@ impl Gate {
 
     /// Whether a value so many sigma away is let in.
     pub fn admits(&mut self, away: f64) -> bool {
+        let widest = GATE_WIDEST * self.least;
         let admits = away <= self.sigma;
         let factor = if admits { 1.0 - GATE_NARROWER } else { GATE_WIDER };
-        if away <= self.widest {
-            self.sigma = (self.sigma * factor).clamp(self.least, self.widest);
+        if away <= widest {
+            self.sigma = (self.sigma * factor).clamp(self.least, widest);
         }
         admits
     }
@@ -40,11 +40,10 @@ impl Gate {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::estimate::limits::GATE_WIDEST;
 
     #[test]
     fn spikes_are_refused_for_ever_as_long_as_they_are_rare() {
-        let mut gate = Gate::new(5.0, GATE_WIDEST);
+        let mut gate = Gate::new(5.0);
         let refused = (0..100_000).filter(|index| {
             let is_spike = index % 50 == 0;
             let admitted = gate.admits(if is_spike { 20.0 } else { 1.0 });
@@ -57,20 +56,20 @@ mod tests {
 
     #[test]
     fn what_is_frequent_is_let_in() {
-        let mut gate = Gate::new(5.0, GATE_WIDEST);
+        let mut gate = Gate::new(5.0);
         let refused = (0..100_000).filter(|index| !gate.admits(if index % 10 == 0 { 12.0 } else { 1.0 }));
         assert!(refused.count() < 3100);
     }
 
     #[test]
     fn what_is_far_away_is_refused_however_frequent_and_widens_nothing() {
-        let mut gate = Gate::new(5.0, GATE_WIDEST);
+        let mut gate = Gate::new(5.0);
         assert!((0..1000).all(|index| gate.admits(1.0) && (index % 2 == 0 || !gate.admits(21.0))));
         assert!(!gate.admits(5.1), "{gate:?}");
     }
 
     #[test]
     fn what_cannot_be_compared_is_refused() {
-        assert!(!Gate::new(5.0, GATE_WIDEST).admits(f64::NAN));
+        assert!(!Gate::new(5.0).admits(f64::NAN));
     }
 }

@@ -45,7 +45,7 @@ impl Spread {
         last_had_b: true,
         sum: Covariance { aa: 0.0, bb: 0.0, ab: 0.0 },
         weight: [0.0; 2],
-        gate: Gate::new(BEYOND_NOISE, GATE_WIDEST),
+        gate: Gate::new(BEYOND_NOISE),
         outliers_in_row: 0,
         far: 0.0,
         far_before: 0.0,
