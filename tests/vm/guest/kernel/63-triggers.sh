@@ -11,6 +11,8 @@ tracing=/sys/kernel/debug/tracing
 press() { circuit r_mohm 2320000,12700000,1000000,0; }
 let_go() { circuit r_mohm 2320000,12700000,10000000,0; }
 is() { grep "GPIO17 .* out $1" /sys/kernel/debug/gpio; }
+releases() { grep -c '"event":"released"' stream; }
+has_told() { [ "$(releases)" -gt "$before" ]; }
 drives() { [ $(($(cat $outputs) & 1 << 17)) != 0 ]; }
 
 echo mono >$tracing/trace_clock
@@ -54,16 +56,22 @@ for backend in chardev; do
         printf "%s: from the step to the line, %d steps: median %.1f ms, at most %.1f ms\n", b, NR, late[int((NR + 1) / 2)], late[NR]
         exit !(NR == 40 && late[1] > 0 && late[NR] < 150) }' late-$backend || fail "$(cat late-$backend)"
 
-    # The measuring thread hangs: the line is let go of without it.
+    # The measuring thread hangs: the line is let go of without it. Where the last reading before was a fault, that is the
+    # reason that is told: once more then.
     press
-    until_true 100 is hi || fail "$backend: it is not pressed"
-    hang $cermd cermd-measure &
-    hanging=$!
-    until_true 100 is lo || fail "$backend: nobody notices that the measuring thread hangs"
-    until_true 100 grep '"event":"released","reason":"stale"' stream || fail "$backend: nobody is told"
-    kill $hanging
-    wait $hanging || true
-    until_true 100 is hi || fail "$backend: it does not go on"
+    for attempt in 1 2 3; do
+        until_true 100 is hi || fail "$backend: it is not pressed"
+        before=$(releases)
+        hang $cermd cermd-measure &
+        hanging=$!
+        until_true 100 is lo || fail "$backend: nobody notices that the measuring thread hangs"
+        until_true 100 has_told || fail "$backend: nobody is told"
+        kill $hanging
+        wait $hanging || true
+        until_true 100 is hi || fail "$backend: it does not go on"
+        ! grep '"event":"released","reason":"stale"' stream || break
+    done
+    grep '"event":"released","reason":"stale"' stream || fail "$backend: nobody is told why"
 
     kill $client
     stop_cermd
