@@ -17,8 +17,7 @@ pub fn median(values: &mut [f64]) -> f64 {
 pub const MEDIAN_DEVIATION: f64 = 0.6745;
 
 /// Where most of many values are, and how far from there: both go a small step towards each value, so that a value far away
-/// moves them no more than a near one. With these steps the place of normal values is uncertain by a sixth of
-/// their sigma.
+/// moves them no more than a near one. With these steps the place of normal values is uncertain by a sixth of their sigma.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Usual {
     /// The median.
@@ -31,7 +30,7 @@ impl Usual {
     /// Of nothing.
     pub const NONE: Usual = Usual { place: 0.0, deviation: 0.0 };
 
-    /// Of the first values. Sorts them.
+    /// Of the first values. Leaves their deviations in them, sorted.
     pub fn of(values: &mut [f64]) -> Usual {
         let place = median(values);
         values.iter_mut().for_each(|value| *value = (*value - place).abs());

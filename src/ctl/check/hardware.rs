@@ -6,7 +6,7 @@ use crate::config::{Backend, Config, Findings, Severity};
 use crate::ctl::CtlError;
 use crate::ctl::limits::DISCHARGES;
 use crate::ctl::stream::Stream;
-use crate::estimate::scatter::{MEDIAN_DEVIATION, median};
+use crate::estimate::scatter::Usual;
 use crate::pins::output::Output;
 use crate::pins::realtime::{Realtime, Right};
 use crate::pins::{Pins, PinsError};
@@ -79,9 +79,7 @@ fn measure(pins: &mut dyn Pins, config: &Config, findings: &mut Findings) -> Res
     let mut late_us = latency::stamps(pins, config)?;
     let busy = Nanos((processor::time() - before).0 / DISCHARGES as i64);
     let stamps = latency::histogram(&late_us);
-    let middle = median(&mut late_us);
-    late_us.iter_mut().for_each(|late_us| *late_us = (*late_us - middle).abs());
-    let jitter_s = 1e-6 * median(&mut late_us) / MEDIAN_DEVIATION;
+    let jitter_s = 1e-6 * Usual::of(&mut late_us).sigma();
     if let Ok(settings) = config.settings() {
         expect::readings(config, &settings, Some(Seconds(jitter_s)), findings);
     }

@@ -91,7 +91,7 @@ impl Spread {
             // What a step has moved was not late; so many in a row are no late stamps either.
             let far = if self.outliers_in_row < NEVER_SO_LATE { self.far_before } else { 0.0 };
             (self.mean, self.last, self.far) = (away, away, far);
-            (0..2).for_each(|node| self.usual[node].place = away[node]);
+            (0..nodes).for_each(|node| self.usual[node].place = away[node]);
         }
         self.outliers_in_row = 0;
         self.learn(away, times, has_b);
@@ -176,11 +176,8 @@ impl Spread {
                 self.weight = self.weight.map(|weight| weight + 1.0);
             }
         }
-        for node in 0..2 {
-            self.mean[node] = median(&mut self.warm_up.map(|pair| pair[node]));
-            self.last[node] = self.mean[node];
-        }
-        self.time = self.mean;
+        self.mean = self.usual.map(|usual| usual.place);
+        (self.last, self.time) = (self.mean, self.mean);
     }
 
     /// How far the farther node is from the running mean, or another place.

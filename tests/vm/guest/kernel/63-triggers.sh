@@ -66,6 +66,7 @@ for backend in chardev; do
         hanging=$!
         until_true 100 is lo || fail "$backend: nobody notices that the measuring thread hangs"
         until_true 100 has_told || fail "$backend: nobody is told"
+        grep '"event":"released"' stream | tail -n 1 | grep -E '"reason":"(stale|fault)"' || fail "$backend: another reason is told"
         kill $hanging
         wait $hanging || true
         until_true 100 is hi || fail "$backend: it does not go on"
