@@ -87,6 +87,9 @@ pub struct Record {
     /// 1-sigma type-B uncertainty of the time from start to switch, from how long a call takes for a line, ns; `None` where
     /// nobody has told, as on an old tape: then what switches scatter by is all that is known.
     pub u_switch_ns: Option<f64>,
+    /// How much later than usual its lines may have been switched, 1 sigma, ns, since a call took longer than usual; `None` if none
+    /// did.
+    pub later_ns: Option<f64>,
     /// When a wait ended in vain, ns: a node that had not crossed was still above its threshold then.
     pub waited_ns: Option<f64>,
 }

@@ -226,8 +226,7 @@ impl Estimator {
             return Ok((Estimate { branch: solution.branch, r_ohm, basis }, solution.evidence));
         }
         let (times, branch) = self.times(record)?;
-        let (ratio, basis, evidence) =
-            self.ratio(&times, branch, self.u_switch_ns(record, branch)).ok_or(Fault::MissedEdge)?;
+        let (ratio, basis, evidence) = self.ratio(&times, branch, record).ok_or(Fault::MissedEdge)?;
         let span = self.r2_ohm - self.r1_ohm;
         let r_ohm = self.r1_ohm + ratio.value * span;
         let u = ratio.u.map(|u| u * span);
@@ -249,7 +248,8 @@ impl Estimator {
         let switch = record.switch.map(|switch| (switch, self.ohm_after(switch)));
         let branch = if switch.is_some() { Branch::Inferred } else { Branch::Direct };
         let u_switch_ns = self.u_switch_ns(record, branch);
-        Ok(Observed { crossings: record.crossings(), switch, u_switch_ns })
+        let later_ns = record.later_ns.unwrap_or(0.0);
+        Ok(Observed { crossings: record.crossings(), switch, u_switch_ns, later_ns })
     }
 
     /// The uncertainty of the switch of a discharge, ns: as its recorder says, or else what switches scatter by.
@@ -314,14 +314,15 @@ impl Estimator {
         &self,
         times: &Times<f64>,
         branch: Branch,
-        u_switch_ns: f64,
+        record: &Record,
     ) -> Option<(Measured, Basis, Evidence)> {
         let late = match branch {
             Branch::Direct => times.x,
             Branch::Inferred => times.c2,
         };
         let late = late.map(|crossing| crossing.unwrap_or(0.0));
-        let covariances = self.covariances(late, u_switch_ns);
+        let u_switch_ns = self.u_switch_ns(record, branch);
+        let covariances = self.covariances(late, u_switch_ns, record.later_ns.unwrap_or(0.0));
         let u = |of: &Dual| covariances.as_ref().map(|covariances| covariances.of(&of.by).sqrt());
         let (rules, variables) = (self.method.rules(), dual::variables(times));
         let ratio = (rules.ratio)(&variables, branch)?;
@@ -334,14 +335,14 @@ impl Estimator {
     }
 
     /// The covariances of all times; `late` are the crossings that a discharge only through the resistor that ran last
-    /// would have.
-    fn covariances(&self, late: [f64; 2], u_switch_ns: f64) -> Option<Covariances<'_>> {
+    /// would have. `later_ns`: as in [`Record::later_ns`].
+    fn covariances(&self, late: [f64; 2], u_switch_ns: f64, later_ns: f64) -> Option<Covariances<'_>> {
         let (c1, c2) = self.calibration()?;
         let offset = self.offset();
-        let at = offset.scatter.u_ns(u_switch_ns);
+        let at = offset.scatter.u_ns(u_switch_ns).hypot(later_ns);
         let (noise, u_common_ns) = (self.noise(), UNLIKE_CALLS * u_switch_ns);
         let common = (u_common_ns * u_common_ns, offset.by_switch);
-        Some(match self.tracker() {
+        let mut covariances = match self.tracker() {
             Some(tracker) => Covariances {
                 crossings: [Covariance::default(), Covariance::default(), noise.covariance(late)?],
                 single: [at * at, 0.0],
@@ -354,7 +355,9 @@ impl Estimator {
                 common,
                 tracker: None,
             },
-        })
+        };
+        covariances.crossings[2].add_outer([later_ns; 2]);
+        Some(covariances)
     }
 }
 

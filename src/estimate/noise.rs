@@ -77,6 +77,14 @@ impl Covariance {
         self.ab += d[0] * d[1];
     }
 
+    /// Adds what may move the crossings by `d`, one of them or both: whatever is made of them is not moved by more (the square
+    /// of a sum is no more than the sum of the squares, times how many there are).
+    pub fn add_each(&mut self, d: [f64; 2]) {
+        let count = d.iter().filter(|d| **d != 0.0).count() as f64;
+        self.aa += count * d[0] * d[0];
+        self.bb += count * d[1] * d[1];
+    }
+
     fn scaled(&self, by: f64) -> Covariance {
         Covariance { aa: self.aa * by, bb: self.bb * by, ab: self.ab * by }
     }

@@ -47,6 +47,11 @@ impl Usual {
         (value - self.place).abs() <= BEYOND_NOISE * self.sigma()
     }
 
+    /// The greatest of such values.
+    pub fn greatest(&self) -> f64 {
+        self.place + BEYOND_NOISE * self.sigma()
+    }
+
     /// Takes a value; steps are no smaller than `least`, or those of values that were all alike would be none.
     pub fn add(&mut self, value: f64, least: f64) {
         let step = (USUAL_STEP * self.deviation).max(least);

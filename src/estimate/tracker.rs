@@ -196,7 +196,9 @@ impl Tracker {
         match self.correct(kind, record, times) {
             Ok(expected) => {
                 // What the filter takes is no spike, whatever the spread says.
-                let _ = self.noise.add(kind, times, expected);
+                if record.later_ns.is_none() {
+                    let _ = self.noise.add(kind, times, expected);
+                }
                 self.rejected_in_row = 0;
                 self.counts.used += 1;
                 return Ok(());
@@ -247,14 +249,17 @@ impl Tracker {
     }
 
     /// The noise of the crossings of a discharge, and with it that of its switch; `expected_ns`: as in
-    /// [`Tracker::u_switch_ns`].
+    /// [`Tracker::u_switch_ns`], `later_ns`: as in [`Record::later_ns`].
     fn noise_of(
         &self,
         route: &Route,
         rows: &[Crossing; 2],
         expected_ns: f64,
+        later_ns: f64,
     ) -> Option<(Covariance, Covariance)> {
-        let crossings = self.noise.covariance(route.late_ns(&self.state))?;
+        let mut crossings = self.noise.covariance(route.late_ns(&self.state))?;
+        // A late start comes later to the crossings, a late switch to what follows.
+        crossings.add_each(rows.map(|row| row.by_switch.abs().max(1.0) * later_ns));
         let u_switch_ns = self.u_switch_ns(expected_ns);
         let mut all = crossings;
         all.add_outer(rows.map(|row| row.by_switch * u_switch_ns));
@@ -276,7 +281,9 @@ impl Tracker {
         let seen = times.map(|time| time.is_some());
         let innovation = [0, 1].map(|node: usize| times[node].map_or(0.0, |ns| ns - rows[node].ns));
         let (states, by_switch) = (rows.map(|row| row.by_state), rows.map(|row| row.by_switch));
-        let (crossings, noise) = self.noise_of(&route, &rows, expected_ns(record)).ok_or(innovation)?;
+        let (crossings, noise) = self
+            .noise_of(&route, &rows, expected_ns(record), record.later_ns.unwrap_or(0.0))
+            .ok_or(innovation)?;
         let gain = Gain::new(&self.covariance, &states, &noise, seen).ok_or(innovation)?;
         let count = seen.iter().filter(|seen| **seen).count();
         if gain.normalised(innovation) > INNOVATION_GATE * INNOVATION_GATE * count as f64 {
@@ -310,7 +317,7 @@ impl Tracker {
     pub fn planned_gain(&self, kind: CalibrationKind, last: Node) -> Option<Gain> {
         let route = self.planned(kind);
         let rows = [0, 1].map(|node| route.crossing(&self.state, node));
-        let (_, noise) = self.noise_of(&route, &rows, 0.0)?;
+        let (_, noise) = self.noise_of(&route, &rows, 0.0, 0.0)?;
         Gain::new(&self.covariance, &rows.map(|row| row.by_state), &noise, [true, last == Node::B])
     }
 

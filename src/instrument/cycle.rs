@@ -251,7 +251,7 @@ impl Cycle {
             None => {}
         }
         self.failed = None;
-        self.done(&Outcome { result: Ok(*record), start_call: None, charged: None }, record.start)
+        self.done(&Outcome { result: Ok(*record), calls: [None; 3], charged: None }, record.start)
     }
 
     /// Leaves leaks out of what is said, until a discharge that was held tells of them: for tapes that have none.
@@ -289,11 +289,7 @@ impl Cycle {
         self.learn_overhead(outcome, now);
         self.as_read_ohm = None;
         self.ended_early = outcome.result.map_or(true, |record| record.waited_ns.is_some());
-        let is_plain =
-            matches!(self.step, Step::Calibrate(CalibrationKind::First | CalibrationKind::Second, _));
-        if let (true, Some(call)) = (is_plain, outcome.start_call) {
-            self.calls.add(call);
-        }
+        self.calls.add(&outcome.calls);
         match self.step {
             Step::Calibrate(CalibrationKind::Split, _) if !self.settings.tracked => self.split_done(outcome),
             Step::Calibrate(kind, last) => self.calibrated(kind, last, outcome),

@@ -8,6 +8,8 @@
 //! answers each event with the next [`Action`]; [`run()`] is the few lines that carry the actions out on real or simulated
 //! [`Pins`].
 
+mod action;
+mod calls;
 mod lead;
 mod plan;
 mod run;
@@ -20,48 +22,11 @@ use crate::pins::{Armed, Bracket, Drives, Edge, Levels, later};
 use crate::reading::Fault;
 use crate::record::{Record, Switch, Through};
 use crate::units::Nanos;
+pub use action::{Action, Event};
+pub use calls::{Call, Calls, UsualCall};
 pub use lead::Lead;
 pub use plan::{Charge, Plan};
 pub use run::{Outcome, run, run_on};
-
-/// What is to be done next on the pins.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Action {
-    /// [`Pins::drive`].
-    Drive(Drives),
-    /// [`Pins::sleep_until`].
-    Sleep(Nanos),
-    /// [`Pins::rest_until`].
-    Rest(Nanos),
-    /// [`Pins::arm`].
-    Arm,
-    /// [`Pins::edge`], after [`Pins::rest_before_edge`] if it is known when it comes.
-    WaitEdge {
-        /// When it is due.
-        expected: Option<Nanos>,
-        /// The longest wait.
-        until: Nanos,
-    },
-    /// [`Pins::levels`].
-    ReadLevels,
-    /// Nothing: take the [`Discharge::result`].
-    Done,
-}
-
-/// What came of an action.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Event {
-    /// Lines were switched.
-    Drove(Bracket),
-    /// The instant has come.
-    Slept,
-    /// Edges are watched.
-    Armed(Armed),
-    /// An edge, or none until the instant.
-    Edge(Option<Edge>),
-    /// The levels.
-    Levels(Levels),
-}
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Phase {
@@ -113,6 +78,7 @@ pub struct Discharge {
     /// When the chargers let go.
     floating: Nanos,
     start: Bracket,
+    calls: Calls,
     switch: Option<Switched>,
     wait_until: Nanos,
     crossings: [Option<Nanos>; 2],
@@ -135,6 +101,7 @@ impl Discharge {
             phase: Phase::Draining,
             floating: Nanos::ZERO,
             start: Bracket::default(),
+            calls: [None; 3],
             switch: None,
             wait_until: Nanos::ZERO,
             crossings: [None; 2],
@@ -224,9 +191,9 @@ impl Discharge {
         }
     }
 
-    /// How long the call took that started it; `None` if it never started.
-    pub fn start_call(&self) -> Option<Nanos> {
-        (self.start != Bracket::default()).then(|| self.start.width())
+    /// How long the calls took that switched one line each.
+    pub fn calls(&self) -> &Calls {
+        &self.calls
     }
 
     /// The levels after the charge; `None` if it never came to its end.
@@ -269,7 +236,7 @@ impl Discharge {
         self.start = bracket;
         self.wait_until = bracket.before + self.plan.timeout;
         let pause = bracket.before - self.floating - self.plan.settle;
-        if bracket.width() > self.plan.widest_bracket || pause > LONGEST_PAUSE {
+        if self.is_wide(Call::Start, bracket) || pause > LONGEST_PAUSE {
             return self.stop(Some(Fault::WideBracket));
         }
         match self.plan.switch {
@@ -288,14 +255,14 @@ impl Discharge {
 
     fn released(&mut self, bracket: Bracket, to: Through) -> Action {
         self.switch = Some(Switched { released: bracket.before, sunk: bracket.before, to });
-        if bracket.width() > self.plan.widest_bracket {
+        if self.is_wide(Call::Release, bracket) {
             return self.stop(Some(Fault::WideBracket));
         }
         if self.is_held() {
             return self.time(bracket.before + self.plan.hold, Timed::Sink(to));
         }
         match self.plan.through.drives().contains(to.drives()) {
-            true => self.sunk(bracket, to),
+            true => self.wait_on(bracket),
             false => self.sink(to),
         }
     }
@@ -311,11 +278,27 @@ impl Discharge {
 
     fn sunk(&mut self, bracket: Bracket, to: Through) -> Action {
         self.switch = self.switch.map(|switch| Switched { sunk: bracket.before, to, ..switch });
-        self.wait_until = bracket.after + self.plan.timeout;
-        if bracket.width() > self.plan.widest_bracket {
+        if self.is_wide(Call::Sink, bracket) {
             return self.stop(Some(Fault::WideBracket));
         }
+        self.wait_on(bracket)
+    }
+
+    /// After the last call.
+    fn wait_on(&mut self, bracket: Bracket) -> Action {
+        self.wait_until = bracket.after + self.plan.timeout;
         self.wait()
+    }
+
+    /// Whether a call was so long that a line may have moved anywhere.
+    fn is_wide(&mut self, call: Call, bracket: Bracket) -> bool {
+        let is_for_one = call != Call::Start || !self.is_pair();
+        self.calls[call as usize] = is_for_one.then(|| bracket.width());
+        bracket.width() > self.plan.widest_bracket
+    }
+
+    fn is_pair(&self) -> bool {
+        self.plan.through.drives().count() > 1
     }
 
     fn wait(&mut self) -> Action {
@@ -385,15 +368,15 @@ impl Discharge {
     /// are counted from the middle of such a call. Two lines that one call sinks (QERM) move one after the other; the
     /// second takes as much longer as the call does.
     fn record(&self) -> Record {
-        let single_ns = self.plan.single_call.unwrap_or(self.start.width()).as_ns();
+        let usual = self.plan.calls[Call::Start as usize];
+        let single_ns = usual.map_or(self.start.width(), |usual| usual.length).as_ns();
         let since_entry = |at: Nanos| (at - self.start.before).as_ns();
         let since_start = |at: Nanos| since_entry(at) - single_ns / 2.0;
         let [a_ns, b_ns] = self.crossings.map(|crossing| crossing.map(since_start));
-        let is_pair = self.plan.through.drives().count() > 1;
         Record {
             through: self.plan.through,
             start: self.start.before,
-            second_ns: is_pair.then(|| (self.start.width().as_ns() - single_ns).max(0.0)),
+            second_ns: self.is_pair().then(|| (self.start.width().as_ns() - single_ns).max(0.0)),
             switch: self.switch.map(|switch| Switch {
                 at_ns: since_entry(switch.released),
                 on_ns: since_entry(switch.sunk),
@@ -403,6 +386,7 @@ impl Discharge {
             b_ns,
             // Anywhere in its call, each of two lines.
             u_switch_ns: Some(single_ns / 6f64.sqrt()),
+            later_ns: calls::later_ns(&self.calls, &self.plan.calls),
             waited_ns: self.waited.map(since_start),
         }
     }

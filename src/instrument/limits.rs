@@ -87,6 +87,8 @@ pub const RETRY_EARLIER: f64 = 0.1;
 // Calls that switch lines.
 /// Calls whose median is the first value.
 pub const FIRST_CALLS: usize = 5;
+/// The least step of the median towards a call, in parts of it.
+pub const CALL_STEP: f64 = 0.01;
 /// A usual call is longer than the median by no more than this part of it, and as many ns more; where many calls are
 /// longer, by as much as the gate becomes wider.
 pub const LONGER_CALL: (f64, f64) = (0.5, 1000.0);

@@ -252,6 +252,7 @@ fn full(class: &str) -> Map<String, Value> {
             a_ns: u,
             b_ns: u,
             waited_ns: u,
+            later_ns: u,
             as_read_ohm: u,
         }),
         other => panic!("{other}"),

@@ -5,7 +5,7 @@ use crate::common::{self, Bench, Errors, file_for, kind_of};
 use crate::paper::{Parts, Times};
 use crate::picture;
 use cermd::circuit::Node;
-use cermd::instrument::discharge::{Charge, Plan, run};
+use cermd::instrument::discharge::{Charge, Plan, UsualCall, run};
 use cermd::instrument::{Instrument, Message};
 use cermd::pins::sim::{Kind, Scene, Sensor, SimPins};
 use cermd::pins::{Bracket, Drives, Pins};
@@ -386,7 +386,7 @@ impl<P: Pins> ByHand<P> {
         let plan = Plan {
             switch: switch.map(|s| (Nanos::from_seconds(s), Through::C2)),
             settle: if through.channel().is_some() { self.pause } else { SETTLE },
-            single_call: Some(SINGLE_CALL),
+            calls: [Some(UsualCall { length: SINGLE_CALL, longest: Nanos::MAX }); 3],
             ..Plan::full(through, Node::B, Charge::together(self.charge), Nanos(400_000_000))
         };
         let record = run(&mut self.pins, plan).unwrap().result.ok()?;

@@ -46,7 +46,8 @@ impl Estimator {
             [c1, c2, full, switched].map(|crossings| self.existing(crossings.map(Some)));
         let variance = |x: [Option<f64>; 2], switch, late: [Option<f64>; 2], branch| {
             let times = dual::variables(&Times { c1, c2, x, switch, beside: None, d });
-            let covariances = self.covariances(late.map(|crossing| crossing.unwrap_or(0.0)), u_switch_ns)?;
+            let covariances =
+                self.covariances(late.map(|crossing| crossing.unwrap_or(0.0)), u_switch_ns, 0.0)?;
             let by = (rules.ratio)(&times, branch)?.by;
             Some((covariances.of(&by), covariances.of_offset(&by)))
         };

@@ -2,11 +2,15 @@
 //! sum t_i / (R_i + Ro) reaches its g.
 
 use super::*;
+use crate::estimate::limits::SPLIT_FRACTION;
 use crate::reading::Status;
 use crate::record::{Switch, Through};
 use crate::sensor::{Channel, Law};
 use crate::units::Nanos;
 use proptest::prelude::*;
+
+/// Calibrations after which the noise is known.
+const ROUNDS: i64 = 40;
 
 #[derive(Debug, Clone)]
 struct Bench {
@@ -28,6 +32,7 @@ impl Bench {
             b_ns: parts[1].map(|t| t + self.d),
             u_switch_ns: None,
             waited_ns: None,
+            later_ns: None,
         }
     }
 
@@ -51,10 +56,31 @@ impl Bench {
         } else {
             (self.r[1], Through::C2)
         };
-        let nodes = if matches!(method, Method::Tcdic | Method::Cerm) { 2 } else { 1 };
+        let nodes = if matches!(method, Method::Tpcm | Method::Qerm) { 1 } else { 2 };
+        if method == Method::Tracked {
+            return self.tracked(nodes);
+        }
         let mut estimator = Estimator::new(method, self.r[0], r2, nodes, Offset::given(self.d));
-        estimator.calibrate(&self.full(Through::C1, self.r[0])).unwrap();
-        estimator.calibrate(&self.full(second, r2)).unwrap();
+        for _ in 0..ROUNDS {
+            estimator.calibrate(&self.full(Through::C1, self.r[0])).unwrap();
+            estimator.calibrate(&self.full(second, r2)).unwrap();
+        }
+        estimator
+    }
+}
+
+impl Bench {
+    fn tracked(&self, nodes: usize) -> Estimator {
+        let [r1, r2] = self.r;
+        let mut estimator = Estimator::tracked(Method::Tracked, r1, r2, nodes);
+        let at = SPLIT_FRACTION * self.g[0] * (r1 + self.r_o);
+        let split = self.switched(Through::C1, r1, at, at, r2, Through::C2);
+        for round in 0..ROUNDS {
+            for record in [self.full(Through::C1, r1), self.full(Through::C2, r2), split] {
+                let start = Nanos(10_000_000 * round);
+                estimator.calibrate(&Record { start, u_switch_ns: Some(100.0), ..record }).unwrap();
+            }
+        }
         estimator
     }
 }
@@ -93,6 +119,40 @@ proptest! {
     }
 
     #[test]
+    fn a_line_that_moves_late_in_a_long_call_changes_no_more_than_the_call_makes_uncertain(
+        bench in bench(), r in 30f64.ln()..1e5f64.ln(), fraction in 0.05..0.99f64, gap in 0.0..500.0f64,
+    ) {
+        let r = r.exp();
+        let at = fraction * bench.g[1] * (r + bench.r_o);
+        let late_ns = 1e-4 * at;
+        let on = at + gap + late_ns;
+        let switched = |at, on| bench.switched(Through::X(0), r, at, on, bench.r[1], Through::C2);
+        let says = |record: Record| Record { switch: Some(Switch { at_ns: at, on_ns: on, to: Through::C2 }), ..record };
+        let by_start = |record: Record| Record {
+            switch: record.switch.map(|switch| Switch { at_ns: switch.at_ns + late_ns, on_ns: switch.on_ns + late_ns, ..switch }),
+            a_ns: record.a_ns.map(|ns| ns + late_ns),
+            b_ns: record.b_ns.map(|ns| ns + late_ns),
+            ..record
+        };
+        for method in [Method::Tpcm, Method::Tcdic, Method::Cerm, Method::Tracked] {
+            let estimator = bench.estimator(method);
+            let full = bench.full(Through::X(0), r);
+            let mut lates = vec![(full, by_start(full))];
+            if matches!(method, Method::Cerm | Method::Tracked) {
+                let usual = switched(at, on);
+                lates.extend([by_start(usual), says(switched(at + late_ns, on)), says(switched(at, on + late_ns))].map(|late| (usual, late)));
+            }
+            for (usual, late) in lates {
+                let longer = |record: Record| Record { later_ns: Some(late_ns / 2f64.sqrt()), ..record };
+                let [short, usual, late] = [usual, longer(usual), longer(late)].map(|record| estimator.estimate(&record).unwrap().r_ohm);
+                let added = (usual.u.unwrap().powi(2) - short.u.unwrap().powi(2)).max(0.0).sqrt();
+                let changed = (late.value - usual.value).abs();
+                prop_assert!(changed <= 1.05 * 2f64.sqrt() * added, "{method:?}: {changed} for {added} of {usual:?}");
+            }
+        }
+    }
+
+    #[test]
     fn qerm_solves_the_law_of_two_resistors_at_once(bench in bench(), r in 10f64.ln()..1e6f64.ln(), fraction in 0.05..0.99f64) {
         let r = r.exp();
         let r2 = bench.r[0] + bench.r[1];
@@ -123,7 +183,7 @@ proptest! {
         zeroed in any::<bool>(),
     ) {
         let record = |through, [a, b]: [f64; 2]| Record {
-            through, start: Nanos::ZERO, second_ns: None, switch: None, a_ns: Some(a), b_ns: Some(b), u_switch_ns: None, waited_ns: None,
+            through, start: Nanos::ZERO, second_ns: None, switch: None, a_ns: Some(a), b_ns: Some(b), u_switch_ns: None, later_ns: None, waited_ns: None,
         };
         let nodes = if matches!(method, Method::Tcdic | Method::Cerm) { 2 } else { 1 };
         let mut estimator = Estimator::new(method, 2320.0, 12700.0, nodes, Offset::given(8000.0));

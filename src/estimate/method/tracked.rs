@@ -42,6 +42,8 @@ pub struct Observed {
     pub switch: Option<(Switch, f64)>,
     /// Type-B uncertainty of the switch, ns.
     pub u_switch_ns: f64,
+    /// [`Record::later_ns`](crate::record::Record::later_ns), or 0.
+    pub later_ns: f64,
 }
 
 /// R_x and what is known about it.
@@ -87,7 +89,7 @@ pub fn predict(
     let route = Route { first_ohm: r_ohm, switch };
     let crossings =
         [0, 1].map(|node| (node <= last.index()).then(|| route.crossing(tracker.state(), node).ns));
-    let observed = Observed { crossings, switch, u_switch_ns };
+    let observed = Observed { crossings, switch, u_switch_ns, later_ns: 0.0 };
     let siemens = 1.0 / (r_ohm + tracker.state()[R_O]);
     Fit::new(tracker, &observed, Some(siemens))?.solution(tracker.state()[R_O])
 }
@@ -149,6 +151,11 @@ impl Equation {
         self.next.map_or(0.0, |_| -y)
     }
 
+    /// With how late a line was switched at the most: the first one, or another.
+    fn by_call(&self, y: f64) -> f64 {
+        -y.max(self.next.unwrap_or(y))
+    }
+
     /// With the state, at a given R_x.
     fn by_state(&self, state: &State, y: f64) -> State {
         let mut by = State::default();
@@ -191,19 +198,21 @@ impl Fit {
         let nodes = [a, b];
         let noise = tracker.noise().covariance(nodes.map(|node| node.map_or(0.0, |one| one.late_ns)))?;
         let u_switch_ns = tracker.u_switch_ns(observed.u_switch_ns);
-        let near = |y: f64| Fit::near(y.max(0.0), tracker, &noise, u_switch_ns, &nodes, branch);
+        let u_ns = [u_switch_ns, observed.later_ns];
+        let near = |y: f64| Fit::near(y.max(0.0), tracker, &noise, u_ns, &nodes, branch);
         // The weights depend on y, but hardly: the last node's own value does for a start.
         let last = b.or(a)?;
         let first = || Some(near(last.missing / last.through_ns)?.siemens);
         near(siemens.or_else(first)?)
     }
 
-    /// The least squares with the weights that the residuals have near a conductance.
+    /// The least squares with the weights that the residuals have near a conductance; by how much all switches scatter, ns, and
+    /// the calls of this discharge were longer than usual.
     fn near(
         near: f64,
         tracker: &Tracker,
         noise: &Covariance,
-        u_switch_ns: f64,
+        [u_switch_ns, later_ns]: [f64; 2],
         nodes: &[Option<Equation>; 2],
         branch: Branch,
     ) -> Option<Fit> {
@@ -221,6 +230,7 @@ impl Fit {
         }
         let by_switch = of_nodes(&|one| one.by_switch(near));
         own.add_outer(by_switch.map(|by| by * u_switch_ns));
+        own.add_each(of_nodes(&|one| one.by_call(near)).map(|by| by * later_ns));
         let rows = nodes.map(|node| node.map_or(State::default(), |one| one.by_state(state, near)));
         let all = Covariance {
             aa: own.aa + tracker.variance(&rows[0]),

@@ -49,6 +49,7 @@ impl Plant {
             b_ns,
             u_switch_ns: Some(100.0),
             waited_ns: None,
+            later_ns: None,
         }
     }
 

@@ -1,91 +1,119 @@
 //! How long the calls take that switch lines: an interrupted one is told from a usual one.
 
 use crate::estimate::noise::Gate;
-use crate::estimate::scatter::median;
-use crate::instrument::limits::{FIRST_CALLS, LONGER_CALL};
+use crate::estimate::scatter::Usual;
+use crate::instrument::discharge::{Call, Calls, UsualCall};
+use crate::instrument::limits::{CALL_STEP, FIRST_CALLS, LONGER_CALL};
 use crate::units::Nanos;
 
-/// Follows how long a call takes that switches one line, to tell an interrupted one from a usual one, and to place the
-/// moment at which the line moves.
+/// Follows how long the calls of each kind take that switch one line.
 #[derive(Debug, Clone, Copy)]
 pub struct CallGate {
+    kinds: [Lengths; 3],
+    /// Of what starts are longer than the median, in units of what is usual.
+    gate: Gate,
+}
+
+/// How long one kind of call takes.
+#[derive(Debug, Clone, Copy)]
+struct Lengths {
     first_ns: [f64; FIRST_CALLS],
     seen: usize,
-    /// The median, ns.
-    single_ns: f64,
-    /// Of what calls are longer than the median, in units of what is usual.
-    gate: Gate,
+    usual: Usual,
 }
 
 impl Default for CallGate {
     fn default() -> CallGate {
-        CallGate { first_ns: [0.0; FIRST_CALLS], seen: 0, single_ns: 0.0, gate: Gate::new(1.0) }
+        let unseen = Lengths { first_ns: [0.0; FIRST_CALLS], seen: 0, usual: Usual::NONE };
+        CallGate { kinds: [unseen; 3], gate: Gate::new(1.0) }
+    }
+}
+
+impl Lengths {
+    fn known(&self) -> Option<Usual> {
+        (self.seen >= FIRST_CALLS).then_some(self.usual)
+    }
+
+    /// The steps are small beside the jitter of crossings.
+    fn add(&mut self, call_ns: f64) {
+        if self.known().is_some() {
+            return self.usual.add(call_ns, (CALL_STEP * self.usual.place).max(1.0));
+        }
+        self.first_ns[self.seen] = call_ns;
+        self.seen += 1;
+        if self.seen == FIRST_CALLS {
+            self.usual = Usual::of(&mut self.first_ns);
+        }
     }
 }
 
 impl CallGate {
-    /// How long a call for one line usually takes; `None` until a few have been seen.
-    pub fn single(&self) -> Option<Nanos> {
-        (self.seen >= FIRST_CALLS).then_some(Nanos(self.single_ns as i64))
+    /// How long a call for one line usually takes, by [`Call`]; `None` until a few have been seen.
+    pub fn usual(&self) -> [Option<UsualCall>; 3] {
+        self.kinds.map(|lengths| {
+            let usual = lengths.known()?;
+            let [length, longest] = [usual.place, usual.greatest()].map(|ns| Nanos(ns as i64));
+            Some(UsualCall { length, longest })
+        })
     }
 
-    fn usual_ns(&self) -> f64 {
-        LONGER_CALL.0 * self.single_ns + LONGER_CALL.1
+    fn start(&self) -> Option<f64> {
+        Some(self.kinds[Call::Start as usize].known()?.place)
     }
 
     /// A call for so many lines that takes longer than this was interrupted: a line may have moved anywhere in it. No later
     /// time tells, for a switch that comes late looks like another resistance. A call for two lines takes less than two.
     pub fn widest(&self, lines: u32) -> Nanos {
-        if self.seen < FIRST_CALLS {
-            return Nanos::MAX;
-        }
-        Nanos((f64::from(lines) * self.single_ns + self.gate.sigma() * self.usual_ns()) as i64)
+        let widest = |single_ns| f64::from(lines) * single_ns + self.gate.sigma() * longer_ns(single_ns);
+        self.start().map_or(Nanos::MAX, |single_ns| Nanos(widest(single_ns) as i64))
     }
 
-    /// Takes a call for one line. Once there is a median, it steps towards each value, not by it: a long call moves it no
-    /// more than a short one. The steps are small beside the jitter of crossings.
-    pub fn add(&mut self, call: Nanos) {
-        let call_ns = call.as_ns();
-        if self.seen < FIRST_CALLS {
-            self.first_ns[self.seen] = call_ns;
-            self.seen += 1;
-            if self.seen == FIRST_CALLS {
-                self.single_ns = median(&mut self.first_ns);
-            }
-            return;
+    /// Takes the calls of a discharge.
+    pub fn add(&mut self, calls: &Calls) {
+        if let (Some(single_ns), Some(call)) = (self.start(), calls[Call::Start as usize]) {
+            self.gate.admits((call.as_ns() - single_ns) / longer_ns(single_ns));
         }
-        self.gate.admits((call_ns - self.single_ns) / self.usual_ns());
-        let step_ns = (0.01 * self.single_ns).max(1.0);
-        self.single_ns += (call_ns - self.single_ns).clamp(-step_ns, step_ns);
+        for (lengths, call) in self.kinds.iter_mut().zip(calls) {
+            call.iter().for_each(|call| lengths.add(call.as_ns()));
+        }
     }
+}
+
+/// By how much a call may be longer than the median.
+fn longer_ns(single_ns: f64) -> f64 {
+    LONGER_CALL.0 * single_ns + LONGER_CALL.1
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
 
+    fn start(ns: i64) -> Calls {
+        [Some(Nanos(ns)), None, None]
+    }
+
     #[test]
     fn a_long_first_call_and_long_calls_now_and_then_change_little() {
         let mut calls = CallGate::default();
-        assert_eq!((calls.single(), calls.widest(1)), (None, Nanos::MAX));
+        assert_eq!((calls.usual(), calls.widest(1)), ([None; 3], Nanos::MAX));
         for index in 0..1000 {
-            calls.add(Nanos(if index % 50 == 0 { 40_000 } else { 1100 + index % 7 * 10 }));
+            calls.add(&start(if index % 50 == 0 { 40_000 } else { 1100 + index % 7 * 10 }));
         }
-        let single = calls.single().unwrap();
-        assert!((1100..1170).contains(&single.0), "{single}");
+        let [Some(usual), None, None] = calls.usual() else { panic!("{calls:?}") };
+        assert!((1100..1170).contains(&usual.length.0) && usual.longest < Nanos(1600), "{usual:?}");
         assert!(calls.widest(1) < Nanos(4000) && calls.widest(2) > Nanos(2 * 1100));
         // Another kernel, another processor clock: it follows.
-        (0..1000).for_each(|_| calls.add(Nanos(2300)));
-        assert!((2290..=2300).contains(&calls.single().unwrap().0));
+        (0..1000).for_each(|_| calls.add(&start(2300)));
+        assert!((2290..=2300).contains(&calls.usual()[0].unwrap().length.0));
     }
 
     /// Of two thousand calls of 1.1 us each tenth takes so many ns: how many of these are refused.
     fn refused(long_ns: i64) -> usize {
         let mut calls = CallGate::default();
         let long = (0..2000).filter(|index| {
-            let call = Nanos(if index % 10 == 9 { long_ns } else { 1100 });
-            let is_refused = call > calls.widest(1);
-            calls.add(call);
+            let call = start(if index % 10 == 9 { long_ns } else { 1100 });
+            let is_refused = call[0] > Some(calls.widest(1));
+            calls.add(&call);
             is_refused
         });
         long.count()

@@ -181,7 +181,7 @@ impl Cycle {
             expected: [None; 2],
             timeout: settings.deadline,
             widest_bracket: self.calls.widest(through.drives().count()),
-            single_call: self.calls.single(),
+            calls: self.calls.usual(),
         }
     }
 

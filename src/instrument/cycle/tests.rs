@@ -26,12 +26,13 @@ fn discharged(through: Through) -> Outcome {
         b_ns: Some(700.0 * r_ohm),
         u_switch_ns: None,
         waited_ns: None,
+        later_ns: None,
     };
-    Outcome { result: Ok(record), start_call: Some(Nanos(1000)), charged: None }
+    Outcome { result: Ok(record), calls: [Some(Nanos(1000)), None, None], charged: None }
 }
 
 fn failed(fault: Fault) -> Outcome {
-    Outcome { result: Err(fault), start_call: None, charged: None }
+    Outcome { result: Err(fault), calls: [None; 3], charged: None }
 }
 
 /// What each next discharge runs through and, if that ends a reading, its status; `outcomes` in order, then sound ones.

@@ -1,5 +1,6 @@
 //! What one discharge is to do.
 
+use super::UsualCall;
 use crate::circuit::Node;
 use crate::pins::Drives;
 use crate::record::Through;
@@ -64,8 +65,8 @@ pub struct Plan {
     pub limit: Option<Through>,
     /// The longest call that still tells when a line was switched.
     pub widest_bracket: Nanos,
-    /// How long a call for one line usually takes; `None`: not known yet.
-    pub single_call: Option<Nanos>,
+    /// How long the calls for one line usually take, by [`Call`](super::Call); `None`: not known yet.
+    pub calls: [Option<UsualCall>; 3],
 }
 
 impl Plan {
@@ -84,7 +85,7 @@ impl Plan {
             timeout,
             limit: None,
             widest_bracket: Nanos::MAX,
-            single_call: None,
+            calls: [None; 3],
         }
     }
 }

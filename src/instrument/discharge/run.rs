@@ -1,10 +1,9 @@
 //! Carries the actions of a discharge out on real or simulated pins; no line is left driving when anything goes wrong.
 
-use super::{Action, Discharge, Event, Lead, Plan};
+use super::{Action, Calls, Discharge, Event, Lead, Plan};
 use crate::pins::{Drives, Levels, Pins, PinsError};
 use crate::reading::Fault;
 use crate::record::Record;
-use crate::units::Nanos;
 
 /// Releases every line when it goes out of scope, also on an error or a panic.
 struct Release<'a, P: Pins + ?Sized>(&'a mut P);
@@ -21,8 +20,8 @@ impl<P: Pins + ?Sized> Drop for Release<'_, P> {
 pub struct Outcome {
     /// The record or the fault.
     pub result: Result<Record, Fault>,
-    /// [`Discharge::start_call`].
-    pub start_call: Option<Nanos>,
+    /// [`Discharge::calls`].
+    pub calls: Calls,
     /// [`Discharge::charged`].
     pub charged: Option<Levels>,
 }
@@ -78,11 +77,7 @@ pub fn run_on<P: Pins + ?Sized>(pins: &mut P, plan: Plan, lead: &mut Lead) -> Re
                     pins.0.drive(Drives::NONE)?;
                 }
                 std::mem::forget(pins);
-                return Ok(Outcome {
-                    result,
-                    start_call: discharge.start_call(),
-                    charged: discharge.charged(),
-                });
+                return Ok(Outcome { result, calls: *discharge.calls(), charged: discharge.charged() });
             }
         };
         action = discharge.handle(event);

@@ -231,8 +231,24 @@ fn an_uncharged_node_and_a_slow_call_are_faults() {
     let mut pins = Script::new(&[A, B]);
     let narrow = Plan { widest_bracket: Nanos(999), ..plan(None) };
     let outcome = run(&mut pins, narrow).unwrap();
-    assert_eq!((outcome.result, outcome.start_call), (Err(Fault::WideBracket), Some(Nanos(1000))));
+    assert_eq!((outcome.result, outcome.calls[0]), (Err(Fault::WideBracket), Some(Nanos(1000))));
     assert_eq!(pins.on, Drives::NONE);
+}
+
+#[test]
+fn what_a_call_took_longer_than_usual_its_line_may_have_moved_later() {
+    let later = |usual: [Option<UsualCall>; 3]| {
+        let plan = Plan { calls: usual, ..plan(Some((Nanos(20_000), Through::C2))) };
+        run(&mut Script::new(&[A, B]), plan).unwrap().result.unwrap().later_ns
+    };
+    // Calls for one line take 1 us here.
+    let usual = |length, longest| Some(UsualCall { length: Nanos(length), longest: Nanos(longest) });
+    assert_eq!(later([None; 3]), None);
+    assert_eq!(later([usual(900, 1000); 3]), None);
+    let one = later([None, usual(800, 950), None]).unwrap();
+    assert!((one - 200.0 / 2f64.sqrt()).abs() < 1e-9, "{one}");
+    let all = later([usual(800, 950); 3]).unwrap();
+    assert!((all - one * 3f64.sqrt()).abs() < 1e-9, "{all}");
 }
 
 #[test]

@@ -76,7 +76,9 @@ pub(super) fn times(record: &Record) -> Result<(), String> {
             return Err(format!("{name} is {time:e}; times are in nanoseconds"));
         }
     }
-    for (name, time) in [("second_ns", record.second_ns), ("switch.u_ns", record.u_switch_ns)] {
+    let lengths =
+        [("second_ns", record.second_ns), ("switch.u_ns", record.u_switch_ns), ("later_ns", record.later_ns)];
+    for (name, time) in lengths {
         if let Some(time) = time.filter(|time| !(0.0..=LONGEST_NS).contains(time)) {
             return Err(format!("{name} is {time}; it is 0 or a short time"));
         }

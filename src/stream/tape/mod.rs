@@ -115,6 +115,9 @@ pub struct DischargeLine {
     /// When a wait for a crossing ended in vain, the node being above its threshold still.
     #[serde(default, serialize_with = "ns", skip_serializing_if = "is_unknown")]
     pub waited_ns: Option<f64>,
+    /// How much later than usual its lines may have been switched, 1 sigma; absent: its calls took no longer than usual.
+    #[serde(default, serialize_with = "value", skip_serializing_if = "is_unknown")]
+    pub later_ns: Option<f64>,
     /// What its recorder read by it, with its sign, before the zero and the scale of the channel, ohm; absent: nothing, or a
     /// calibration.
     #[serde(default, serialize_with = "value", skip_serializing_if = "is_unknown")]
@@ -217,6 +220,7 @@ impl Header {
             a_ns: record.a_ns,
             b_ns: record.b_ns,
             waited_ns: record.waited_ns,
+            later_ns: record.later_ns,
             as_read_ohm: None,
         }
     }
@@ -253,6 +257,7 @@ impl Header {
             b_ns: line.b_ns,
             u_switch_ns: line.switch.and_then(|switch| switch.u_ns),
             waited_ns: line.waited_ns,
+            later_ns: line.later_ns,
         };
         check::times(&record)?;
         Ok(Entry { seq: line.seq, is_timed: line.t_ns.is_some(), is_held: line.held, record })

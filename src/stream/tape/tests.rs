@@ -3,7 +3,7 @@
 use super::*;
 
 const HEADER: &str = r#"{"class":"TAPE","proto_major":1,"circuit":{"kind":"two-capacitor","r_c1_ohm":2320,"r_c2_ohm":12700},"offset_ns":8000,"channels":[{"id":"thumb","force":{"fc1_n":5.75,"fc2_n":1.05}}]}"#;
-const SWITCHED: &str = r#"{"class":"DISCHARGE","seq":3,"t_ns":81234567890,"channel":"thumb","through":"x","switch":{"at_ns":74700.5,"on_ns":74950,"to":"c2","u_ns":31.25},"a_ns":911000,"b_ns":1742000}"#;
+const SWITCHED: &str = r#"{"class":"DISCHARGE","seq":3,"t_ns":81234567890,"channel":"thumb","through":"x","switch":{"at_ns":74700.5,"on_ns":74950,"to":"c2","u_ns":31.25},"a_ns":911000,"b_ns":1742000,"later_ns":40.5}"#;
 
 #[test]
 fn lines_come_out_as_they_went_in() {
@@ -56,7 +56,8 @@ fn a_bad_discharge_is_refused_with_its_line() {
         ("\"to\":\"c2\"", "\"to\":\"c12\"", "series calibration"),
         ("\"channel\":\"thumb\",", "", "names its channel"),
         ("\"seq\":3", "\"seq\":-3", "expected u64"),
-        ("\"b_ns\":1742000}", "\"b_ns\":17", "EOF"),
+        ("\"later_ns\":40.5}", "\"later_ns\":4", "EOF"),
+        ("\"later_ns\":40.5", "\"later_ns\":-40.5", "later_ns is -40.5"),
     ] {
         let message = header.parse_discharge(7, &SWITCHED.replace(from, to)).unwrap_err().to_string();
         assert!(message.starts_with("line 7: ") && message.contains(reason), "{message}");

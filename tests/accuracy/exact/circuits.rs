@@ -140,6 +140,7 @@ pub fn record(through: Through, crossings: [Option<f64>; 2], d_ns: f64) -> Recor
         b_ns,
         u_switch_ns: None,
         waited_ns: None,
+        later_ns: None,
     }
 }
 
