@@ -119,6 +119,9 @@ pub const NEAR: f64 = 0.03;
 pub const STATED: f64 = 3.0;
 /// What is so many times faster than everything before it was not to be expected.
 pub const SUDDEN: f64 = 3.0;
+/// Where the square of the slopes inside of discharges is no more than so many times that of the speed from reading to reading,
+/// readings follow the sensor: what oscillates so fast that they do not turns round in less than two and a half of them.
+pub const FOLLOWED: f64 = 2.0;
 /// How far above its lower bound an open sensor is taken to be, in ln, give or take as much.
 pub const OPEN_LN: f64 = 0.7;
 /// Stretches that differ by a smaller share of the longer one tell no slope.

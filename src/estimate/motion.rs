@@ -16,7 +16,7 @@
 
 mod evidence;
 
-use crate::estimate::limits::{BEYOND_NOISE, COVERAGE, FAST, MOTION_POINTS, NEAR, OPEN_LN, STATED, SUDDEN};
+use crate::estimate::limits::{BEYOND_NOISE, COVERAGE, FAST, FOLLOWED, MOTION_POINTS, NEAR, OPEN_LN, STATED, SUDDEN};
 use crate::reading::Fault;
 use crate::units::Nanos;
 pub use evidence::Evidence;
@@ -326,8 +326,22 @@ impl Motion {
         if spread <= 0.0 {
             return 0.0;
         }
-        let square = self.square_between(is_sudden, spread).max(self.square_inside());
-        1e-18 * square * (evidence.bend_ns2 / spread + evidence.bend_ns2 + evidence.apart_ns2)
+        let (between, inside) = (self.square_between(is_sudden, spread), self.square_inside());
+        let square = between.max(inside);
+        // A sine about a mean bends so much; what readings follow bends as they do.
+        let sine = square / spread;
+        let bend = if inside > FOLLOWED * between { sine } else { sine.min(self.bend()) };
+        1e-18 * (bend * evidence.bend_ns2 + square * (evidence.bend_ns2 + evidence.apart_ns2))
+    }
+
+    /// The greatest change of the speed from reading to reading, 1/s²; infinite of fewer than three readings.
+    fn bend(&self) -> f64 {
+        let (first, second, third) = (self.sound(), self.sound().skip(1), self.sound().skip(2));
+        let bends = first.zip(second).zip(third).map(|((first, second), third)| {
+            let seconds = (third.at - first.at).as_seconds().max(1e-6);
+            2.0 * (second.speed_to(third) - first.speed_to(second)).abs() / seconds
+        });
+        bends.reduce(f64::max).unwrap_or(f64::INFINITY)
     }
 
     /// Mean square of the speed from reading to reading, less its noise, without the greatest, which may have been a step
