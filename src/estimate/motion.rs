@@ -12,13 +12,18 @@
 //!
 //! (the last part because resistances are averaged, not conductances). z' and z'' are those of the last few readings: the
 //! two stretches of one discharge give a slope each time, which no rhythm of readings can hide, and for a hand that
-//! trembles about a mean the root mean squares of value, slope and bend belong together as z'' = z'²/z.
+//! trembles about a mean the root mean squares of value, slope and bend belong together as z'' = z'²/z. Where readings follow the
+//! sensor, z'' is no more than what its speed changes by from one to the next.
 
+mod drift;
 mod evidence;
 
-use crate::estimate::limits::{BEYOND_NOISE, COVERAGE, FAST, FOLLOWED, MOTION_POINTS, NEAR, OPEN_LN, STATED, SUDDEN};
+use crate::estimate::limits::{
+    BEYOND_NOISE, COVERAGE, FAST, FOLLOWED, MOTION_POINTS, NEAR, OPEN_LN, STATED, SUDDEN,
+};
 use crate::reading::Fault;
 use crate::units::Nanos;
+use drift::{Drift, second_greatest};
 pub use evidence::Evidence;
 use evidence::Pair;
 
@@ -238,14 +243,6 @@ impl Motion {
         self.sound().zip(self.sound().skip(1)).map(|(point, next)| point.speed_to(next))
     }
 
-    /// The same as far as they are more than noise.
-    fn certain_speeds(&self) -> impl Iterator<Item = f64> {
-        self.sound().zip(self.sound().skip(1)).map(|(point, next)| {
-            let seconds = (next.at - point.at).as_seconds().max(1e-6);
-            (point.speed_to(next).abs() - STATED * point.u.hypot(next.u) / seconds).max(0.0)
-        })
-    }
-
     /// Whether a slope inside of a discharge is one that the neighbours have, too.
     fn explains(&self, point: &Point) -> bool {
         let (Some([slope, _]), Some(last)) = (point.slope, self.points().last()) else { return false };
@@ -279,21 +276,24 @@ impl Motion {
         !is_early && !rises
     }
 
-    /// Whether it has changed faster than anything before it: since the last point, or since one that the last went along with
+    /// Whether it has changed faster than anything before it, beside its drift: since the last point, or since one that the last went along with
     /// and that says better where the sensor was.
     fn is_sudden(&self, point: &Point) -> bool {
         let Some(last) = self.sound().next_back() else { return false };
         if last.is_open() {
             // Anywhere above its bound, and how it came below nobody has seen.
-            return (point.z - last.z).abs() > OPEN_LN + BEYOND_NOISE * point.u;
+            let mut bounds = self.sound().filter(|point| point.is_open());
+            return bounds.any(|bound| bound.z - point.z > OPEN_LN + BEYOND_NOISE * point.u);
         }
-        let slopes = self.slopes().map(|[slope, u]| slope.abs() - STATED * u);
-        let speed = second_greatest(self.certain_speeds()).max(second_greatest(slopes));
+        let drift = Drift::of(self.sound());
+        let slopes = self.slopes().map(|[slope, u]| (slope - drift.speed).abs() - STATED * u);
+        let speed = second_greatest(drift.speeds_beside(self.sound())).max(second_greatest(slopes));
         let is_faster = |from: &Point, to: &Point| {
-            let noise = BEYOND_NOISE * to.u.hypot(from.u);
-            (to.z - from.z).abs() > SUDDEN * speed * (to.at - from.at).as_seconds() + noise
+            let (seconds, noise) = ((to.at - from.at).as_seconds(), BEYOND_NOISE * to.u.hypot(from.u));
+            drift.step(from, to).abs() > SUDDEN * speed * seconds + noise
         };
-        self.sound().any(|from| !is_faster(from, last) && is_faster(from, point))
+        let knows_better = |from: &&Point| 2.0 * from.u < last.u && !is_faster(from, last);
+        is_faster(last, point) || self.sound().filter(knows_better).any(|from| is_faster(from, point))
     }
 
     /// What a sudden change may hide that came perhaps in the middle of this discharge: as much as its two stretches
@@ -309,12 +309,12 @@ impl Motion {
         apart.map_or_else(|| self.since_last(point), |pair| pair.difference().hypot(pair.u_ohm))
     }
 
-    /// The same of one stretch, over which the mean conductance is m times what it was before. If one step came after its middle,
+    /// The same of one stretch, over which the mean conductance is m times what was to be expected. If one step came after its middle,
     /// the sensor had 1/m of that mean there; if it came earlier, at the least (2m - 1)/m of it. Nothing is more likely between
     /// (GUM, rectangular).
     fn since_last(&self, point: &Point) -> f64 {
         let Some(last) = self.sound().next_back() else { return 0.0 };
-        let m = (last.z - point.z).exp();
+        let m = (-Drift::of(self.sound()).step(last, point)).exp();
         if 2.0 * m > 1.0 { (m - 1.0).abs() / (2.0 * m - 1.0).min(1.0) / 3f64.sqrt() } else { f64::INFINITY }
     }
 
@@ -394,12 +394,6 @@ impl Motion {
 /// All that a discharge goes through, whose logarithm there is even where noise has made a sensor negative, ohm.
 fn through(r_ohm: f64, r_o_ohm: f64) -> f64 {
     (r_ohm + r_o_ohm).max(1e-3)
-}
-
-/// What is left when the greatest may have been a step; 0 for fewer than two.
-fn second_greatest(values: impl Iterator<Item = f64>) -> f64 {
-    let pick = |(most, second): (f64, f64), value: f64| (most.max(value), second.max(value.min(most)));
-    values.fold((0.0, 0.0), pick).1
 }
 
 #[cfg(test)]

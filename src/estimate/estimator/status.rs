@@ -1,7 +1,7 @@
 //! What is known about a sensor: a number, or a state with its reason.
 
 use super::Estimator;
-use crate::estimate::limits::{BEYOND_NOISE, COVERAGE};
+use crate::estimate::limits::{BEYOND_NOISE, COVERAGE, RESOLVED};
 use crate::estimate::mean::Basis;
 use crate::estimate::method::tracked;
 use crate::estimate::motion::Motion;
@@ -107,6 +107,12 @@ impl Estimator {
             Err(fault) => return Status::Fault(fault),
         };
         let Measured { value, u } = estimate.r_ohm;
+        let by_prior = self.is_settling(record, &estimate);
+        // Whose conductance may be none is no number, as where the state tells it.
+        let may_be_none = |u: f64| value > self.r2_ohm && value <= RESOLVED * u && !evidence.contradicts;
+        if let Some(u) = u.filter(|u| may_be_none(*u) && !by_prior) {
+            return open(value / (1.0 + COVERAGE * u / value));
+        }
         let r_o_ohm = self.offset().r_o();
         let mut is_repeated = || u.is_none_or(|u| motion.repeats([value, u], r_o_ohm));
         if self.noise().is_often_late() && !(evidence.is_confirmed() && is_repeated()) {
@@ -128,7 +134,7 @@ impl Estimator {
         let (value, readout_u) = (sensor.corrected(r_ohm.value), r_ohm.u);
         let pins_u_ohm = sensor.pins_u_ohm(value, known);
         let r_ohm = Measured { value, u: readout_u.map(|u| u.hypot(pins_u_ohm)) };
-        let is_settling = motion.settles(self.is_settling(record, &estimate));
+        let is_settling = motion.settles(by_prior);
         let is_resolved = r_ohm.u.is_none_or(|u| r_ohm.value > COVERAGE * u);
         match r_ohm.u {
             Some(u) if r_ohm.value < -BEYOND_NOISE * u => Status::Fault(Fault::Implausible),

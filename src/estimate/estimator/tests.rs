@@ -2,7 +2,7 @@
 //! sum t_i / (R_i + Ro) reaches its g.
 
 use super::*;
-use crate::estimate::limits::SPLIT_FRACTION;
+use crate::estimate::limits::{RESOLVED, SPLIT_FRACTION};
 use crate::reading::Status;
 use crate::record::{Switch, Through};
 use crate::sensor::{Channel, Law};
@@ -148,6 +148,23 @@ proptest! {
                 let added = (usual.u.unwrap().powi(2) - short.u.unwrap().powi(2)).max(0.0).sqrt();
                 let changed = (late.value - usual.value).abs();
                 prop_assert!(changed <= 1.05 * 2f64.sqrt() * added, "{method:?}: {changed} for {added} of {usual:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn what_may_as_well_be_open_is_no_number(bench in bench(), decades in 1.0..10.0f64) {
+        let r = bench.r[1] * 10f64.powf(decades);
+        let (x, s) = (r + bench.r_o, bench.r[0] + bench.r[1] + bench.r_o);
+        let parallel = bench.g[0] / (1.0 / x + 1.0 / s);
+        let beside = bench.record(Through::XWithC12(0), [Some(parallel), None]);
+        let full = bench.full(Through::X(0), r);
+        for (method, record) in [(Method::Qerm, beside), (Method::Cerm, full), (Method::Tcdic, full), (Method::Tpcm, full)] {
+            let status = bench.estimator(method).status(&record, &Channel { zero_ohm: Some(0.0), scale: Some(1.0), ..Channel::default() });
+            match status {
+                Status::Ok { r_ohm, .. } => prop_assert!(r_ohm.value > RESOLVED * r_ohm.u.unwrap(), "{method:?} {status:?} for {r}"),
+                Status::Open { r_min_ohm, .. } => prop_assert!(r_min_ohm <= r * (1.0 + 1e-9), "{method:?} {status:?} for {r}"),
+                _ => {}
             }
         }
     }

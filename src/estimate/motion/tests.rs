@@ -102,6 +102,43 @@ fn a_step_inside_of_a_discharge_is_a_number_that_says_so_and_over_at_once() {
     }
 }
 
+/// Whether it says that it moves, and by how much it may be off, ohm.
+fn told(judged: &Result<Moved, Fault>) -> (bool, f64) {
+    judged.map_or((true, f64::INFINITY), |moved| (moved.is_moving, moved.u_ohm))
+}
+
+#[test]
+fn what_creeps_is_at_rest_and_a_late_stamp_in_it_is_not() {
+    let mut motion = Motion::default();
+    let creep: Vec<f64> = (0..30).map(|index| 5000.0 + 3.0 * f64::from(index)).collect();
+    let judged = judge_alone(&mut motion, 0, &creep);
+    assert!(judged.iter().all(|one| !told(one).0), "{judged:?}");
+    // Back by less than the noise of two readings, and 50 ohm beside the way that it went.
+    let mut motion = Motion::default();
+    let fall: Vec<f64> = (0..12).map(|index| 5000.0 - 40.0 * f64::from(index)).collect();
+    judge_alone(&mut motion, 0, &fall);
+    let late = judge_alone(&mut motion, 12, &[fall[11] + 10.0]);
+    assert!(told(&late[0]).0 && told(&late[0]).1 > 25.0, "{late:?}");
+}
+
+#[test]
+fn a_late_stamp_that_is_over_does_not_hide_the_next() {
+    let mut motion = Motion::default();
+    let judged = judge_alone(&mut motion, 0, &[5000.0, 5001.0, 4999.0, 5000.0, 5060.0, 5001.0, 5080.0]);
+    let moving: Vec<bool> = judged.iter().map(|one| told(one).0).collect();
+    assert_eq!(moving, [false, false, false, false, true, true, true], "{judged:?}");
+}
+
+#[test]
+fn a_way_is_not_believed_for_longer_than_it_was_seen() {
+    let mut motion = Motion::default();
+    let rise: Vec<f64> = (0..6).map(|index| 5000.0 * (0.2 * f64::from(index)).exp()).collect();
+    judge_alone(&mut motion, 0, &rise);
+    // A second later: on its way it would be some million ohm by now.
+    let judged = judge_alone(&mut motion, 56, &[rise[5]]);
+    assert!(judged[0].is_ok(), "{judged:?}");
+}
+
 /// Judges full discharges every 20 ms that tell of one stretch alone.
 fn judge_alone(motion: &mut Motion, from: usize, r_ohm: &[f64]) -> Vec<Result<Moved, Fault>> {
     let judge = |(index, r_ohm): (usize, &f64)| {

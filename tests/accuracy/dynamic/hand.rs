@@ -1,0 +1,97 @@
+//! A hand that presses an FSR 402 again and again, on a board that stamps some edges late.
+
+use super::{CASES, Case, INSTRUMENTS, Seen, name};
+use crate::common::chance::WITHIN_2U;
+use crate::common::{Bench, read, rest, settle};
+use cermd::pins::Pins;
+use cermd::pins::sim::{Sensor, SimPins};
+use cermd::reading::Status;
+use cermd::units::Nanos;
+use std::fmt::Write;
+use std::sync::LazyLock;
+
+const SECONDS: f64 = 40.0;
+/// What changes by more than this part of itself within a discharge has no one value.
+const ONE_VALUE: f64 = 0.1;
+/// Of numbers that neither move nor settle, so many may be beyond ten sigma: a stamp that is late as the hand would have moved looks
+/// like it.
+const BEYOND_10: f64 = 2e-4;
+
+/// R_x at an instant, if it has one value within a discharge (1 us for each ohm).
+fn truth(pins: &SimPins, at: Nanos, r_ohm: f64) -> Option<f64> {
+    let half = Nanos::from_seconds(0.5e-6 * r_ohm.max(1000.0));
+    let [before, truth, after] = [at - half, at, at + half].map(|at| pins.r_x(0, at).unwrap());
+    ((after - before).abs().max((truth - before).abs()) < ONE_VALUE * truth).then_some(truth)
+}
+
+/// What each method makes of it.
+static SEEN: LazyLock<Vec<(Case, Seen)>> = LazyLock::new(|| {
+    let mut all: Vec<(Case, Seen)> = CASES.map(|case| (case, Seen::default())).into();
+    for (case, seen) in &mut all {
+        (0..INSTRUMENTS).for_each(|seed| presses(*case, seed, seen));
+    }
+    all
+});
+
+fn presses((method, kind): Case, seed: u64, seen: &mut Seen) {
+    let bench = Bench::with_kind("pi4", kind, method, 1e5, seed, "");
+    let mut instrument = bench.instrument();
+    settle(&mut instrument);
+    rest(&mut instrument);
+    instrument.pins().connect(0, Sensor::hand());
+    let end = instrument.pins().now() + Nanos::from_seconds(SECONDS);
+    while instrument.pins().now() < end {
+        let mut last = None;
+        read(&mut instrument, 1, |reading| last = Some(*reading));
+        let reading = last.unwrap();
+        let truth = match reading.status {
+            Status::Ok { r_ohm, .. } => truth(instrument.pins(), reading.at, r_ohm.value),
+            _ => Some(f64::NAN),
+        };
+        truth.into_iter().for_each(|truth| seen.add(&reading, truth));
+    }
+}
+
+/// Numbers that neither move nor are within ten sigma, and of how many.
+fn beyond(seen: &Seen) -> [f64; 2] {
+    let still = || seen.readings.iter().flatten().filter(|number| !number.is_moving);
+    [still().filter(|number| number.error.abs() > 10.0).count(), still().count()].map(|count| count as f64)
+}
+
+/// A line for each method.
+pub fn table() -> String {
+    let mut table = String::new();
+    for (case, seen) in SEEN.iter() {
+        let [within, moving, unsettled] =
+            [seen.within(2.0), seen.moving(), seen.share("unsettled")].map(|share| 100.0 * share.value);
+        let [beyond, still] = beyond(seen);
+        writeln!(
+            table,
+            "| {} | {:.0} | {:.2} | {within:.1} | {moving:.1} | {unsettled:.1} | {beyond} of {still} |",
+            name(*case),
+            1.0 / seen.seconds_each(),
+            seen.rms().value,
+        )
+        .unwrap();
+    }
+    table
+}
+
+#[test]
+fn the_presses_of_a_hand_are_numbers_that_are_true() {
+    let mut failed = String::new();
+    for (case, seen) in SEEN.iter() {
+        let [beyond, still] = beyond(seen);
+        let most = BEYOND_10 * still;
+        let row = format!("{}: {beyond} beyond 10 u, {}", name(*case), seen.in_words());
+        println!("{row}");
+        let sound = seen.within(2.0).is_in(WITHIN_2U..=1.0)
+            && seen.rms().is_in(0.5..=1.2)
+            && seen.moving_within(2.0).is_in(0.93..=1.0)
+            && beyond <= 1.0 + most + 3.0 * most.sqrt();
+        if !sound {
+            writeln!(failed, "{row}").unwrap();
+        }
+    }
+    assert!(failed.is_empty(), "seeds 0..{INSTRUMENTS}\n{failed}");
+}
