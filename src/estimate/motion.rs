@@ -276,8 +276,8 @@ impl Motion {
         !is_early && !rises
     }
 
-    /// Whether it has changed faster than anything before it, beside its drift: since the last point, or since one that the last went along with
-    /// and that says better where the sensor was.
+    /// Whether it has changed faster than anything before it, beside its drift: since the last point, or since one that the last
+    /// went along with and that says better where the sensor was.
     fn is_sudden(&self, point: &Point) -> bool {
         let Some(last) = self.sound().next_back() else { return false };
         if last.is_open() {
@@ -309,9 +309,9 @@ impl Motion {
         apart.map_or_else(|| self.since_last(point), |pair| pair.difference().hypot(pair.u_ohm))
     }
 
-    /// The same of one stretch, over which the mean conductance is m times what was to be expected. If one step came after its middle,
-    /// the sensor had 1/m of that mean there; if it came earlier, at the least (2m - 1)/m of it. Nothing is more likely between
-    /// (GUM, rectangular).
+    /// The same of one stretch, over which the mean conductance is m times what was to be expected. If one step came after its
+    /// middle, the sensor had 1/m of that mean there; if it came earlier, at the least (2m - 1)/m of it. Nothing is more likely
+    /// between (GUM, rectangular).
     fn since_last(&self, point: &Point) -> f64 {
         let Some(last) = self.sound().next_back() else { return 0.0 };
         let m = (-Drift::of(self.sound()).step(last, point)).exp();

@@ -37,8 +37,8 @@ impl Drift {
         to.z - from.z - self.speed * (to.at.min(self.until) - from.at).as_seconds()
     }
 
-    /// How fast it went from point to point beside it, as far as that is more than noise, 1/s. The way back of what has been gone at
-    /// once is none: a late stamp that is over is one change, not two.
+    /// How fast it went from point to point beside it, as far as that is more than noise, 1/s. The way back of what has been gone
+    /// at once is none: a late stamp that is over is one change, not two.
     pub(super) fn speeds_beside<'a>(
         self,
         points: impl Iterator<Item = &'a Point> + Clone,

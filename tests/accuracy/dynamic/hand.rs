@@ -13,8 +13,7 @@ use std::sync::LazyLock;
 const SECONDS: f64 = 40.0;
 /// What changes by more than this part of itself within a discharge has no one value.
 const ONE_VALUE: f64 = 0.1;
-/// Of numbers that neither move nor settle, so many may be beyond ten sigma: a stamp that is late as the hand would have moved looks
-/// like it.
+/// Of the numbers that do not move so many may be beyond ten sigma: a stamp that is late as the hand would have moved looks like it.
 const BEYOND_10: f64 = 2e-4;
 
 /// R_x at an instant, if it has one value within a discharge (1 us for each ohm).
