@@ -23,7 +23,7 @@ use crate::estimate::limits::{
 };
 use crate::reading::Fault;
 use crate::units::Nanos;
-use drift::{Drift, second_greatest};
+use drift::{Drift, bend, second_greatest};
 pub use evidence::Evidence;
 use evidence::Pair;
 
@@ -60,7 +60,12 @@ impl Point {
 
     /// How fast it went from here to there, 1/s.
     fn speed_to(&self, next: &Point) -> f64 {
-        (next.z - self.z) / (next.at - self.at).as_seconds().max(1e-6)
+        (next.z - self.z) / self.seconds_to(next)
+    }
+
+    /// How long it took, never 0.
+    fn seconds_to(&self, next: &Point) -> f64 {
+        (next.at - self.at).as_seconds().max(1e-6)
     }
 }
 
@@ -330,18 +335,8 @@ impl Motion {
         let square = between.max(inside);
         // A sine about a mean bends so much; what readings follow bends as they do.
         let sine = square / spread;
-        let bend = if inside > FOLLOWED * between { sine } else { sine.min(self.bend()) };
+        let bend = if inside > FOLLOWED * between { sine } else { sine.min(bend(self.sound())) };
         1e-18 * (bend * evidence.bend_ns2 + square * (evidence.bend_ns2 + evidence.apart_ns2))
-    }
-
-    /// The greatest change of the speed from reading to reading, 1/s²; infinite of fewer than three readings.
-    fn bend(&self) -> f64 {
-        let (first, second, third) = (self.sound(), self.sound().skip(1), self.sound().skip(2));
-        let bends = first.zip(second).zip(third).map(|((first, second), third)| {
-            let seconds = (third.at - first.at).as_seconds().max(1e-6);
-            2.0 * (second.speed_to(third) - first.speed_to(second)).abs() / seconds
-        });
-        bends.reduce(f64::max).unwrap_or(f64::INFINITY)
     }
 
     /// Mean square of the speed from reading to reading, less its noise, without the greatest, which may have been a step
@@ -349,8 +344,8 @@ impl Motion {
     fn square_between(&self, is_sudden: bool, spread: f64) -> f64 {
         let (mut sum, mut most, mut count, mut newest) = (0.0, 0.0f64, 0.0, 0.0);
         for (point, next) in self.sound().zip(self.sound().skip(1)) {
-            let seconds = (next.at - point.at).as_seconds().max(1e-6);
-            newest = point.speed_to(next).powi(2) - (point.u.powi(2) + next.u.powi(2)) / seconds.powi(2);
+            let noise = (point.u.powi(2) + next.u.powi(2)) / point.seconds_to(next).powi(2);
+            newest = point.speed_to(next).powi(2) - noise;
             (sum, most, count) = (sum + newest, most.max(newest), count + 1.0);
         }
         if count < 2.0 {

@@ -44,12 +44,16 @@ impl Usual {
 
     /// Whether a value is no farther away than noise makes it.
     pub fn has(&self, value: f64) -> bool {
-        (value - self.place).abs() <= BEYOND_NOISE * self.sigma()
+        (value - self.place).abs() <= self.reach()
     }
 
     /// The greatest of such values.
     pub fn greatest(&self) -> f64 {
-        self.place + BEYOND_NOISE * self.sigma()
+        self.place + self.reach()
+    }
+
+    fn reach(&self) -> f64 {
+        BEYOND_NOISE * self.sigma()
     }
 
     /// Takes a value; steps are no smaller than `least`, or those of values that were all alike would be none.

@@ -236,7 +236,7 @@ impl Discharge {
         self.start = bracket;
         self.wait_until = bracket.before + self.plan.timeout;
         let pause = bracket.before - self.floating - self.plan.settle;
-        if self.is_wide(Call::Start, bracket) || pause > LONGEST_PAUSE {
+        if self.took_too_long(Call::Start, bracket) || pause > LONGEST_PAUSE {
             return self.stop(Some(Fault::WideBracket));
         }
         match self.plan.switch {
@@ -255,7 +255,7 @@ impl Discharge {
 
     fn released(&mut self, bracket: Bracket, to: Through) -> Action {
         self.switch = Some(Switched { released: bracket.before, sunk: bracket.before, to });
-        if self.is_wide(Call::Release, bracket) {
+        if self.took_too_long(Call::Release, bracket) {
             return self.stop(Some(Fault::WideBracket));
         }
         if self.is_held() {
@@ -278,7 +278,7 @@ impl Discharge {
 
     fn sunk(&mut self, bracket: Bracket, to: Through) -> Action {
         self.switch = self.switch.map(|switch| Switched { sunk: bracket.before, to, ..switch });
-        if self.is_wide(Call::Sink, bracket) {
+        if self.took_too_long(Call::Sink, bracket) {
             return self.stop(Some(Fault::WideBracket));
         }
         self.wait_on(bracket)
@@ -290,8 +290,8 @@ impl Discharge {
         self.wait()
     }
 
-    /// Whether a call was so long that a line may have moved anywhere.
-    fn is_wide(&mut self, call: Call, bracket: Bracket) -> bool {
+    /// Notes how long a call took; whether that was so long that a line may have moved anywhere.
+    fn took_too_long(&mut self, call: Call, bracket: Bracket) -> bool {
         let is_for_one = call != Call::Start || !self.is_pair();
         self.calls[call as usize] = is_for_one.then(|| bracket.width());
         bracket.width() > self.plan.widest_bracket

@@ -26,6 +26,9 @@ pub(super) const SHORTEST_TICK: Nanos = Nanos(1_000_000);
 
 /// How many changes of lines the truth of one discharge keeps: a start, a switch and an end, of two lines each.
 pub(super) const CHANGES_KEPT: usize = 16;
+/// What changes by a smaller part of itself has one value, against which a reading can be held: with a third or three times of it the
+/// readings of a hand are as true (tests/accuracy, dynamic).
+pub(super) const ONE_VALUE: f64 = 0.1;
 /// A simulated call is never shorter than this share of its usual duration: above 0, so that time never goes back, and far
 /// below the jitter of any scene.
 pub(super) const SHORTEST_CALL: f64 = 0.1;

@@ -9,6 +9,7 @@
 //! connected to it. With the estimators it shares constants, units and the list of capacitors, and nothing else: an error in
 //! the physics of either shows.
 
+use super::limits::ONE_VALUE;
 use super::{Armed, Bracket, Drives, Edge, Levels, Particulars, Pins, PinsError};
 use crate::units::{Nanos, Seconds};
 use analog::{Analog, Fall};
@@ -95,6 +96,13 @@ impl SimPins {
     /// R_x of a channel at an instant, ohm; `None` without such a channel in the scene.
     pub fn r_x(&self, channel: usize, at: Nanos) -> Option<f64> {
         self.analog.r_x(channel, (at - self.epoch).0)
+    }
+
+    /// The same if it is one value from `half` before to `half` after: if it changes by less than a tenth.
+    pub fn one_r_x(&self, channel: usize, at: Nanos, half: Nanos) -> Option<f64> {
+        let [before, r_x, after] = [at - half, at, at + half].map(|at| self.r_x(channel, at));
+        let (before, r_x, after) = (before?, r_x?, after?);
+        ((after - before).abs().max((r_x - before).abs()) < ONE_VALUE * r_x).then_some(r_x)
     }
 
     /// Moves virtual time on, never back.

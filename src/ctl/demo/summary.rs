@@ -16,9 +16,6 @@ const HINTS: [(&str, &str); 3] = [
     ("cermd, cermctl watch", "on hardware; start from hw/cermd.toml"),
 ];
 
-/// What changes by no more than this part of itself within a discharge has one value.
-const ONE_VALUE: f64 = 0.1;
-
 /// The readings so far.
 pub struct Tally<'a> {
     board: &'a Board,
@@ -69,16 +66,13 @@ impl Tally<'_> {
         }
     }
 
-    /// The error in units of the stated uncertainty; `None` without one, and while R_x itself goes on by more than a part of it
-    /// within a discharge (a millisecond for each kilohm, one at the least): then there is no one true value of it.
+    /// The error in units of the stated uncertainty; `None` without one, and while R_x has no one value within a discharge (a
+    /// millisecond for each kilohm, one at the least).
     fn error(&self, reading: &ReadingLine, r_ohm: f64) -> Option<f64> {
         let half = Nanos::from_seconds(0.5e-6 * r_ohm.max(1000.0));
         let channel = self.board.config.channels.iter().position(|channel| channel.id == reading.channel)?;
-        let (at, u) = (Nanos(reading.t_mono_ns), reading.state.r_u_ohm?);
-        let r_x = |at| self.truth.r_x(channel, at);
-        let (before, truth, after) = (r_x(at - half)?, r_x(at)?, r_x(at + half)?);
-        let is_one = (after - before).abs().max((truth - before).abs()) < ONE_VALUE * truth;
-        is_one.then_some((r_ohm - truth) / u)
+        let truth = self.truth.one_r_x(channel, Nanos(reading.t_mono_ns), half)?;
+        Some((r_ohm - truth) / reading.state.r_u_ohm?)
     }
 
     /// The last lines of the demo.

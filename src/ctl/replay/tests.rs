@@ -80,7 +80,7 @@ fn a_tape_tells_what_the_instrument_has_told() {
         ("one-capacitor", "method = \"tpcm\""),
         ("series-calibration", "method = \"qerm\""),
     ] {
-        let (readings, tape) = measured(kind, method, 300);
+        let (readings, tape) = measured(kind, method, 400);
         let name = method.split('"').nth(1).unwrap();
         let method = *Method::ALL.iter().find(|method| method.as_str() == name).unwrap();
         let estimates = replayed(&tape, method);
@@ -112,8 +112,8 @@ fn a_tape_tells_what_the_instrument_has_told() {
             *states.entry(of_state).or_insert(0) += 1;
         }
         // Both are there to be compared: the hand lifts off for a part of the time that differs.
-        let (ok, compared) = (states.get("ok").copied().unwrap_or(0), states.values().sum::<usize>());
-        assert!(ok > 250 && 2 * ok > compared && states.contains_key("open"), "{name}: {states:?}");
+        let ok = states.get("ok").copied().unwrap_or(0);
+        assert!(2 * ok > readings.len() && states.contains_key("open"), "{name}: {states:?}");
     }
 }
 

@@ -102,6 +102,8 @@ impl Estimator {
         if let Some(r_ohm) = self.beyond(record) {
             return open(r_ohm);
         }
+        // Where the reciprocal is known to +-u.
+        let open_above = |value: f64, u: f64| open(value / (1.0 + COVERAGE * u / value));
         let (estimate, evidence) = match self.solve(record) {
             Ok(found) => found,
             Err(fault) => return Status::Fault(fault),
@@ -111,7 +113,7 @@ impl Estimator {
         // Whose conductance may be none is no number, as where the state tells it.
         let may_be_none = |u: f64| value > self.r2_ohm && value <= RESOLVED * u && !evidence.contradicts;
         if let Some(u) = u.filter(|u| may_be_none(*u) && !by_prior) {
-            return open(value / (1.0 + COVERAGE * u / value));
+            return open_above(value, u);
         }
         let r_o_ohm = self.offset().r_o();
         let mut is_repeated = || u.is_none_or(|u| motion.repeats([value, u], r_o_ohm));
@@ -126,9 +128,8 @@ impl Estimator {
         };
         let measured = Measured { value, u: u.map(|u| u.hypot(moved.map_or(0.0, |moved| moved.u_ohm))) };
         let Some(r_ohm) = self.with_defects(measured) else {
-            // The leak only ever makes it read lower; so far up it is the reciprocal that is known to +-u.
-            let Measured { value, u } = measured;
-            return open(value / (1.0 + COVERAGE * u.unwrap_or(0.0) / value));
+            // The leak only ever makes it read lower; so far up it is the reciprocal that is known.
+            return open_above(measured.value, measured.u.unwrap_or(0.0));
         };
         judged.as_read_ohm = Some(r_ohm.value);
         let (value, readout_u) = (sensor.corrected(r_ohm.value), r_ohm.u);

@@ -67,9 +67,7 @@ impl Bench {
         }
         estimator
     }
-}
 
-impl Bench {
     fn tracked(&self, nodes: usize) -> Estimator {
         let [r1, r2] = self.r;
         let mut estimator = Estimator::tracked(Method::Tracked, r1, r2, nodes);

@@ -22,9 +22,8 @@ impl Drift {
             return Drift { speed: 0.0, until: Nanos::ZERO };
         };
         let [before, after] = [(first, middle), (middle, last)].map(|(from, to)| {
-            let seconds = (to.at - from.at).as_seconds().max(1e-6);
             let speed = from.speed_to(to);
-            (speed.abs() - to.u.hypot(from.u) / seconds).max(0.0).copysign(speed)
+            (speed.abs() - to.u.hypot(from.u) / from.seconds_to(to)).max(0.0).copysign(speed)
         });
         let is_one_way = before.signum() == after.signum();
         let most = if is_one_way { 2.0 * before.abs().min(after.abs()) } else { 0.0 };
@@ -49,9 +48,18 @@ impl Drift {
             let is_back = gone.take().is_some_and(|gone: f64| (gone + step).abs() <= BEYOND_NOISE * noise);
             let beyond = if is_back { 0.0 } else { (step.abs() - STATED * noise).max(0.0) };
             gone = (beyond > 0.0).then_some(step);
-            beyond / (next.at - point.at).as_seconds().max(1e-6)
+            beyond / point.seconds_to(next)
         })
     }
+}
+
+/// The greatest change of the speed from point to point, 1/s²; infinite of fewer than three.
+pub(super) fn bend<'a>(points: impl Iterator<Item = &'a Point> + Clone) -> f64 {
+    let (first, second, third) = (points.clone(), points.clone().skip(1), points.skip(2));
+    let bends = first.zip(second).zip(third).map(|((first, second), third)| {
+        2.0 * (second.speed_to(third) - first.speed_to(second)).abs() / first.seconds_to(third)
+    });
+    bends.reduce(f64::max).unwrap_or(f64::INFINITY)
 }
 
 /// What is left when the greatest may have been a step; 0 for fewer than two.

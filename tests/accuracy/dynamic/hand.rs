@@ -4,24 +4,15 @@ use super::{CASES, Case, INSTRUMENTS, Seen, name};
 use crate::common::chance::WITHIN_2U;
 use crate::common::{Bench, read, rest, settle};
 use cermd::pins::Pins;
-use cermd::pins::sim::{Sensor, SimPins};
+use cermd::pins::sim::Sensor;
 use cermd::reading::Status;
 use cermd::units::Nanos;
 use std::fmt::Write;
 use std::sync::LazyLock;
 
 const SECONDS: f64 = 40.0;
-/// What changes by more than this part of itself within a discharge has no one value.
-const ONE_VALUE: f64 = 0.1;
 /// Of the numbers that do not move so many may be beyond ten sigma: a stamp that is late as the hand would have moved looks like it.
 const BEYOND_10: f64 = 2e-4;
-
-/// R_x at an instant, if it has one value within a discharge (1 us for each ohm).
-fn truth(pins: &SimPins, at: Nanos, r_ohm: f64) -> Option<f64> {
-    let half = Nanos::from_seconds(0.5e-6 * r_ohm.max(1000.0));
-    let [before, truth, after] = [at - half, at, at + half].map(|at| pins.r_x(0, at).unwrap());
-    ((after - before).abs().max((truth - before).abs()) < ONE_VALUE * truth).then_some(truth)
-}
 
 /// What each method makes of it.
 static SEEN: LazyLock<Vec<(Case, Seen)>> = LazyLock::new(|| {
@@ -43,15 +34,18 @@ fn presses((method, kind): Case, seed: u64, seen: &mut Seen) {
         let mut last = None;
         read(&mut instrument, 1, |reading| last = Some(*reading));
         let reading = last.unwrap();
-        let truth = match reading.status {
-            Status::Ok { r_ohm, .. } => truth(instrument.pins(), reading.at, r_ohm.value),
-            _ => Some(f64::NAN),
+        // A discharge takes 1 us for each ohm; what is no number needs no truth.
+        let Status::Ok { r_ohm, .. } = reading.status else {
+            seen.add(&reading, f64::NAN);
+            continue;
         };
+        let half = Nanos::from_seconds(0.5e-6 * r_ohm.value.max(1000.0));
+        let truth = instrument.pins().one_r_x(0, reading.at, half);
         truth.into_iter().for_each(|truth| seen.add(&reading, truth));
     }
 }
 
-/// Numbers that neither move nor are within ten sigma, and of how many.
+/// How many numbers that do not move are beyond ten sigma, and of how many.
 fn beyond(seen: &Seen) -> [f64; 2] {
     let still = || seen.readings.iter().flatten().filter(|number| !number.is_moving);
     [still().filter(|number| number.error.abs() > 10.0).count(), still().count()].map(|count| count as f64)
