@@ -167,27 +167,26 @@ pub const REJECTED_OF_A_STEP: u32 = 3;
 /// wander; g relative, beside how fast it drifts, which is part of the state; Ro in ohm, for the temperature of a board changes
 /// in minutes.
 pub const SLOWEST_WALK: [f64; 3] = [0.01, 2e-5, 0.01];
-/// The same as long as nothing has been seen of them: of Ro what a pin does whose driver heats up.
-pub const WALK_AT_FIRST: [f64; 3] = [0.01, 2e-5, 0.3];
+/// As long as nothing has been seen of them, walks up to this are as likely as each other, and faster ones less: of Ro what a pin does
+/// whose driver heats up.
+pub const WALK_AT_FIRST: [f64; 3] = [0.01, 2e-5, 1.0];
 /// How fast either g may change at first, 1/s: 1 % in a minute.
 pub const RATE_AT_FIRST: f64 = 2e-4;
 /// How fast that itself walks, per root second.
 pub const RATE_WALK: f64 = 3e-6;
 /// For so long at the most the state goes on as it went, s.
 pub const LONGEST_AHEAD_S: f64 = 60.0;
-/// How fast they may walk.
-pub const FASTEST_WALK: [f64; 3] = [2.0, 2e-3, 5.0];
-/// How much one innovation changes the speed of a walk.
-pub const LEARN_WALK: f64 = 0.3;
-/// Innovations that a trend is the mean of, at the least and at the most.
-pub const TREND_OF: [f64; 2] = [8.0, 512.0];
-/// The last innovations, in whose mean a state that lags shows soon.
-pub const LAST_OF: f64 = 16.0;
-/// If that is so many sigma from nothing.
-pub const LAST_SHOWS: f64 = 4.0;
-/// Where nothing speaks for a faster walk it becomes slower by so much in as many innovations as a trend is the mean of, in the
-/// square of a sigma: of so many at the least, for a trend of fewer is often by chance what a fast walk makes it.
-pub const WALK_CALM: (f64, f64) = (0.5, 32.0);
+/// Speeds of a walk that are compared, from the slowest to 300 times that; twice as many told no more.
+pub const SPEEDS: usize = 6;
+/// How far each is from the next, as a factor.
+pub const SPEEDS_APART: f64 = 3.162;
+/// The last observations, about, that say how likely a speed is.
+pub const LIKELIHOOD_OF: f64 = 4096.0;
+/// None is less likely than the likeliest by more, ln: what begins to walk shows within seconds then, and what stands still is
+/// taken to walk faster than the slowest speed by a sixth at the most.
+pub const LEAST_LIKELY: f64 = 8.0;
+/// What is more sigma from where a speed expects it tells no more against that speed.
+pub const TELLING: f64 = 3.0;
 /// Discharges of a kind that its mean innovation is taken over.
 pub const MISFIT_OF: f64 = 64.0;
 /// Mean innovations contradict the state when their mean square is so many times what chance makes it: of six it is more

@@ -3,14 +3,11 @@
 //! The state walks at random (process noise per root second) and is observed by plain and split calibration discharges
 //! through the [law](crate::estimate::law). Innovations beyond the gate are rejected and counted; several in a row are a step, and
 //! everything is found again from the beginning. The noise of crossings is learned from the calibration discharges themselves
-//! ([`Noise`]); how fast g, Ro and d drift is learned from their innovations: those of a walk that is as fast as the state have
-//! nothing to do with each other, those of a slower one go on in one direction.
+//! ([`Noise`]), and so is how fast g, Ro and d walk ([`speeds`]).
 
 use crate::circuit::Node;
 use crate::estimate::law::{Crossing, D, D_B, R_O, Route, State, UNKNOWNS};
-use crate::estimate::limits::{
-    FIRST_ROUNDS, INNOVATION_GATE, LATE_NS, REJECTED_OF_A_STEP, SPLIT_FRACTION, WALK_AT_FIRST,
-};
+use crate::estimate::limits::{FIRST_ROUNDS, INNOVATION_GATE, LATE_NS, REJECTED_OF_A_STEP, SPLIT_FRACTION};
 use crate::estimate::noise::{Covariance, Noise};
 use crate::estimate::offset::{Offset, SplitCalibration};
 use crate::estimate::scatter::{SwitchScatter, expected_ns};
@@ -18,10 +15,12 @@ use crate::reading::Fault;
 use crate::record::{CalibrationKind, Record, Switch, Through, UNLIKE_CALLS};
 use crate::units::Nanos;
 use gain::Gain;
+use speeds::Speeds;
 
 mod beginning;
 mod evidence;
 mod gain;
+mod speeds;
 mod walk;
 
 /// A symmetric covariance of the state.
@@ -58,11 +57,8 @@ pub struct Tracker {
     state: State,
     covariance: Matrix,
     at: Nanos,
-    /// How fast d, g and Ro walk, and the running means of the innovations that tell it, in sigma, of as many as the state
-    /// remembers and of the last few: each by one kind of discharge.
-    walk: [f64; 3],
-    trend: [f64; 3],
-    last_trend: [f64; 3],
+    /// How fast d, g and Ro walk: each by one kind of discharge.
+    speeds: [Speeds; 3],
     /// What each crossing of each kind of discharge is beside its expectation on average, in sigma.
     means: [[f64; 2]; 3],
     rejected_in_row: u32,
@@ -101,9 +97,7 @@ impl Tracker {
             state: State::default(),
             covariance: Matrix::default(),
             at: Nanos::ZERO,
-            walk: WALK_AT_FIRST,
-            trend: [0.0; 3],
-            last_trend: [0.0; 3],
+            speeds: Speeds::of_all(),
             means: [[0.0; 2]; 3],
             rejected_in_row: 0,
             counts: Counts::default(),
@@ -296,9 +290,10 @@ impl Tracker {
             let steady = gain.by_state.plus(&crossings);
             self.learn_scatter(by_switch, &steady, innovation, seen, expected_ns(record));
         }
-        for index in 0..UNKNOWNS {
-            self.state[index] += gain.of[index][0] * innovation[0] + gain.of[index][1] * innovation[1];
-        }
+        let correction: State =
+            std::array::from_fn(|i| gain.of[i][0] * innovation[0] + gain.of[i][1] * innovation[1]);
+        self.correct_speeds(&correction);
+        self.state.iter_mut().zip(correction).for_each(|(part, by)| *part += by);
         self.covariance = gain.posterior(&self.covariance);
         self.last = (gain.of, states);
         Ok(rows.map(|row| row.ns))

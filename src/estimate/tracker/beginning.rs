@@ -1,5 +1,6 @@
 //! How the first rounds of calibration become a state, and what is left of one after a step.
 
+use super::speeds::Speeds;
 use super::{Counts, Matrix, Tracker};
 use crate::estimate::law::State;
 use crate::estimate::limits::{BEGINNINGS, MOST_REJECTED, RATE_AT_FIRST, ROUGH_ROUNDS};
@@ -58,6 +59,7 @@ impl Tracker {
     /// Lets the filter see rounds, starting from almost no knowledge; whether they fit.
     fn fits(&mut self, state: State, rounds: &[[Record; 3]]) -> bool {
         self.state = state;
+        self.speeds = Speeds::of_all();
         self.open();
         self.at = rounds[0][0].start;
         let mut rejected = 0;

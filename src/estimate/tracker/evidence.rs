@@ -4,9 +4,7 @@
 use super::Tracker;
 use super::gain::Gain;
 use crate::estimate::law::{D, R_O, State, UNKNOWNS};
-use crate::estimate::limits::{
-    FASTEST_WALK, LAST_OF, LAST_SHOWS, LEARN_WALK, MISFIT_OF, MISFIT_SHOWS, SLOWEST_WALK, TREND_OF, WALK_CALM,
-};
+use crate::estimate::limits::{MISFIT_OF, MISFIT_SHOWS};
 use crate::estimate::noise::Covariance;
 use crate::record::CalibrationKind;
 
@@ -19,27 +17,34 @@ impl Tracker {
         rows: &[State; 2],
         innovation: [f64; 2],
     ) {
+        let (part, unit) = self.walking(kind);
         let mut direction = State::default();
-        match kind {
-            CalibrationKind::First => direction[D] = 1.0,
-            CalibrationKind::Second => direction[..2].copy_from_slice(&self.state[..2]),
-            CalibrationKind::Split => direction[R_O] = 1.0,
+        direction[part] = unit;
+        if kind == CalibrationKind::Second {
+            direction[1] = self.state[1];
         }
         let by = rows.map(|row| (0..UNKNOWNS).map(|i| row[i] * direction[i]).sum::<f64>());
-        let away = gain.along(by, innovation);
-        // A walk that lags shows in as many innovations as the state is the mean of.
-        let remembered = gain.remembered(by).clamp(TREND_OF[0], TREND_OF[1]);
-        let (walk, trend) = (&mut self.walk[kind as usize], &mut self.trend[kind as usize]);
-        let last = &mut self.last_trend[kind as usize];
-        let mut faster = away * *trend - WALK_CALM.0 / remembered.max(WALK_CALM.1);
-        // One that has just begun to lag need not wait until it is all that the state remembers.
-        if last.abs() > LAST_SHOWS * (2.0 * LAST_OF - 1.0).sqrt().recip() {
-            faster = faster.max(away * *last);
+        let known = self.covariance[part][part] / unit.powi(2);
+        if let Some((beside, variance)) = gain.along(by, innovation, known) {
+            self.speeds[kind as usize].add(self.at, beside, variance);
         }
-        *walk = (*walk * (LEARN_WALK * faster.clamp(-4.0, 4.0)).exp())
-            .clamp(SLOWEST_WALK[kind as usize], FASTEST_WALK[kind as usize]);
-        *trend += (away - *trend) / remembered;
-        *last += (away - *last) / LAST_OF;
+    }
+
+    /// The part of the state whose walk a kind of discharge tells, and the unit of its speed: of both g it is what they are.
+    fn walking(&self, kind: CalibrationKind) -> (usize, f64) {
+        match kind {
+            CalibrationKind::First => (D, self.jitter_ns().max(1.0)),
+            CalibrationKind::Second => (0, self.state[0]),
+            CalibrationKind::Split => (R_O, 1.0),
+        }
+    }
+
+    /// What is beside the state is so by another number once that has been corrected.
+    pub(super) fn correct_speeds(&mut self, by: &State) {
+        for kind in CalibrationKind::ALL {
+            let (part, unit) = self.walking(kind);
+            self.speeds[kind as usize].corrected(by[part] / unit);
+        }
     }
 
     /// A state that is right leaves nothing over on average, whatever the kind of discharge.

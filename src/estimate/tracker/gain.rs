@@ -49,19 +49,14 @@ impl Gain {
         v[which] / self.all.node(which).sqrt()
     }
 
-    /// An innovation in the direction that moves the observations by `by`, in sigma.
-    pub fn along(&self, by: [f64; 2], v: [f64; 2]) -> f64 {
-        let [a, b] = self.inverse.times(v);
-        let information = self.inverse.of(by[0], by[1]);
-        if information > 0.0 { (by[0] * a + by[1] * b) / information.sqrt() } else { 0.0 }
-    }
-
-    /// How many such observations the state is the mean of, in the direction that moves them by `by`.
-    pub fn remembered(&self, by: [f64; 2]) -> f64 {
-        let [a, b] = self.inverse.times(by);
-        // The share of an innovation's variance, in that direction, that is the state's.
-        let (all, state) = (a * by[0] + b * by[1], self.by_state.of(a, b));
-        if state > 0.0 { all / state } else { f64::INFINITY }
+    /// How far an innovation says that the state is off in the direction that moves the observations by `by`, and the variance of
+    /// that by all but the direction's own, which is `known`.
+    pub fn along(&self, by: [f64; 2], v: [f64; 2], known: f64) -> Option<(f64, f64)> {
+        let ([a, b], [p, q]) = (self.inverse.times(v), self.inverse.times(by));
+        let information = by[0] * p + by[1] * q;
+        let noise = (self.all.of(p, q) - self.by_state.of(p, q)) / information.powi(2);
+        (information > 0.0 && noise > 0.0)
+            .then(|| ((by[0] * a + by[1] * b) / information, noise.max(1.0 / information - known)))
     }
 
     /// By how much the observations lower v^T P v.

@@ -1,7 +1,7 @@
 //! Against the law with noise: the truth lies within the stated covariance, a step is found, a spike is not believed.
 
 use super::*;
-use crate::chance::{mean_of, rms_of, sigmas};
+use crate::chance::{mean_of, rms_of, share_is_in, sigmas};
 use crate::estimate::law::RATE;
 use crate::estimate::limits::ROUGH_ROUNDS;
 use crate::record::Switch;
@@ -141,7 +141,7 @@ fn a_steady_drift_is_followed_without_lag_and_a_faster_one_by_a_faster_walk() {
         }
         assert_eq!(tracker.counts().steps, 0);
         let lag = (tracker.state()[0] - plant.state[0]) / tracker.covariance[0][0].sqrt();
-        (tracker.walk[1], lag)
+        (tracker.speeds[1].walk(), lag)
     };
     let of = |drift: f64| -> (Vec<f64>, Vec<f64>) { (0..PLANTS).map(|seed| follow(seed, drift)).unzip() };
     let ((still, _), (_, lags), (fast, far)) = (of(0.0), of(1.5e-5), of(1e-4));
@@ -149,4 +149,26 @@ fn a_steady_drift_is_followed_without_lag_and_a_faster_one_by_a_faster_walk() {
     assert!(lag.is(0.0, 0.3), "lags by {lag} sigma");
     let (faster, lag) = (mean_of(&fast).over(mean_of(&still)), mean_of(&far));
     assert!(faster.is_in(2.0..=f64::INFINITY) && lag.is(0.0, 1.5), "{faster} times, lags by {lag} sigma");
+}
+
+#[test]
+fn a_pin_that_walks_is_as_uncertain_as_it_is_off() {
+    const PINS: u64 = 400;
+    for walk in [0.05, 0.3, 1.0] {
+        let is_within = |seed: &u64| {
+            let (mut plant, mut tracker) = tracked(*seed, ROUGH_ROUNDS + FIRST_ROUNDS);
+            for _ in 0..600 {
+                let normal: f64 = StandardNormal.sample(&mut plant.rng);
+                plant.state[R_O] = (plant.state[R_O] + walk * 0.09f64.sqrt() * normal).abs();
+                plant.round(&mut tracker);
+            }
+            let u = tracker.covariance[R_O][R_O].sqrt();
+            (tracker.state()[R_O] - plant.state[R_O]).abs() < 2.0 * u
+        };
+        let within = (0..PINS).filter(is_within).count();
+        assert!(
+            share_is_in(within, PINS as usize, 0.93..=0.99),
+            "{walk} ohm in a second: {within} of {PINS} within 2u"
+        );
+    }
 }

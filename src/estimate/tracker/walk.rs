@@ -41,6 +41,11 @@ impl Tracker {
         c
     }
 
+    /// The noise of a crossing without delay, which is that of latency, ns; 0 as long as it is not known.
+    pub(super) fn jitter_ns(&self) -> f64 {
+        self.noise.covariance([0.0; 2]).map_or(0.0, |noise| noise.aa.sqrt())
+    }
+
     /// Since when the state is as it is.
     pub fn at(&self) -> Nanos {
         self.at
@@ -48,10 +53,8 @@ impl Tracker {
 
     /// How fast each part of the state walks, per root second.
     fn walks(&self) -> State {
-        // A crossing without delay has no other noise than latency.
-        let jitter_ns = self.noise.covariance([0.0; 2]).map_or(0.0, |noise| noise.aa.sqrt());
-        let [walk_d, walk_g, walk_r_o] = self.walk;
-        let walk_d = walk_d * jitter_ns;
+        let [walk_d, walk_g, walk_r_o] = self.speeds.map(|speeds| speeds.walk());
+        let walk_d = walk_d * self.jitter_ns();
         let walk_d_b = if self.nodes == 2 { walk_d } else { 0.0 };
         let [rate, rate_b] = [RATE_WALK, if self.nodes == 2 { RATE_WALK } else { 0.0 }];
         [walk_g * self.state[0], walk_g * self.state[1], walk_r_o, walk_d, walk_d_b, rate, rate_b]
