@@ -2,7 +2,7 @@
 //!
 //! Every value here is meaningful only for a configuration without error findings.
 
-use super::limits::{DEADLINE, DEADLINE_SHARE, DRAIN, LEAST_DEADLINE, SWITCH_FRACTION, TOGETHER};
+use super::limits::{DEADLINE, DEADLINE_SHARE, DRAIN, FINISHED, LEAST_DEADLINE, SWITCH_FRACTION, TOGETHER};
 use super::{Calibration, Config};
 use crate::circuit::{Chargers, Node};
 use crate::instrument::discharge::Charge;
@@ -67,7 +67,8 @@ impl Config {
         let wanted = self.wanted_every().filter(|_| self.is_tracked());
         let channels = self.channels.len().max(1) as f64;
         let left = |every: Nanos| (DEADLINE_SHARE * every.as_seconds() - second) / channels;
-        let derived = wanted.map_or(f64::INFINITY, left).max(LEAST_DEADLINE * second).min(DEADLINE * second);
+        let longest = if self.method().is_tracked() { FINISHED } else { DEADLINE };
+        let derived = wanted.map_or(f64::INFINITY, left).max(LEAST_DEADLINE * second).min(longest * second);
         Nanos::from_seconds(derived)
     }
 

@@ -24,6 +24,7 @@
 //! | `SHORTEST_DISCHARGE` | 1 | us | a system call takes as long on the fastest of boards | docs/latency.md |
 //! | `SHORTEST_PART` | 50 | us | a part of a split discharge has to be long against the system calls between them | judgement |
 //! | `DEADLINE` | 5 | discharges of R_2 | the derived deadline: sensors up to about five times R_2 | judgement |
+//! | `FINISHED` | 4 | discharges of R_2 | the same where what lasts longer is finished through R_1: 100 kohm to 0.1 % within 60 ms on the default parts | docs/averages.md |
 //! | `LEAST_DEADLINE` | 2 | discharges of R_2 | the same where readings are wanted often: room for a calibration on slow capacitors | judgement |
 //! | `DEADLINE_SHARE` | 0.9 | of the time for a cycle | what the discharges of sensors may take and one of R_2; the rest is for charges | tests/accuracy/wanted.rs |
 //! | `TOGETHER` | 0.5 | time constants of B | how long B has its charger in each charge: 29 % of what has leaked away since the last one comes back | tests/accuracy/charging.rs |
@@ -66,6 +67,7 @@ pub const SHORT_CHARGE: f64 = 0.9;
 pub const SHORTEST_DISCHARGE: Seconds = Seconds(1e-6);
 pub const SHORTEST_PART: Seconds = Seconds(50e-6);
 pub const DEADLINE: f64 = 5.0;
+pub const FINISHED: f64 = 4.0;
 pub const LEAST_DEADLINE: f64 = 2.0;
 pub const DEADLINE_SHARE: f64 = 0.9;
 pub const TOGETHER: f64 = 0.5;

@@ -99,7 +99,7 @@ fn derived_times_follow_the_circuit() {
     let together = to_b.together.0;
     assert_eq!(given_ms, [(3_000_000, 0), (3_000_000, together), (0, anew.together.0)]);
     let t_c2b = (12_700.0 + 40.0) * config.circuit.g(crate::circuit::Node::B).unwrap().0;
-    assert!((deadline - 5.0 * t_c2b).abs() < 1e-9, "{deadline}");
+    assert!((deadline - 4.0 * t_c2b).abs() < 1e-9, "{deadline}");
 }
 
 #[test]
