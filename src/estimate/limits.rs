@@ -166,10 +166,10 @@ pub const REJECTED_OF_A_STEP: u32 = 3;
 /// How slowly d, g and Ro walk, per root second: d in parts of its jitter, for what makes the latency jitter makes its mean
 /// wander; g relative, beside how fast it drifts, which is part of the state; Ro in ohm, for the temperature of a board changes
 /// in minutes.
-pub const SLOWEST_WALK: [f64; 3] = [0.01, 2e-5, 0.01];
+pub const SLOWEST_WALK: [f64; 3] = [0.0075, 1.5e-5, 0.01];
 /// As long as nothing has been seen of them, walks up to this are as likely as each other, and faster ones less: of Ro what a pin does
 /// whose driver heats up.
-pub const WALK_AT_FIRST: [f64; 3] = [0.01, 2e-5, 1.0];
+pub const WALK_AT_FIRST: [f64; 3] = [0.0075, 1.5e-5, 1.0];
 /// How fast either g may change at first, 1/s: 1 % in a minute.
 pub const RATE_AT_FIRST: f64 = 2e-4;
 /// How fast that itself walks, per root second.

@@ -3,7 +3,7 @@
 //! The state walks at random (process noise per root second) and is observed by plain and split calibration discharges
 //! through the [law](crate::estimate::law). Innovations beyond the gate are rejected and counted; several in a row are a step, and
 //! everything is found again from the beginning. The noise of crossings is learned from the calibration discharges themselves
-//! ([`Noise`]), and so is how fast g, Ro and d walk ([`speeds`]).
+//! ([`Noise`]), and so is how fast g, Ro and d walk.
 
 use crate::circuit::Node;
 use crate::estimate::law::{Crossing, D, D_B, R_O, Route, State, UNKNOWNS};
