@@ -1,6 +1,7 @@
 //! How the state goes on between calibration discharges: as it has gone, and at random.
 
 use super::Tracker;
+use super::speeds::Speeds;
 use crate::estimate::law::{RATE, State, UNKNOWNS};
 use crate::estimate::limits::{LONGEST_AHEAD_S, RATE_WALK};
 use crate::units::Nanos;
@@ -53,7 +54,7 @@ impl Tracker {
 
     /// How fast each part of the state walks, per root second.
     fn walks(&self) -> State {
-        let [walk_d, walk_g, walk_r_o] = self.speeds.map(|speeds| speeds.walk());
+        let [walk_d, walk_g, walk_r_o] = self.speeds.each_ref().map(Speeds::walk);
         let walk_d = walk_d * self.jitter_ns();
         let walk_d_b = if self.nodes == 2 { walk_d } else { 0.0 };
         let [rate, rate_b] = [RATE_WALK, if self.nodes == 2 { RATE_WALK } else { 0.0 }];
