@@ -62,6 +62,24 @@ pub const ABSORPTION_FIRST: usize = 16;
 /// The share by which a reading is off, 1 sigma, for each that a discharge is longer after a rest.
 pub const BY_ABSORPTION: f64 = 2.5;
 
+// What the law leaves out, by split discharges that switch elsewhere; found with tests/accuracy, drawn.
+/// When they do, in parts of node A's time through R_1.
+pub const ELSEWHERE: f64 = 0.98;
+/// So many sigma of a crossing before A at the least.
+pub const ELSEWHERE_MARGIN: f64 = 6.0;
+/// An earlier one shows little beside those of calibration.
+pub const ELSEWHERE_AT_LEAST: f64 = 0.94;
+/// One split discharge in so many does.
+pub const ELSEWHERE_EVERY: u32 = 4;
+/// Fewer tell little.
+pub const ELSEWHERE_FIRST: usize = 8;
+/// How many are remembered.
+pub const ELSEWHERE_REMEMBERED: usize = 128;
+/// What they show is there beyond so many sigma.
+pub const ELSEWHERE_SHOWS: f64 = 3.0;
+/// By which part of R_1 a reading is off, 1 sigma, for each of R_2's time that they are beside the state.
+pub const BY_ELSEWHERE: f64 = 1.5;
+
 // Noise of crossings.
 /// The largest share of a crossing's variance that both crossings have in common, whatever the resistor.
 pub const SHARED_VARIANCE: f64 = 0.5;

@@ -69,9 +69,14 @@ impl<const N: usize> Looks<N> {
         self.median
     }
 
-    /// What shows beyond the noise of that.
-    pub fn gate(&self) -> f64 {
+    /// The noise of that, 1 sigma.
+    pub fn noise(&self) -> f64 {
         // The variance of a median is pi/2 times that of the mean.
-        LOOK_SHOWS * (self.variance * FRAC_PI_2 / self.taken.min(N) as f64).sqrt()
+        (self.variance * FRAC_PI_2 / self.taken.min(N) as f64).sqrt()
+    }
+
+    /// What shows beyond it.
+    pub fn gate(&self) -> f64 {
+        LOOK_SHOWS * self.noise()
     }
 }

@@ -17,6 +17,7 @@
 
 mod drift;
 mod evidence;
+mod point;
 
 use crate::estimate::limits::{
     BEYOND_NOISE, COVERAGE, FAST, FOLLOWED, MOTION_POINTS, NEAR, OPEN_LN, STATED, SUDDEN,
@@ -26,48 +27,7 @@ use crate::units::Nanos;
 use drift::{Drift, bend, second_greatest};
 pub use evidence::Evidence;
 use evidence::Pair;
-
-/// What a sensor had at an instant.
-#[derive(Debug, Clone, Copy, Default)]
-struct Point {
-    at: Nanos,
-    /// ln(R_x+Ro), and 1 sigma.
-    z: f64,
-    u: f64,
-    /// With 1 sigma, 1/s.
-    slope: Option<[f64; 2]>,
-    trust: Trust,
-}
-
-/// How far a point can be trusted.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-enum Trust {
-    #[default]
-    Sound,
-    /// A change that came all at once, or a stamp that was late: the next one tells.
-    Sudden,
-    /// The sensor changed in the middle of it: a slope, but no value.
-    Mixed,
-    /// It contradicts itself as if a stamp were late.
-    Doubtful,
-}
-
-impl Point {
-    /// It is above a bound, and no number.
-    fn is_open(&self) -> bool {
-        self.u >= OPEN_LN
-    }
-
-    /// How fast it went from here to there, 1/s.
-    fn speed_to(&self, next: &Point) -> f64 {
-        (next.z - self.z) / self.seconds_to(next)
-    }
-
-    /// How long it took, never 0.
-    fn seconds_to(&self, next: &Point) -> f64 {
-        (next.at - self.at).as_seconds().max(1e-6)
-    }
-}
+use point::{Point, Trust};
 
 /// What the sensor's own change adds to a reading.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -89,6 +49,8 @@ pub struct Motion {
     alone: Option<[f64; 2]>,
     /// The last one was settling.
     was_settling: bool,
+    /// The last one before a rise that one stretch alone has shown: two late stamps in a row look like it.
+    before_rise: Option<Point>,
 }
 
 impl Motion {
@@ -106,8 +68,10 @@ impl Motion {
         evidence: &Evidence,
     ) -> Result<Moved, Fault> {
         let all_ohm = through(r_ohm, r_o_ohm);
-        // Where the value is anything, nothing can be said of how it changes.
+        // Where the value is anything, nothing can be said of how it changes, but that it was no more.
         if u_ohm >= all_ohm {
+            let z = (all_ohm + COVERAGE * u_ohm).ln();
+            self.push(Point { at: start, z, u: 0.0, slope: None, trust: Trust::Below });
             let at_rest = Moved { u_ohm: 0.0, is_moving: false };
             return if evidence.contradicts { Err(Fault::LatencyOutlier) } else { Ok(at_rest) };
         }
@@ -145,12 +109,13 @@ impl Motion {
         self.settle(evidence.contradicts);
         self.forget_what_is_gone(&point);
         let is_sudden = self.is_sudden(&point);
+        let unproven = self.unproven(&point, pair, is_sudden);
         let hidden = if is_sudden { self.hidden(&point, pair) } else { 0.0 };
         if hidden > FAST.max(STATED * point.u) {
             point.trust = Trust::Sudden;
         }
         self.push(point);
-        self.error(evidence, is_sudden).hypot(hidden)
+        self.error(evidence, is_sudden).hypot(hidden.max(unproven))
     }
 
     /// Whether a reading is near the last one, or else near the last that was not: where stamps are often late, two may be late
@@ -202,6 +167,12 @@ impl Motion {
         self.points().iter().filter(|point| matches!(point.trust, Trust::Sound | Trust::Sudden))
     }
 
+    /// Where it was last, or what it was below.
+    fn last(&self) -> Option<&Point> {
+        let last = self.points().last().filter(|point| point.trust == Trust::Below);
+        last.or_else(|| self.sound().next_back())
+    }
+
     /// Slopes inside of discharges, each with 1 sigma.
     fn slopes(&self) -> impl Iterator<Item = [f64; 2]> + Clone {
         self.points().iter().filter(|point| point.trust != Trust::Doubtful).filter_map(|point| point.slope)
@@ -219,7 +190,8 @@ impl Motion {
     /// What was doubtful has been a change, or else a late stamp that says nothing.
     fn settle(&mut self, was_change: bool) {
         if was_change {
-            self.points[..self.count].iter_mut().for_each(|point| point.trust = Trust::Sound);
+            let points = self.points[..self.count].iter_mut();
+            points.filter(|point| point.trust != Trust::Below).for_each(|point| point.trust = Trust::Sound);
             return;
         }
         let mut kept = 0;
@@ -238,7 +210,10 @@ impl Motion {
         let Some(rest) = self.points().iter().rposition(|point| point.trust != Trust::Sudden) else { return };
         let before = self.points[rest];
         let is_known = before.trust == Trust::Sound && !before.is_open();
-        if is_known && (point.z - before.z).abs() <= BEYOND_NOISE * point.u.hypot(before.u) {
+        let is_near = |other: &Point| (point.z - other.z).abs() <= BEYOND_NOISE * point.u.hypot(other.u);
+        // What is near both is no return.
+        let is_back = is_near(&before) && !self.points().last().is_some_and(is_near);
+        if is_known && is_back {
             self.count = rest + 1;
         }
     }
@@ -284,7 +259,10 @@ impl Motion {
     /// Whether it has changed faster than anything before it, beside its drift: since the last point, or since one that the last
     /// went along with and that says better where the sensor was.
     fn is_sudden(&self, point: &Point) -> bool {
-        let Some(last) = self.sound().next_back() else { return false };
+        let Some(last) = self.last() else { return false };
+        if last.trust == Trust::Below {
+            return point.z - last.z > BEYOND_NOISE * point.u;
+        }
         if last.is_open() {
             // Anywhere above its bound, and how it came below nobody has seen.
             let mut bounds = self.sound().filter(|point| point.is_open());
@@ -294,11 +272,24 @@ impl Motion {
         let slopes = self.slopes().map(|[slope, u]| (slope - drift.speed).abs() - STATED * u);
         let speed = second_greatest(drift.speeds_beside(self.sound())).max(second_greatest(slopes));
         let is_faster = |from: &Point, to: &Point| {
-            let (seconds, noise) = ((to.at - from.at).as_seconds(), BEYOND_NOISE * to.u.hypot(from.u));
-            drift.step(from, to).abs() > SUDDEN * speed * seconds + noise
+            let seconds = (to.at - from.at).as_seconds();
+            drift.step(from, to).abs() > SUDDEN * speed * seconds + from.noise_to(to)
         };
         let knows_better = |from: &&Point| 2.0 * from.u < last.u && !is_faster(from, last);
         is_faster(last, point) || self.sound().filter(knows_better).any(|from| is_faster(from, point))
+    }
+
+    /// What a rise may hide that only the reading before has shown, where there is one stretch and no more: it takes a third one to
+    /// tell it from two late stamps.
+    fn unproven(&mut self, point: &Point, pair: Option<Pair>, is_sudden: bool) -> f64 {
+        let is_above = |before: &Point| pair.is_none() && point.z - before.z > before.noise_to(point);
+        if let Some(before) = self.before_rise.take().filter(is_above) {
+            // All of it, or nothing.
+            return (-Drift::of(self.sound()).step(&before, point)).exp_m1().abs() / 3f64.sqrt();
+        }
+        let last = self.last().filter(|last| is_sudden && is_above(last));
+        self.before_rise = last.copied();
+        0.0
     }
 
     /// What a sudden change may hide that came perhaps in the middle of this discharge: as much as its two stretches
@@ -318,7 +309,7 @@ impl Motion {
     /// middle, the sensor had 1/m of that mean there; if it came earlier, at the least (2m - 1)/m of it. Nothing is more likely
     /// between (GUM, rectangular).
     fn since_last(&self, point: &Point) -> f64 {
-        let Some(last) = self.sound().next_back() else { return 0.0 };
+        let Some(last) = self.last() else { return 0.0 };
         let m = (-Drift::of(self.sound()).step(last, point)).exp();
         if 2.0 * m > 1.0 { (m - 1.0).abs() / (2.0 * m - 1.0).min(1.0) / 3f64.sqrt() } else { f64::INFINITY }
     }

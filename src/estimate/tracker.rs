@@ -14,10 +14,12 @@ use crate::estimate::scatter::{SwitchScatter, expected_ns};
 use crate::reading::Fault;
 use crate::record::{CalibrationKind, Record, Switch, Through, UNLIKE_CALLS};
 use crate::units::Nanos;
+use elsewhere::Elsewhere;
 use gain::Gain;
 use speeds::Speeds;
 
 mod beginning;
+mod elsewhere;
 mod evidence;
 mod gain;
 mod speeds;
@@ -64,6 +66,7 @@ pub struct Tracker {
     rejected_in_row: u32,
     counts: Counts,
     scatter: SwitchScatter,
+    elsewhere: Elsewhere,
     split: SplitCalibration,
     rounds: Vec<[Record; 3]>,
     round: [Option<Record>; 3],
@@ -102,6 +105,7 @@ impl Tracker {
             rejected_in_row: 0,
             counts: Counts::default(),
             scatter: SwitchScatter::default(),
+            elsewhere: Elsewhere::default(),
             split,
             rounds,
             round: [None; 3],
@@ -187,6 +191,10 @@ impl Tracker {
         times: [Option<f64>; 2],
     ) -> Result<(), Fault> {
         self.advance(record.start);
+        let is_elsewhere = self.takes_elsewhere(kind, record);
+        if is_elsewhere && self.left_out_ohm() > 0.0 {
+            return Ok(());
+        }
         match self.correct(kind, record, times) {
             Ok(expected) => {
                 // What the filter takes is no spike, whatever the spread says.

@@ -6,6 +6,7 @@ mod charging;
 #[path = "../common/mod.rs"]
 mod common;
 mod coverage;
+mod drawn;
 mod dynamic;
 mod equations;
 mod exact;

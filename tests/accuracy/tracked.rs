@@ -2,9 +2,10 @@
 
 use crate::common::chance::{Figure, WITHIN_2U, share_is_in};
 use crate::common::{Bench, Errors, read, settle, spread_of};
+use cermd::pins::sim::Kind;
 use cermd::pins::sim::scene::{DelayScene, DriftScene};
 use cermd::reading::{Fault, Method, Status};
-use cermd::units::{Seconds, Volt};
+use cermd::units::{Farad, Seconds, Volt};
 use std::fmt::Write;
 
 const INSTRUMENTS: u64 = 40;
@@ -325,4 +326,48 @@ fn an_untouched_sensor_is_open_and_never_a_number_that_it_is_not() {
     }
     println!("pi4 (simulated)\n{table}");
     assert!(!failed, "\n{table}");
+}
+
+/// Of a low resistance noise may hide much; it is a number, or short, and not open.
+#[test]
+fn what_is_low_beside_a_coarse_clock_is_not_open() {
+    let mut bench = Bench::with_kind("pi4", Kind::OneCapacitor, Method::Tracked, 60.0, 1, "");
+    bench.config.set("circuit.c", "100 nF");
+    bench.scene.circuit.c = Some(Farad(100e-9));
+    bench.scene.stamps.as_mut().unwrap().jitter = Some(Seconds(3.5e-6));
+    let mut errors = Errors::default();
+    errors.next_board();
+    let mut instrument = bench.instrument();
+    read(&mut instrument, 4000, |reading| errors.add(reading, 60.0));
+    let open = errors.not_ok.iter().filter(|name| **name == "open").count();
+    assert!(open == 0 && errors.count() > 1000, "{open} of 4000 are open, {} numbers", errors.count());
+    assert!(share_is_in(errors.wild, errors.count(), 0.0..=1e-3), "{} wild", errors.wild);
+}
+
+/// A discharge that a known resistor finishes at the deadline, just when the sensor would have done it itself: noise has its
+/// crossing on either side of the switch.
+#[test]
+fn a_crossing_at_the_switch_is_not_taken_for_one_before_it() {
+    let bench = |r_ohm, seed| {
+        let mut bench = Bench::with_kind("pi4", Kind::OneCapacitor, Method::Tracked, r_ohm, seed, "");
+        bench.scene.noise = None;
+        let calls = bench.scene.calls.as_mut().unwrap();
+        (calls.fixed, calls.per_line) = (Seconds(1.8e-6), Seconds(3.8e-6));
+        let stamps = bench.scene.stamps.as_mut().unwrap();
+        (stamps.mean, stamps.jitter) = (Seconds(2e-6), Some(Seconds(2e-6)));
+        bench
+    };
+    let deadline_ns = bench(1000.0, 0).parts().1.deadline.as_ns();
+    // What the circuit takes for each ohm, ln(3.3 V / 1.1 V) 470 nF.
+    let usual_ohm = deadline_ns / (3f64.ln() * 470.0) - 40.0;
+    let mut errors = Errors::default();
+    for seed in 0..40 {
+        let r_ohm = usual_ohm * (1.0 + 5e-4 * seed as f64);
+        errors.next_board();
+        let mut instrument = bench(r_ohm, seed).instrument();
+        settle(&mut instrument);
+        read(&mut instrument, 60, |reading| errors.add(reading, r_ohm));
+    }
+    let share = errors.within_2u();
+    assert!(errors.wild == 0 && share.is_in(0.93..=1.0), "{} wild, {share} within 2u", errors.wild);
 }

@@ -27,7 +27,8 @@ const C0G_AT_MOST: Dielectric = Dielectric { name: "C0G, at the most", share: 0.
 const X7R: Dielectric = Dielectric { name: "X7R", share: 0.025 };
 
 /// What is much faster than a discharge takes part in each of them alike, what is much slower than a cycle in none: about 10 ms
-/// are the worst.
+/// are the worst where each discharge is taken in full. What switches has its worst at that of a discharge through R_1, about
+/// 1 ms: tests/accuracy/hostile.
 const WORST: &[f64] = &[10e-3];
 /// As real dielectrics have it: alike in each decade.
 const SPREAD: &[f64] = &[100e-6, 1e-3, 10e-3, 100e-3, 1.0];
@@ -216,7 +217,7 @@ pub fn x7r() -> Scenario {
 const HEAD: &str = "## What capacitors remember
 
 Board `pi4` without its rare long delays; C_A and C_B of one dielectric, which absorbs the share that is named, all of it with the
-worst time constant, 10 ms, or the same in each of the five decades around 100 us to 1 s. Real ones are spread. The mean error of
+worst time constant of full discharges, 10 ms, or the same in each of the five decades around 100 us to 1 s. Real ones are spread. The mean error of
 the numbers of 10 boards, in ohm, ± its standard error, and how many of them are off by less than two of their own sigma.
 The test predicts those of `tcdic` by an integration of its own.
 ";

@@ -45,7 +45,7 @@ impl Estimator {
 
     /// The lower bound of a resistance that a discharge finished through R_1 or R_2 cannot tell from an open circuit.
     fn beyond(&self, record: &Record) -> Option<f64> {
-        tracked::beyond(self.state()?, &self.observed(record).ok()?)
+        tracked::beyond(self.state()?, &self.observed(record).ok()?, self.r2_ohm)
     }
 
     /// The lower bound of a resistance that leaves no trace in a discharge that ended.
@@ -66,12 +66,8 @@ impl Estimator {
         let at_ns = middle_ns(record);
         let mut judged = Judged { at_ns, ..Judged::fault(Fault::Implausible) };
         judged.status = self.status_of(record, sensor, motion, &mut judged);
-        match judged.status {
-            Status::Open { r_min_ohm, .. } => {
-                motion.is_open(record.start + Nanos(judged.at_ns as i64), sensor.as_read(r_min_ohm));
-            }
-            Status::Short { .. } => motion.forget(),
-            Status::Ok { .. } | Status::Fault(_) => {}
+        if let Status::Open { r_min_ohm, .. } = judged.status {
+            motion.is_open(record.start + Nanos(judged.at_ns as i64), sensor.as_read(r_min_ohm));
         }
         judged
     }

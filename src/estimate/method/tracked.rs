@@ -94,22 +94,38 @@ pub fn predict(
     Fit::new(tracker, &observed, Some(siemens))?.solution(tracker.state()[R_O])
 }
 
-/// The lower bound of a resistance that cannot be told from an open circuit, ohm; `None` where it can.
-pub fn beyond(tracker: &Tracker, observed: &Observed) -> Option<f64> {
+/// The lower bound of a resistance that cannot be told from an open circuit, ohm; `None` where it can. Beside a low one the
+/// clock is coarse, which makes none of it open: what counts is how well a sensor above `r2_ohm` would be known.
+pub fn beyond(tracker: &Tracker, observed: &Observed, r2_ohm: f64) -> Option<f64> {
+    let r_o_ohm = tracker.state()[R_O];
     let fit = Fit::new(tracker, observed, None)?;
+    let above = 1.0 / (r2_ohm + r_o_ohm);
+    if fit.siemens > above && Fit::new(tracker, observed, Some(above))?.is_resolved() {
+        return None;
+    }
     let highest = fit.siemens.max(0.0) + COVERAGE * fit.u_siemens;
-    let r_min_ohm = 1.0 / highest - tracker.state()[R_O];
-    let is_open = fit.siemens <= RESOLVED * fit.u_siemens && !fit.evidence.contradicts;
+    let r_min_ohm = 1.0 / highest - r_o_ohm;
+    let is_open = !fit.is_resolved() && !fit.evidence.contradicts;
     (is_open && r_min_ohm > 0.0 && r_min_ohm.is_finite()).then_some(r_min_ohm)
 }
 
 impl Observed {
-    fn branch(&self, state: &State) -> Branch {
-        let last = [1, 0].into_iter().find_map(|node| Some(self.crossings[node]? - d_ns(state, node)));
-        match self.switch {
-            Some((switch, _)) if last.is_some_and(|last| last > switch.on_ns) => Branch::Inferred,
-            _ => Branch::Direct,
-        }
+    /// Where a crossing is so near to the switch to a lower resistor that noise could have it on either side, that one finished it:
+    /// of a sensor that did so itself that tells less, but nothing that is wrong.
+    fn branch(&self, tracker: &Tracker) -> Branch {
+        let state = tracker.state();
+        let last =
+            [1, 0].into_iter().find_map(|node| Some((node, self.crossings[node]? - d_ns(state, node))));
+        let (Some((switch, next_ohm)), Some((node, last_ns))) = (self.switch, last) else {
+            return Branch::Direct;
+        };
+        let next_ns = [0, 1].map(|node| state[node] * (next_ohm + state[R_O]));
+        let doubt_ns = || {
+            let noise = tracker.noise().covariance(next_ns).map_or(0.0, |noise| [noise.aa, noise.bb][node]);
+            COVERAGE * noise.sqrt().hypot(tracker.u_switch_ns(self.u_switch_ns))
+        };
+        let doubt_ns = if next_ns[node] < switch.at_ns { doubt_ns() } else { 0.0 };
+        if last_ns > switch.on_ns - doubt_ns { Branch::Inferred } else { Branch::Direct }
     }
 }
 
@@ -184,9 +200,14 @@ struct Fit {
 }
 
 impl Fit {
+    /// The sensor conducts for certain.
+    fn is_resolved(&self) -> bool {
+        self.siemens > RESOLVED * self.u_siemens
+    }
+
     /// `siemens`: where that is known before.
     fn new(tracker: &Tracker, observed: &Observed, siemens: Option<f64>) -> Option<Fit> {
-        let (state, branch) = (tracker.state(), observed.branch(tracker.state()));
+        let (state, branch) = (tracker.state(), observed.branch(tracker));
         // A switch after the last crossing has changed nothing.
         let switch = observed.switch.filter(|_| branch == Branch::Inferred);
         let b_ns = observed.crossings[1].filter(|_| tracker.nodes() == 2);
@@ -282,8 +303,12 @@ impl Fit {
         (y > 0.0 && solution.r_ohm.is_finite() && solution.variance.is_finite()).then_some(solution)
     }
 
-    /// 2 u stand for the interval of y +- 2 sigma, which 1/y makes longer: half of its length, ohm².
+    /// Of what a known resistor finished, y is as symmetric as noise is: 2 u stand for the interval of y +- 2 sigma, which 1/y makes
+    /// longer, half of its length. What the sensor finished itself took a time in proportion to R. Ohm².
     fn variance(&self) -> Option<f64> {
+        if self.branch == Branch::Direct {
+            return Some((self.u_siemens / self.siemens.powi(2)).powi(2));
+        }
         let square = self.siemens.powi(2) - (COVERAGE * self.u_siemens).powi(2);
         (square > 0.0).then(|| (self.u_siemens / square).powi(2))
     }

@@ -231,6 +231,55 @@ fn a_step_within_one_stretch_alone_is_in_two_readings_there_and_two_back() {
 }
 
 #[test]
+fn two_late_stamps_alike_are_no_change_where_one_stretch_is_all_that_there_is() {
+    for (risen, is_over) in [(5040.0, true), (5040.0, false), (5400.0, true), (5400.0, false)] {
+        let mut motion = Motion::default();
+        judge_alone(&mut motion, 0, &[5000.0; 10]);
+        let after = if is_over { 5000.0 } else { risen };
+        let judged = judge_alone(&mut motion, 10, &[risen, risen + 2.0, after, after, after]);
+        for one in &judged[..2] {
+            let (is_moving, u_ohm) = told(one);
+            assert!(is_moving && risen - 5000.0 < 2.0 * u_ohm, "{risen} {is_over}: {judged:?}");
+        }
+        // A third one has proven it.
+        assert!(is_over || !told(&judged[2]).0, "{risen}: {judged:?}");
+        assert!(!told(&judged[4]).0, "{risen} {is_over}: {judged:?}");
+    }
+}
+
+#[test]
+fn a_late_stamp_after_what_was_no_more_than_noise_is_no_number() {
+    let mut motion = Motion::default();
+    let mut judge = |index: i64, r_ohm| {
+        motion.judge(Nanos(index * 2_000_000), [r_ohm, 60.0], R_O, &Evidence::over(50_000.0))
+    };
+    for (index, r_ohm) in [12.0, -30.0, 4.0, 18.0].into_iter().enumerate() {
+        assert!(judge(index as i64, r_ohm).is_ok());
+    }
+    assert_eq!(judge(4, 2000.0), Err(Fault::Unsettled));
+    // One that has really come is one from the third reading on.
+    let mut motion = Motion::default();
+    let mut judge = |index: i64, r_ohm| {
+        motion.judge(Nanos(index * 2_000_000), [r_ohm, 2.0], 0.0, &Evidence::over(50_000.0))
+    };
+    for index in 0..10 {
+        assert!(judge(index, -60.0).is_ok());
+    }
+    let come: Vec<_> = (10..20).map(|index| judge(index, 1000.0)).collect();
+    assert!(come[2..].iter().all(|judged| *judged == AT_REST), "{come:?}");
+    // Of what is hardly more than noise, what counts is how far it went in ohm.
+    let mut motion = Motion::default();
+    let mut judge = |index: i64, r_ohm| {
+        motion.judge(Nanos(index * 2_000_000), [r_ohm, 20.0], 0.0, &Evidence::over(50_000.0))
+    };
+    for (index, r_ohm) in [41.0, 52.0, 38.0, 45.0, 52.0].into_iter().enumerate() {
+        assert!(judge(index as i64, r_ohm).is_ok());
+    }
+    let late = judge(5, 260.0);
+    assert!(told(&late).0, "{late:?}");
+}
+
+#[test]
 fn what_contradicts_itself_in_the_same_way_again_and_again_is_no_change() {
     let mut motion = Motion::default();
     for index in 0..20 {

@@ -3,7 +3,7 @@
 use super::*;
 use crate::chance::{mean_of, rms_of, share_is_in, sigmas};
 use crate::estimate::law::RATE;
-use crate::estimate::limits::ROUGH_ROUNDS;
+use crate::estimate::limits::{BY_ELSEWHERE, ROUGH_ROUNDS};
 use crate::record::Switch;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
@@ -171,4 +171,49 @@ fn a_pin_that_walks_is_as_uncertain_as_it_is_off() {
             "{walk} ohm in a second: {within} of {PINS} within 2u"
         );
     }
+}
+
+/// A dielectric that lags behind makes the end of a late split shorter; what disagrees has no part in the state.
+#[test]
+fn what_the_law_leaves_out_shows_where_nothing_was_fitted() {
+    let left_out = |seed: u64, beside_ns: f64| {
+        let (mut plant, mut tracker) = tracked(seed, 60);
+        for _ in 0..64 {
+            plant.now = plant.now + Nanos(30_000_000);
+            let first_ns = TRUTH[0] * (R[0] + TRUTH[R_O]);
+            let switch = Switch { at_ns: 0.98 * first_ns, on_ns: 0.98 * first_ns + 500.0, to: Through::C2 };
+            let route = Route { first_ohm: R[0], switch: Some((switch, R[1])) };
+            let late_ns = route.late_ns(&TRUTH)[0];
+            let mut normal = || -> f64 { StandardNormal.sample(&mut plant.rng) };
+            let noise_ns = 1500.0 * normal() + 5e-4 * late_ns * normal();
+            let a_ns = Some(route.crossing(&TRUTH, 0).ns + noise_ns + beside_ns);
+            let record = Record {
+                through: Through::C1,
+                start: plant.now,
+                second_ns: None,
+                switch: Some(switch),
+                a_ns,
+                b_ns: None,
+                u_switch_ns: Some(100.0),
+                waited_ns: None,
+                later_ns: None,
+            };
+            let _ = tracker.add(&record);
+            let first = plant.record(CalibrationKind::First);
+            let _ = tracker.add(&first);
+        }
+        assert_eq!(tracker.counts().steps, 0);
+        let beside = (tracker.state()[R_O] - TRUTH[R_O]) / tracker.offset().r_o_ohm.unwrap().1;
+        assert!(beside.abs() < sigmas(), "it has brought Ro {beside} of its sigma off");
+        tracker.left_out_ohm()
+    };
+    let second_ns = TRUTH[0] * (R[1] + TRUTH[R_O]);
+    for seed in 0..4 {
+        let expected = BY_ELSEWHERE * R[0] * 40_000.0 / second_ns;
+        let shown = left_out(seed, -40_000.0);
+        assert!((shown / expected - 1.0).abs() < 0.5, "{seed}: {shown} for {expected} ohm");
+    }
+    // Three sigma, once for each plant.
+    let false_alarms = (0..200).filter(|seed| left_out(1000 + seed, 0.0) > 0.0).count();
+    assert!(share_is_in(false_alarms, 200, 0.0..=0.01), "{false_alarms} of 200");
 }

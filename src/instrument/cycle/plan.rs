@@ -10,6 +10,7 @@ use crate::estimate::limits::{ABSORPTION_REST, LEAK_HELD_AT, LEAK_HOLD, SPLIT_FR
 use crate::estimate::method::Switching;
 use crate::estimate::motion::Motion;
 use crate::estimate::scatter::expected_ns;
+use crate::estimate::tracker::Tracker;
 use crate::instrument::discharge::Charge;
 use crate::instrument::limits::{
     B_FORGOTTEN, B_LEFT_ALONE, CALIBRATION_PAYS, CHARGE_STEP, HYSTERESIS, LONGEST_IDLE, MOST_LONGER,
@@ -231,7 +232,9 @@ impl Cycle {
     fn split_time(&self) -> Option<Nanos> {
         let (c1, c2) = self.estimator.calibration()?;
         let [r1, r2] = self.settings.r_ohm();
-        Some(Nanos((SPLIT_FRACTION * (c2[0] - c1[0]) / (r2 - r1) * r1) as i64))
+        let elsewhere_ns = self.estimator.tracker().and_then(Tracker::elsewhere_ns);
+        let usual_ns = SPLIT_FRACTION * (c2[0] - c1[0]) / (r2 - r1) * r1;
+        Some(Nanos(elsewhere_ns.unwrap_or(usual_ns) as i64))
     }
 
     /// When to switch from the sensor to R_2, if the next x discharge of a channel is to be switched at all.

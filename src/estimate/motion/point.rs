@@ -1,0 +1,55 @@
+//! What a sensor had at an instant, and how far that can be trusted.
+
+use crate::estimate::limits::{BEYOND_NOISE, OPEN_LN};
+use crate::units::Nanos;
+
+/// What a sensor had at an instant.
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct Point {
+    pub(super) at: Nanos,
+    /// ln(R_x+Ro), and 1 sigma.
+    pub(super) z: f64,
+    pub(super) u: f64,
+    /// With 1 sigma, 1/s.
+    pub(super) slope: Option<[f64; 2]>,
+    pub(super) trust: Trust,
+}
+
+/// How far a point can be trusted.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub(super) enum Trust {
+    #[default]
+    Sound,
+    /// A change that came all at once, or a stamp that was late: the next one tells.
+    Sudden,
+    /// The sensor changed in the middle of it: a slope, but no value.
+    Mixed,
+    /// It contradicts itself as if a stamp were late.
+    Doubtful,
+    /// All that is known is that it was below.
+    Below,
+}
+
+impl Point {
+    /// It is above a bound, and no number.
+    pub(super) fn is_open(&self) -> bool {
+        self.u >= OPEN_LN
+    }
+
+    /// By how much noise may take it to there: of what is near 0 it is the same in ohm wherever it goes, not in parts of itself.
+    pub(super) fn noise_to(&self, next: &Point) -> f64 {
+        let rise = (next.z - self.z).max(0.0);
+        let noise = BEYOND_NOISE * self.u.hypot(rise.exp() * next.u);
+        if rise > 0.0 { noise.ln_1p() } else { noise }
+    }
+
+    /// How fast it went from here to there, 1/s.
+    pub(super) fn speed_to(&self, next: &Point) -> f64 {
+        (next.z - self.z) / self.seconds_to(next)
+    }
+
+    /// How long it took, never 0.
+    pub(super) fn seconds_to(&self, next: &Point) -> f64 {
+        (next.at - self.at).as_seconds().max(1e-6)
+    }
+}

@@ -1,0 +1,81 @@
+//! Split discharges that switch elsewhere than the others: does the law hold at an instant at which nothing was fitted?
+//!
+//! R_1, R_2 and a split in R_1 determine the state, and whatever the law leaves out is hidden in it, as an Ro and a d that nobody
+//! has. A dielectric with a time constant of a discharge through R_1 lags behind in it and gives back after the switch: the
+//! later that comes, the less is left of the way, and the more of what is left that is. Such discharges correct the state as long as they agree with it.
+
+use super::{Tracker, quadratic};
+use crate::estimate::law::R_O;
+use crate::estimate::limits::{
+    BY_ELSEWHERE, ELSEWHERE, ELSEWHERE_AT_LEAST, ELSEWHERE_EVERY, ELSEWHERE_FIRST, ELSEWHERE_MARGIN,
+    ELSEWHERE_REMEMBERED, ELSEWHERE_SHOWS, SPLIT_FRACTION,
+};
+use crate::estimate::look::Looks;
+use crate::estimate::scatter::expected_ns;
+use crate::record::{CalibrationKind, Record};
+
+/// By how much node A crossed beside what the state says, ns, and how many split discharges there were.
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct Elsewhere {
+    beside_ns: Looks<ELSEWHERE_REMEMBERED>,
+    splits: u32,
+    /// What the state's own uncertainty is of the last one, 1 sigma, ns.
+    u_state_ns: f64,
+}
+
+impl Tracker {
+    /// When the next split discharge is to switch, ns after its start, if that is elsewhere than the others.
+    pub fn elsewhere_ns(&self) -> Option<f64> {
+        let Elsewhere { beside_ns, splits, .. } = &self.elsewhere;
+        let every = if beside_ns.taken() < ELSEWHERE_FIRST { 2 } else { ELSEWHERE_EVERY };
+        let is_due = self.ready && splits % every == every - 1;
+        self.late_ns().filter(|_| is_due)
+    }
+
+    /// As late as noise lets it be before node A crosses; `None` where that is little later than the others.
+    fn late_ns(&self) -> Option<f64> {
+        let first_ns = self.first_ns();
+        let jitter_ns = self.noise.covariance([first_ns; 2])?.aa.sqrt();
+        let late_ns = (ELSEWHERE * first_ns).min(first_ns - ELSEWHERE_MARGIN * jitter_ns);
+        (late_ns > ELSEWHERE_AT_LEAST * first_ns).then_some(late_ns)
+    }
+
+    /// How long node A takes through R_1, ns.
+    fn first_ns(&self) -> f64 {
+        self.state[0] * (self.r_ohm[0] + self.state[R_O])
+    }
+
+    /// Counts a split discharge, and takes it if it switched late.
+    pub(super) fn takes_elsewhere(&mut self, kind: CalibrationKind, record: &Record) -> bool {
+        let (CalibrationKind::Split, Some(switch)) = (kind, record.switch) else { return false };
+        self.elsewhere.splits = self.elsewhere.splits.wrapping_add(1);
+        if switch.at_ns < f64::midpoint(SPLIT_FRACTION, ELSEWHERE_AT_LEAST) * self.first_ns() {
+            return false;
+        }
+        let (beside_ns, u_state_ns) = self.beside_elsewhere(kind, record).unzip();
+        self.elsewhere.u_state_ns = u_state_ns.unwrap_or(self.elsewhere.u_state_ns);
+        self.elsewhere.beside_ns.add(beside_ns, record.start);
+        true
+    }
+
+    /// By how much node A crossed later than expected, ns, the variance of that, and what the state's own uncertainty is of it,
+    /// 1 sigma.
+    fn beside_elsewhere(&self, kind: CalibrationKind, record: &Record) -> Option<([f64; 2], f64)> {
+        let route = self.route(kind, record);
+        let rows = [0, 1].map(|node| route.crossing(&self.state, node));
+        let later_ns = record.later_ns.unwrap_or(0.0);
+        let (_, noise) = self.noise_of(&route, &rows, expected_ns(record), later_ns)?;
+        let u_state_ns = quadratic(&self.covariance, &rows[0].by_state).sqrt();
+        Some(([record.a_ns? - rows[0].ns, noise.aa], u_state_ns))
+    }
+
+    /// What the law leaves out does so much to a reading, if it shows, 1 sigma, ohm.
+    pub fn left_out_ohm(&self) -> f64 {
+        let Elsewhere { beside_ns, u_state_ns, .. } = &self.elsewhere;
+        let (shown_ns, u_ns) = (beside_ns.median().abs(), beside_ns.noise().hypot(*u_state_ns));
+        if beside_ns.taken() < ELSEWHERE_FIRST || shown_ns <= ELSEWHERE_SHOWS * u_ns {
+            return 0.0;
+        }
+        BY_ELSEWHERE * self.r_ohm[0] * shown_ns / (self.state[0] * (self.r_ohm[1] + self.state[R_O]))
+    }
+}
