@@ -246,6 +246,16 @@ impl Tracker {
         Route { first_ohm: self.first_ohm(kind), switch }
     }
 
+    /// How long node A takes through R_1 and R_2, ns.
+    fn takes_ns(&self) -> [f64; 2] {
+        self.r_ohm.map(|r_ohm| self.state[0] * (r_ohm + self.state[R_O]))
+    }
+
+    /// When both nodes cross, by the state.
+    fn crossings(&self, route: &Route) -> [Crossing; 2] {
+        [0, 1].map(|node| route.crossing(&self.state, node))
+    }
+
     fn first_ohm(&self, kind: CalibrationKind) -> f64 {
         self.r_ohm[usize::from(kind == CalibrationKind::Second)]
     }
@@ -279,7 +289,7 @@ impl Tracker {
         times: [Option<f64>; 2],
     ) -> Result<[f64; 2], [f64; 2]> {
         let route = self.route(kind, record);
-        let rows = [0, 1].map(|node| route.crossing(&self.state, node));
+        let rows = self.crossings(&route);
         let seen = times.map(|time| time.is_some());
         let innovation = [0, 1].map(|node: usize| times[node].map_or(0.0, |ns| ns - rows[node].ns));
         let (states, by_switch) = (rows.map(|row| row.by_state), rows.map(|row| row.by_switch));
@@ -319,14 +329,14 @@ impl Tracker {
     /// contradict each other by, more of them do not take away: it is not in it.
     pub fn planned_gain(&self, kind: CalibrationKind, last: Node) -> Option<Gain> {
         let route = self.planned(kind);
-        let rows = [0, 1].map(|node| route.crossing(&self.state, node));
+        let rows = self.crossings(&route);
         let (_, noise) = self.noise_of(&route, &rows, 0.0, 0.0)?;
         Gain::new(&self.covariance, &rows.map(|row| row.by_state), &noise, [true, last == Node::B])
     }
 
     /// What a calibration discharge of this kind runs through.
     pub fn planned(&self, kind: CalibrationKind) -> Route {
-        let at_ns = SPLIT_FRACTION * self.state[0] * (self.r_ohm[0] + self.state[R_O]);
+        let at_ns = SPLIT_FRACTION * self.takes_ns()[0];
         let switch = Switch { at_ns, on_ns: at_ns, to: Through::C2 };
         let switch = (kind == CalibrationKind::Split).then_some((switch, self.r_ohm[1]));
         Route { first_ohm: self.first_ohm(kind), switch }
@@ -336,7 +346,7 @@ impl Tracker {
     pub fn calibration(&self) -> [[Crossing; 2]; 2] {
         self.r_ohm.map(|first_ohm| {
             let route = Route { first_ohm, switch: None };
-            [0, 1].map(|node| route.crossing(&self.state, node))
+            self.crossings(&route)
         })
     }
 

@@ -3,11 +3,12 @@
 
 use crate::common::chance::{Figure, share_is_in};
 use crate::common::config::ConfigFile;
-use crate::common::{Bench, Errors, check_page, file_for, seed};
+use crate::common::{Bench, Errors, check_page, file_for, hear_between, seed};
+use crate::hostile::times;
 use cermd::instrument::Message;
-use cermd::pins::Pins;
 use cermd::pins::sim::{Kind, Scene};
 use cermd::reading::Method;
+use cermd::units::Nanos;
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 use std::fmt::Write;
@@ -15,8 +16,8 @@ use std::path::Path;
 
 /// Of each method. `CERMD_BOARDS=10` draws ten times as many.
 const BOARDS: u64 = 100;
-/// How long each is read, from its start on.
-const SECONDS: f64 = 10.0;
+/// When each is read: from before its start on.
+const FROM_THE_START: [Nanos; 2] = [Nanos(-1), Nanos(10_000_000_000)];
 /// The share within two sigma that is promised of the readings that are numbers.
 const PROMISED: f64 = 0.93;
 /// On one board most of what is off is the same in all readings, so that one of 20 may be off by twice its sigma in all of them: of
@@ -148,14 +149,11 @@ impl Seen {
     fn add(&mut self, number: u64, (bench, r_ohm): (Bench, f64)) {
         let (mut instrument, mut errors) = (bench.instrument(), Errors::default());
         errors.next_board();
-        while instrument.pins().now().as_seconds() < SECONDS {
-            let mut take = |message| {
-                if let Message::Reading(reading) = message {
-                    errors.add(&reading, r_ohm);
-                }
-            };
-            instrument.step(&mut take).unwrap();
-        }
+        hear_between(&mut instrument, FROM_THE_START, |message| {
+            if let Message::Reading(reading) = message {
+                errors.add(&reading, r_ohm);
+            }
+        });
         assert_eq!(instrument.pins().conflicts(), 0, "two outputs against each other");
         self.boards += 1;
         if errors.count() > 0 {
@@ -206,7 +204,6 @@ board in 20 may have few. *beyond 10 u*: of the numbers that do not say that the
 
 #[test]
 fn what_is_stated_holds_on_boards_that_are_drawn_at_random() {
-    let times: u64 = std::env::var("CERMD_BOARDS").map_or(1, |times| times.parse().unwrap());
     let mut page = HEAD.to_owned();
     let mut wrong = Vec::new();
     for (name, kind, method) in [
@@ -218,7 +215,7 @@ fn what_is_stated_holds_on_boards_that_are_drawn_at_random() {
         ("qerm", Kind::SeriesCalibration, Method::Qerm),
     ] {
         let mut seen = Seen::default();
-        (0..BOARDS * times).for_each(|number| seen.add(number, board(number, kind, method)));
+        (0..BOARDS * times()).for_each(|number| seen.add(number, board(number, kind, method)));
         page += &seen.row(name);
         if !seen.holds() {
             wrong.push(name);
@@ -226,7 +223,7 @@ fn what_is_stated_holds_on_boards_that_are_drawn_at_random() {
     }
     print!("{page}");
     assert!(wrong.is_empty(), "{wrong:?}");
-    if times == 1 {
+    if times() == 1 {
         check_page("accuracy", "drawn.md", &page);
     }
 }

@@ -108,7 +108,7 @@ impl Row {
 }
 
 /// As many boards as usual, or so many times as many.
-fn times() -> u64 {
+pub fn times() -> u64 {
     std::env::var("CERMD_BOARDS").map_or(1, |times| times.parse().expect("CERMD_BOARDS is a whole number"))
 }
 

@@ -72,7 +72,11 @@ pub struct Solution {
 pub fn solve(tracker: &Tracker, observed: &Observed) -> Result<Solution, Fault> {
     let solve = || {
         let fit = Fit::new(tracker, observed, None)?;
-        Some(Solution { variance: fit.variance()?, ..fit.solution(tracker.state()[R_O])? })
+        let solution = fit.solution(tracker.state()[R_O])?;
+        match fit.branch {
+            Branch::Direct => Some(solution),
+            Branch::Inferred => Some(Solution { variance: fit.inferred_variance()?, ..solution }),
+        }
     };
     solve().ok_or(Fault::Implausible)
 }
@@ -99,14 +103,16 @@ pub fn predict(
 pub fn beyond(tracker: &Tracker, observed: &Observed, r2_ohm: f64) -> Option<f64> {
     let r_o_ohm = tracker.state()[R_O];
     let fit = Fit::new(tracker, observed, None)?;
+    if fit.is_resolved() || fit.evidence.contradicts {
+        return None;
+    }
     let above = 1.0 / (r2_ohm + r_o_ohm);
     if fit.siemens > above && Fit::new(tracker, observed, Some(above))?.is_resolved() {
         return None;
     }
     let highest = fit.siemens.max(0.0) + COVERAGE * fit.u_siemens;
     let r_min_ohm = 1.0 / highest - r_o_ohm;
-    let is_open = !fit.is_resolved() && !fit.evidence.contradicts;
-    (is_open && r_min_ohm > 0.0 && r_min_ohm.is_finite()).then_some(r_min_ohm)
+    (r_min_ohm > 0.0 && r_min_ohm.is_finite()).then_some(r_min_ohm)
 }
 
 impl Observed {
@@ -121,7 +127,7 @@ impl Observed {
         };
         let next_ns = [0, 1].map(|node| state[node] * (next_ohm + state[R_O]));
         let doubt_ns = || {
-            let noise = tracker.noise().covariance(next_ns).map_or(0.0, |noise| [noise.aa, noise.bb][node]);
+            let noise = tracker.noise().covariance(next_ns).map_or(0.0, |noise| noise.node(node));
             COVERAGE * noise.sqrt().hypot(tracker.u_switch_ns(self.u_switch_ns))
         };
         let doubt_ns = if next_ns[node] < switch.at_ns { doubt_ns() } else { 0.0 };
@@ -304,11 +310,8 @@ impl Fit {
     }
 
     /// Of what a known resistor finished, y is as symmetric as noise is: 2 u stand for the interval of y +- 2 sigma, which 1/y makes
-    /// longer, half of its length. What the sensor finished itself took a time in proportion to R. Ohm².
-    fn variance(&self) -> Option<f64> {
-        if self.branch == Branch::Direct {
-            return Some((self.u_siemens / self.siemens.powi(2)).powi(2));
-        }
+    /// longer, half of its length. (What the sensor finished itself took a time in proportion to R.) Ohm².
+    fn inferred_variance(&self) -> Option<f64> {
         let square = self.siemens.powi(2) - (COVERAGE * self.u_siemens).powi(2);
         (square > 0.0).then(|| (self.u_siemens / square).powi(2))
     }

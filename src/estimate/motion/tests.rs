@@ -247,36 +247,35 @@ fn two_late_stamps_alike_are_no_change_where_one_stretch_is_all_that_there_is() 
     }
 }
 
+/// Judges readings (value, 1 sigma, ohm), each of one stretch, one every 2 ms.
+fn judge_noisy(r_o_ohm: f64, readings: &[[f64; 2]]) -> Vec<Result<Moved, Fault>> {
+    let mut motion = Motion::default();
+    let one = |(index, reading): (usize, &[f64; 2])| {
+        motion.judge(Nanos(2_000_000 * index as i64), *reading, r_o_ohm, &Evidence::over(50_000.0))
+    };
+    readings.iter().enumerate().map(one).collect()
+}
+
 #[test]
 fn a_late_stamp_after_what_was_no_more_than_noise_is_no_number() {
-    let mut motion = Motion::default();
-    let mut judge = |index: i64, r_ohm| {
-        motion.judge(Nanos(index * 2_000_000), [r_ohm, 60.0], R_O, &Evidence::over(50_000.0))
-    };
-    for (index, r_ohm) in [12.0, -30.0, 4.0, 18.0].into_iter().enumerate() {
-        assert!(judge(index as i64, r_ohm).is_ok());
-    }
-    assert_eq!(judge(4, 2000.0), Err(Fault::Unsettled));
+    let judged = judge_noisy(R_O, &[12.0, -30.0, 4.0, 18.0, 2000.0].map(|r_ohm| [r_ohm, 60.0]));
+    assert!(judged[..4].iter().all(Result::is_ok), "{judged:?}");
+    assert_eq!(judged[4], Err(Fault::Unsettled));
     // One that has really come is one from the third reading on.
-    let mut motion = Motion::default();
-    let mut judge = |index: i64, r_ohm| {
-        motion.judge(Nanos(index * 2_000_000), [r_ohm, 2.0], 0.0, &Evidence::over(50_000.0))
-    };
-    for index in 0..10 {
-        assert!(judge(index, -60.0).is_ok());
-    }
-    let come: Vec<_> = (10..20).map(|index| judge(index, 1000.0)).collect();
-    assert!(come[2..].iter().all(|judged| *judged == AT_REST), "{come:?}");
+    let judged = judge_noisy(0.0, &[[[-60.0, 2.0]; 10], [[1000.0, 2.0]; 10]].concat());
+    assert!(judged[..10].iter().all(Result::is_ok), "{judged:?}");
+    assert!(judged[12..].iter().all(|judged| *judged == AT_REST), "{judged:?}");
     // Of what is hardly more than noise, what counts is how far it went in ohm.
-    let mut motion = Motion::default();
-    let mut judge = |index: i64, r_ohm| {
-        motion.judge(Nanos(index * 2_000_000), [r_ohm, 20.0], 0.0, &Evidence::over(50_000.0))
-    };
-    for (index, r_ohm) in [41.0, 52.0, 38.0, 45.0, 52.0].into_iter().enumerate() {
-        assert!(judge(index as i64, r_ohm).is_ok());
-    }
-    let late = judge(5, 260.0);
-    assert!(told(&late).0, "{late:?}");
+    let judged = judge_noisy(0.0, &[41.0, 52.0, 38.0, 45.0, 52.0, 260.0].map(|r_ohm| [r_ohm, 20.0]));
+    assert!(judged[..5].iter().all(Result::is_ok) && told(&judged[5]).0, "{judged:?}");
+}
+
+/// What was hardly known before a change is no place to come back to, which would forget the change again and again.
+#[test]
+fn what_is_near_both_is_no_return() {
+    let known = |r_ohm: f64, count| vec![[r_ohm, 3.7]; count];
+    let judged = judge_noisy(0.0, &[known(1000.0, 3), vec![[9800.0, 3400.0]], known(7700.0, 10)].concat());
+    assert!(judged[10..].iter().all(|judged| !told(judged).0), "{judged:?}");
 }
 
 #[test]

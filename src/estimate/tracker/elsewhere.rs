@@ -5,7 +5,6 @@
 //! later that comes, the less is left of the way, and the more of what is left that is. Such discharges correct the state as long as they agree with it.
 
 use super::{Tracker, quadratic};
-use crate::estimate::law::R_O;
 use crate::estimate::limits::{
     BY_ELSEWHERE, ELSEWHERE, ELSEWHERE_AT_LEAST, ELSEWHERE_EVERY, ELSEWHERE_FIRST, ELSEWHERE_MARGIN,
     ELSEWHERE_REMEMBERED, ELSEWHERE_SHOWS, SPLIT_FRACTION,
@@ -29,27 +28,22 @@ impl Tracker {
         let Elsewhere { beside_ns, splits, .. } = &self.elsewhere;
         let every = if beside_ns.taken() < ELSEWHERE_FIRST { 2 } else { ELSEWHERE_EVERY };
         let is_due = self.ready && splits % every == every - 1;
-        self.late_ns().filter(|_| is_due)
+        self.latest_ns().filter(|_| is_due)
     }
 
     /// As late as noise lets it be before node A crosses; `None` where that is little later than the others.
-    fn late_ns(&self) -> Option<f64> {
-        let first_ns = self.first_ns();
+    fn latest_ns(&self) -> Option<f64> {
+        let [first_ns, _] = self.takes_ns();
         let jitter_ns = self.noise.covariance([first_ns; 2])?.aa.sqrt();
-        let late_ns = (ELSEWHERE * first_ns).min(first_ns - ELSEWHERE_MARGIN * jitter_ns);
-        (late_ns > ELSEWHERE_AT_LEAST * first_ns).then_some(late_ns)
-    }
-
-    /// How long node A takes through R_1, ns.
-    fn first_ns(&self) -> f64 {
-        self.state[0] * (self.r_ohm[0] + self.state[R_O])
+        let latest_ns = (ELSEWHERE * first_ns).min(first_ns - ELSEWHERE_MARGIN * jitter_ns);
+        (latest_ns > ELSEWHERE_AT_LEAST * first_ns).then_some(latest_ns)
     }
 
     /// Counts a split discharge, and takes it if it switched late.
     pub(super) fn takes_elsewhere(&mut self, kind: CalibrationKind, record: &Record) -> bool {
         let (CalibrationKind::Split, Some(switch)) = (kind, record.switch) else { return false };
         self.elsewhere.splits = self.elsewhere.splits.wrapping_add(1);
-        if switch.at_ns < f64::midpoint(SPLIT_FRACTION, ELSEWHERE_AT_LEAST) * self.first_ns() {
+        if switch.at_ns < f64::midpoint(SPLIT_FRACTION, ELSEWHERE_AT_LEAST) * self.takes_ns()[0] {
             return false;
         }
         let (beside_ns, u_state_ns) = self.beside_elsewhere(kind, record).unzip();
@@ -62,7 +56,7 @@ impl Tracker {
     /// 1 sigma.
     fn beside_elsewhere(&self, kind: CalibrationKind, record: &Record) -> Option<([f64; 2], f64)> {
         let route = self.route(kind, record);
-        let rows = [0, 1].map(|node| route.crossing(&self.state, node));
+        let rows = self.crossings(&route);
         let later_ns = record.later_ns.unwrap_or(0.0);
         let (_, noise) = self.noise_of(&route, &rows, expected_ns(record), later_ns)?;
         let u_state_ns = quadratic(&self.covariance, &rows[0].by_state).sqrt();
@@ -76,6 +70,6 @@ impl Tracker {
         if beside_ns.taken() < ELSEWHERE_FIRST || shown_ns <= ELSEWHERE_SHOWS * u_ns {
             return 0.0;
         }
-        BY_ELSEWHERE * self.r_ohm[0] * shown_ns / (self.state[0] * (self.r_ohm[1] + self.state[R_O]))
+        BY_ELSEWHERE * self.r_ohm[0] * shown_ns / self.takes_ns()[1]
     }
 }

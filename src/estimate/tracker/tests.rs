@@ -24,8 +24,13 @@ impl Plant {
 
     /// A calibration discharge, every 30 ms; jitter 1.5 us and trigger noise of both nodes.
     fn record(&mut self, kind: CalibrationKind) -> Record {
+        self.switched(kind, 0.88)
+    }
+
+    /// The same with the switch of a split one at another part of node A's time.
+    fn switched(&mut self, kind: CalibrationKind, fraction: f64) -> Record {
         self.now = self.now + Nanos(30_000_000);
-        let at_ns = 0.88 * self.state[0] * (R[0] + self.state[R_O]);
+        let at_ns = fraction * self.state[0] * (R[0] + self.state[R_O]);
         let (through, switch) = match kind {
             CalibrationKind::First => (Through::C1, None),
             CalibrationKind::Second => (Through::C2, None),
@@ -179,25 +184,9 @@ fn what_the_law_leaves_out_shows_where_nothing_was_fitted() {
     let left_out = |seed: u64, beside_ns: f64| {
         let (mut plant, mut tracker) = tracked(seed, 60);
         for _ in 0..64 {
-            plant.now = plant.now + Nanos(30_000_000);
-            let first_ns = TRUTH[0] * (R[0] + TRUTH[R_O]);
-            let switch = Switch { at_ns: 0.98 * first_ns, on_ns: 0.98 * first_ns + 500.0, to: Through::C2 };
-            let route = Route { first_ohm: R[0], switch: Some((switch, R[1])) };
-            let late_ns = route.late_ns(&TRUTH)[0];
-            let mut normal = || -> f64 { StandardNormal.sample(&mut plant.rng) };
-            let noise_ns = 1500.0 * normal() + 5e-4 * late_ns * normal();
-            let a_ns = Some(route.crossing(&TRUTH, 0).ns + noise_ns + beside_ns);
-            let record = Record {
-                through: Through::C1,
-                start: plant.now,
-                second_ns: None,
-                switch: Some(switch),
-                a_ns,
-                b_ns: None,
-                u_switch_ns: Some(100.0),
-                waited_ns: None,
-                later_ns: None,
-            };
+            let record = plant.switched(CalibrationKind::Split, 0.98);
+            let a_ns = record.a_ns.map(|a_ns| a_ns + beside_ns);
+            let record = Record { a_ns, b_ns: None, ..record };
             let _ = tracker.add(&record);
             let first = plant.record(CalibrationKind::First);
             let _ = tracker.add(&first);
