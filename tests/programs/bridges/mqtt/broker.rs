@@ -72,17 +72,22 @@ impl Session {
                     let topic = body.text();
                     if head & 0b110 != 0 {
                         let id = body.u16().to_be_bytes();
-                        self.0.write_all(&[0x40, 2, id[0], id[1]]).unwrap();
+                        self.answer(&[0x40, 2, id[0], id[1]]);
                     }
                     let payload = String::from_utf8(body.0.to_vec()).unwrap();
                     return Some(Publish { topic, payload, is_retained: head & 1 == 1 });
                 }
-                8 => self.0.write_all(&[0x90, 3, bytes[0], bytes[1], 0]).unwrap(),
-                12 => self.0.write_all(&[0xd0, 0]).unwrap(),
+                8 => self.answer(&[0x90, 3, bytes[0], bytes[1], 0]),
+                12 => self.answer(&[0xd0, 0]),
                 14 => return None,
                 _ => {}
             }
         }
+    }
+
+    /// A client may leave with its last word, before any answer: what it has said is then still to be read.
+    fn answer(&mut self, bytes: &[u8]) {
+        let _ = self.0.write_all(bytes);
     }
 
     /// The next one on this topic.
