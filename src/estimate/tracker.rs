@@ -192,7 +192,7 @@ impl Tracker {
     ) -> Result<(), Fault> {
         self.advance(record.start);
         let is_elsewhere = self.takes_elsewhere(kind, record);
-        if is_elsewhere && self.left_out_ohm() > 0.0 {
+        if is_elsewhere && self.shows_elsewhere() {
             return Ok(());
         }
         match self.correct(kind, record, times) {

@@ -6,8 +6,8 @@
 
 use super::{Tracker, quadratic};
 use crate::estimate::limits::{
-    BY_ELSEWHERE, ELSEWHERE, ELSEWHERE_AT_LEAST, ELSEWHERE_EVERY, ELSEWHERE_FIRST, ELSEWHERE_MARGIN,
-    ELSEWHERE_REMEMBERED, ELSEWHERE_SHOWS, SPLIT_FRACTION,
+    BY_ELSEWHERE, BY_ELSEWHERE_ABOVE, ELSEWHERE, ELSEWHERE_AT_LEAST, ELSEWHERE_EVERY, ELSEWHERE_FIRST,
+    ELSEWHERE_MARGIN, ELSEWHERE_REMEMBERED, ELSEWHERE_SHOWS, SPLIT_FRACTION,
 };
 use crate::estimate::look::Looks;
 use crate::estimate::scatter::expected_ns;
@@ -26,7 +26,7 @@ impl Tracker {
     /// When the next split discharge is to switch, ns after its start, if that is elsewhere than the others.
     pub fn elsewhere_ns(&self) -> Option<f64> {
         let Elsewhere { beside_ns, splits, .. } = &self.elsewhere;
-        let every = if beside_ns.taken() < ELSEWHERE_FIRST { 2 } else { ELSEWHERE_EVERY };
+        let every = if beside_ns.taken() < ELSEWHERE_FIRST { 1 } else { ELSEWHERE_EVERY };
         let is_due = self.ready && splits % every == every - 1;
         self.latest_ns().filter(|_| is_due)
     }
@@ -63,13 +63,27 @@ impl Tracker {
         Some(([record.a_ns? - rows[0].ns, noise.aa], u_state_ns))
     }
 
-    /// What the law leaves out does so much to a reading, if it shows, 1 sigma, ohm.
-    pub fn left_out_ohm(&self) -> f64 {
+    /// Whether the law leaves something out for certain.
+    pub(super) fn shows_elsewhere(&self) -> bool {
+        self.shown_elsewhere_ns().is_some_and(|[shown_ns, u_ns]| shown_ns > ELSEWHERE_SHOWS * u_ns)
+    }
+
+    /// By how much node A crosses beside what the state says, and the uncertainty of that, 1 sigma, ns.
+    fn shown_elsewhere_ns(&self) -> Option<[f64; 2]> {
         let Elsewhere { beside_ns, u_state_ns, .. } = &self.elsewhere;
-        let (shown_ns, u_ns) = (beside_ns.median().abs(), beside_ns.noise().hypot(*u_state_ns));
-        if beside_ns.taken() < ELSEWHERE_FIRST || shown_ns <= ELSEWHERE_SHOWS * u_ns {
-            return 0.0;
-        }
-        BY_ELSEWHERE * self.r_ohm[0] * shown_ns / self.takes_ns()[1]
+        let is_known = beside_ns.taken() >= ELSEWHERE_FIRST;
+        is_known.then(|| [beside_ns.median().abs(), beside_ns.noise().hypot(*u_state_ns)])
+    }
+
+    /// What the law leaves out does to a reading, 1 sigma, ohm. Around R_1, which is read as itself, it does little, and has to
+    /// show for certain; above
+    /// it, all counts that noise does not quite explain.
+    pub fn left_out_ohm(&self, r_ohm: f64) -> f64 {
+        let Some([shown_ns, u_ns]) = self.shown_elsewhere_ns() else { return 0.0 };
+        let r1_ohm = self.r_ohm[0];
+        let certain_ns = if self.shows_elsewhere() { BY_ELSEWHERE * shown_ns } else { 0.0 };
+        let above = BY_ELSEWHERE_ABOVE * ((r_ohm / r1_ohm - 1.0) / 2.0).clamp(0.0, 1.0);
+        let likely_ns = above * (shown_ns.powi(2) - u_ns.powi(2) / 2.0).max(0.0).sqrt();
+        r1_ohm * certain_ns.max(likely_ns) / self.takes_ns()[1]
     }
 }

@@ -194,7 +194,7 @@ fn what_the_law_leaves_out_shows_where_nothing_was_fitted() {
         assert_eq!(tracker.counts().steps, 0);
         let beside = (tracker.state()[R_O] - TRUTH[R_O]) / tracker.offset().r_o_ohm.unwrap().1;
         assert!(beside.abs() < sigmas(), "it has brought Ro {beside} of its sigma off");
-        tracker.left_out_ohm()
+        tracker.left_out_ohm(R[0])
     };
     let second_ns = TRUTH[0] * (R[1] + TRUTH[R_O]);
     for seed in 0..4 {
