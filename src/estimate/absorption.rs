@@ -3,11 +3,13 @@
 //! A dielectric takes part in a discharge as far as it can follow, and by how much depends on how long the discharge is: two known
 //! resistors tell nothing of it. But a discharge through R_2 that comes after a rest at V_DD, in which the dielectric has been
 //! filled, is longer than the usual ones, which find it as the discharges before have left it. By which share of the time it
-//! is longer tells how much readings may be off: a few times that share, in proportion to the resistance, as integrations of
-//! the network with branches of one time constant and of five decades show (docs/stability.md, "What capacitors remember").
-//! A charge that is always too short looks the same.
+//! is longer tells how much readings may be off: up to R_1 a few times that share of R_1, beyond it the same share of the
+//! resistance and a little more, as integrations of the network with branches of one time constant and of five decades show
+//! (docs/stability.md, "What capacitors remember"). A charge that is always too short looks the same.
 
-use crate::estimate::limits::{ABSORPTION_EVERY, ABSORPTION_FIRST, ABSORPTION_REMEMBERED, BY_ABSORPTION};
+use crate::estimate::limits::{
+    ABSORPTION_EVERY, ABSORPTION_FIRST, ABSORPTION_GROWS, ABSORPTION_REMEMBERED, BY_ABSORPTION,
+};
 use crate::estimate::look::Looks;
 use crate::units::Nanos;
 
@@ -33,9 +35,9 @@ impl AbsorptionTest {
     }
 }
 
-/// What such a share may do to a reading, 1 sigma, ohm. Below R_1 it is R_1 that is known wrongly.
+/// What such a share may do to a reading, 1 sigma, ohm. Up to R_1 it is R_1 that is known wrongly.
 pub fn u_ohm(share: f64, r1_ohm: f64, r_ohm: f64) -> f64 {
-    BY_ABSORPTION * share * r_ohm.max(r1_ohm)
+    share * (BY_ABSORPTION * r1_ohm + (r_ohm - ABSORPTION_GROWS * r1_ohm).max(0.0))
 }
 
 #[cfg(test)]

@@ -59,8 +59,10 @@ pub const ABSORPTION_EVERY: Nanos = Nanos(5_000_000_000);
 pub const ABSORPTION_REMEMBERED: usize = 64;
 /// The first of them follow each other; fewer tell little.
 pub const ABSORPTION_FIRST: usize = 16;
-/// The share by which a reading is off, 1 sigma, for each that a discharge is longer after a rest.
+/// By which part of R_1 a reading is off, 1 sigma, for each share that a discharge is longer after a rest.
 pub const BY_ABSORPTION: f64 = 2.5;
+/// From this part of R_1 on, what R_x is more is off by the same share.
+pub const ABSORPTION_GROWS: f64 = 1.3;
 
 // What the law leaves out, by split discharges that switch elsewhere; found with tests/accuracy, drawn.
 /// When they do, in parts of node A's time through R_1.
