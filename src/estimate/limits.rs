@@ -81,8 +81,8 @@ pub const ELSEWHERE_REMEMBERED: usize = 128;
 pub const ELSEWHERE_SHOWS: f64 = 3.0;
 /// By which part of R_1 a reading is off, 1 sigma, for each of R_2's time that they are beside the state.
 pub const BY_ELSEWHERE: f64 = 1.5;
-/// The same from three times R_1 on.
-pub const BY_ELSEWHERE_ABOVE: f64 = 5.0;
+/// By how much at most above it.
+pub const BY_ELSEWHERE_ABOVE: f64 = 5.5;
 
 // Noise of crossings.
 /// The largest share of a crossing's variance that both crossings have in common, whatever the resistor.

@@ -67,9 +67,8 @@ impl Estimator {
         let error_ohm = leak::error_ohm(self.leak_siemens, [self.r1_ohm, self.r2_ohm], r_ohm.value, beside)?;
         let is_bounded = r_ohm.value < self.r2_ohm || r_ohm.value > COVERAGE * error_ohm.abs();
         let known_ohm = if self.leak_shows { error_ohm } else { 0.0 };
-        let through_ohm = r_ohm.value + self.offset().r_o();
-        let absorption_ohm = absorption::u_ohm(self.absorbed, self.r1_ohm, through_ohm);
-        let left_out_ohm = self.state().map_or(0.0, |tracker| tracker.left_out_ohm(through_ohm));
+        let absorption_ohm = absorption::u_ohm(self.absorbed, self.r1_ohm, r_ohm.value + self.offset().r_o());
+        let left_out_ohm = self.state().map_or(0.0, |tracker| tracker.left_out_ohm(r_ohm.value));
         let u = r_ohm.u.map(|u| u.hypot(error_ohm).hypot(absorption_ohm).hypot(left_out_ohm));
         is_bounded.then_some(Measured { value: r_ohm.value - known_ohm, u })
     }

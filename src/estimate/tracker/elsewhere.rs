@@ -75,15 +75,20 @@ impl Tracker {
         is_known.then(|| [beside_ns.median().abs(), beside_ns.noise().hypot(*u_state_ns)])
     }
 
-    /// What the law leaves out does to a reading, 1 sigma, ohm. Around R_1, which is read as itself, it does little, and has to
-    /// show for certain; above
-    /// it, all counts that noise does not quite explain.
+    /// What the law leaves out does to a reading, 1 sigma, ohm. Below R_1 it does little, and has to show for certain. Between R_1
+    /// and R_2, which are read as themselves, all counts that noise does not explain.
     pub fn left_out_ohm(&self, r_ohm: f64) -> f64 {
         let Some([shown_ns, u_ns]) = self.shown_elsewhere_ns() else { return 0.0 };
-        let r1_ohm = self.r_ohm[0];
-        let certain_ns = if self.shows_elsewhere() { BY_ELSEWHERE * shown_ns } else { 0.0 };
-        let above = BY_ELSEWHERE_ABOVE * ((r_ohm / r1_ohm - 1.0) / 2.0).clamp(0.0, 1.0);
-        let likely_ns = above * (shown_ns.powi(2) - u_ns.powi(2) / 2.0).max(0.0).sqrt();
-        r1_ohm * certain_ns.max(likely_ns) / self.takes_ns()[1]
+        let [r1_ohm, r2_ohm] = self.r_ohm;
+        let certain_ns = if self.shows_elsewhere() { shown_ns } else { 0.0 };
+        let likely_ns = (shown_ns.powi(2) - u_ns.powi(2)).max(0.0).sqrt();
+        // Its share of a discharge grows from R_1 on, but no further than to where it has followed.
+        let above_ohm = if r_ohm > r1_ohm {
+            1.0 / (1.0 / (r_ohm - r1_ohm) + 1.0 / r1_ohm + 1.0 / (r2_ohm - r_ohm).abs())
+        } else {
+            0.0
+        };
+        let by_ohm = [BY_ELSEWHERE * r1_ohm * certain_ns, BY_ELSEWHERE_ABOVE * above_ohm * likely_ns];
+        by_ohm[0].max(by_ohm[1]) / self.takes_ns()[1]
     }
 }
