@@ -73,7 +73,7 @@ pub const ELSEWHERE_MARGIN: f64 = 6.0;
 pub const ELSEWHERE_AT_LEAST: f64 = 0.94;
 /// One split discharge in so many does.
 pub const ELSEWHERE_EVERY: u32 = 4;
-/// Fewer tell little.
+/// The first late ones follow each other; fewer tell little.
 pub const ELSEWHERE_FIRST: usize = 6;
 /// How many are remembered.
 pub const ELSEWHERE_REMEMBERED: usize = 128;

@@ -82,7 +82,7 @@ impl Tracker {
         let [r1_ohm, r2_ohm] = self.r_ohm;
         let certain_ns = if self.shows_elsewhere() { shown_ns } else { 0.0 };
         let likely_ns = (shown_ns.powi(2) - u_ns.powi(2)).max(0.0).sqrt();
-        // Its share of a discharge grows from R_1 on, but no further than to where it has followed.
+        // It grows from R_1 on until the dielectric can follow.
         let above_ohm = if r_ohm > r1_ohm {
             1.0 / (1.0 / (r_ohm - r1_ohm) + 1.0 / r1_ohm + 1.0 / (r2_ohm - r_ohm).abs())
         } else {

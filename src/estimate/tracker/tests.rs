@@ -194,15 +194,16 @@ fn what_the_law_leaves_out_shows_where_nothing_was_fitted() {
         assert_eq!(tracker.counts().steps, 0);
         let beside = (tracker.state()[R_O] - TRUTH[R_O]) / tracker.offset().r_o_ohm.unwrap().1;
         assert!(beside.abs() < sigmas(), "it has brought Ro {beside} of its sigma off");
-        tracker.left_out_ohm(R[0])
+        [R[0], 4.0 * R[0], R[1]].map(|r_ohm| tracker.left_out_ohm(r_ohm))
     };
     let second_ns = TRUTH[0] * (R[1] + TRUTH[R_O]);
     for seed in 0..4 {
         let expected = BY_ELSEWHERE * R[0] * 40_000.0 / second_ns;
-        let shown = left_out(seed, -40_000.0);
+        let [shown, above, at_second] = left_out(seed, -40_000.0);
         assert!((shown / expected - 1.0).abs() < 0.5, "{seed}: {shown} for {expected} ohm");
+        assert!(above > 1.5 * shown && at_second == shown, "{seed}: {above} above R_1, {at_second} at R_2");
     }
     // Three sigma, once for each plant.
-    let false_alarms = (0..200).filter(|seed| left_out(1000 + seed, 0.0) > 0.0).count();
+    let false_alarms = (0..200).filter(|seed| left_out(1000 + seed, 0.0)[0] > 0.0).count();
     assert!(share_is_in(false_alarms, 200, 0.0..=0.01), "{false_alarms} of 200");
 }
