@@ -81,7 +81,7 @@ pub const ELSEWHERE_REMEMBERED: usize = 128;
 pub const ELSEWHERE_SHOWS: f64 = 3.0;
 /// By which part of R_1 a reading is off, 1 sigma, for each of R_2's time that they are beside the state.
 pub const BY_ELSEWHERE: f64 = 1.5;
-/// By how much at most above it.
+/// The same between R_1 and R_2, where it is greatest.
 pub const BY_ELSEWHERE_ABOVE: f64 = 5.5;
 
 // Noise of crossings.

@@ -278,6 +278,18 @@ impl Tracker {
         Some((crossings, all))
     }
 
+    /// Where the crossings of a calibration discharge are expected, and their noise as [`Tracker::noise_of`] has it.
+    fn expected(
+        &self,
+        kind: CalibrationKind,
+        record: &Record,
+    ) -> ([Crossing; 2], Option<(Covariance, Covariance)>) {
+        let route = self.route(kind, record);
+        let rows = self.crossings(&route);
+        let noise = self.noise_of(&route, &rows, expected_ns(record), record.later_ns.unwrap_or(0.0));
+        (rows, noise)
+    }
+
     /// Kalman's correction by the crossings that were seen; where they were expected, ns.
     ///
     /// # Errors
@@ -288,14 +300,11 @@ impl Tracker {
         record: &Record,
         times: [Option<f64>; 2],
     ) -> Result<[f64; 2], [f64; 2]> {
-        let route = self.route(kind, record);
-        let rows = self.crossings(&route);
+        let (rows, noise) = self.expected(kind, record);
         let seen = times.map(|time| time.is_some());
         let innovation = [0, 1].map(|node: usize| times[node].map_or(0.0, |ns| ns - rows[node].ns));
         let (states, by_switch) = (rows.map(|row| row.by_state), rows.map(|row| row.by_switch));
-        let (crossings, noise) = self
-            .noise_of(&route, &rows, expected_ns(record), record.later_ns.unwrap_or(0.0))
-            .ok_or(innovation)?;
+        let (crossings, noise) = noise.ok_or(innovation)?;
         let gain = Gain::new(&self.covariance, &states, &noise, seen).ok_or(innovation)?;
         let count = seen.iter().filter(|seen| **seen).count();
         if gain.normalised(innovation) > INNOVATION_GATE * INNOVATION_GATE * count as f64 {

@@ -2,7 +2,8 @@
 //!
 //! R_1, R_2 and a split in R_1 determine the state, and whatever the law leaves out is hidden in it, as an Ro and a d that nobody
 //! has. A dielectric with a time constant of a discharge through R_1 lags behind in it and gives back after the switch: the
-//! later that comes, the less is left of the way, and the more of what is left that is. Such discharges correct the state as long as they agree with it.
+//! later that comes, the less is left of the way, and the more of what is left that is. Such discharges correct the state as long
+//! as they agree with it.
 
 use super::{Tracker, quadratic};
 use crate::estimate::limits::{
@@ -10,7 +11,6 @@ use crate::estimate::limits::{
     ELSEWHERE_MARGIN, ELSEWHERE_REMEMBERED, ELSEWHERE_SHOWS, SPLIT_FRACTION,
 };
 use crate::estimate::look::Looks;
-use crate::estimate::scatter::expected_ns;
 use crate::record::{CalibrationKind, Record};
 
 /// By how much node A crossed beside what the state says, ns, and how many split discharges there were.
@@ -55,17 +55,15 @@ impl Tracker {
     /// By how much node A crossed later than expected, ns, the variance of that, and what the state's own uncertainty is of it,
     /// 1 sigma.
     fn beside_elsewhere(&self, kind: CalibrationKind, record: &Record) -> Option<([f64; 2], f64)> {
-        let route = self.route(kind, record);
-        let rows = self.crossings(&route);
-        let later_ns = record.later_ns.unwrap_or(0.0);
-        let (_, noise) = self.noise_of(&route, &rows, expected_ns(record), later_ns)?;
-        let u_state_ns = quadratic(&self.covariance, &rows[0].by_state).sqrt();
-        Some(([record.a_ns? - rows[0].ns, noise.aa], u_state_ns))
+        let ([a, _], noise) = self.expected(kind, record);
+        let (_, noise) = noise?;
+        let u_state_ns = quadratic(&self.covariance, &a.by_state).sqrt();
+        Some(([record.a_ns? - a.ns, noise.aa], u_state_ns))
     }
 
     /// Whether the law leaves something out for certain.
     pub(super) fn shows_elsewhere(&self) -> bool {
-        self.shown_elsewhere_ns().is_some_and(|[shown_ns, u_ns]| shown_ns > ELSEWHERE_SHOWS * u_ns)
+        self.shown_elsewhere_ns().is_some_and(is_certain)
     }
 
     /// By how much node A crosses beside what the state says, and the uncertainty of that, 1 sigma, ns.
@@ -80,7 +78,7 @@ impl Tracker {
     pub fn left_out_ohm(&self, r_ohm: f64) -> f64 {
         let Some([shown_ns, u_ns]) = self.shown_elsewhere_ns() else { return 0.0 };
         let [r1_ohm, r2_ohm] = self.r_ohm;
-        let certain_ns = if self.shows_elsewhere() { shown_ns } else { 0.0 };
+        let certain_ns = if is_certain([shown_ns, u_ns]) { shown_ns } else { 0.0 };
         let likely_ns = (shown_ns.powi(2) - u_ns.powi(2)).max(0.0).sqrt();
         // It grows from R_1 on until the dielectric can follow.
         let above_ohm = if r_ohm > r1_ohm {
@@ -91,4 +89,9 @@ impl Tracker {
         let by_ohm = [BY_ELSEWHERE * r1_ohm * certain_ns, BY_ELSEWHERE_ABOVE * above_ohm * likely_ns];
         by_ohm[0].max(by_ohm[1]) / self.takes_ns()[1]
     }
+}
+
+/// Whether what shows is more than its uncertainty, 1 sigma, lets be chance.
+fn is_certain([shown_ns, u_ns]: [f64; 2]) -> bool {
+    shown_ns > ELSEWHERE_SHOWS * u_ns
 }
