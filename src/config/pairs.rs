@@ -17,9 +17,7 @@ const EXAMPLE: &str = "write \"force_n,r_ohm\", such as \"1.20,11122\"";
 /// # Errors
 /// What is wrong with the file, with the line and the remedy.
 pub fn load_table(path: &Path) -> Result<Table, String> {
-    let origin = path.display().to_string();
-    let unread = |error| format!("cannot read the force table {origin}: {error}; {}", files::hint(&error));
-    let pairs = of_csv(&files::read_text(path, files::TABLE_BYTES).map_err(unread)?, &origin)?;
+    let pairs = of_csv(&read(path, "the force table")?, &path.display().to_string())?;
     let pairs: Vec<_> = pairs.iter().map(|pair| (pair.r_ohm, pair.f_n)).collect();
     Table::try_from(pairs).map_err(|error| error.to_string())
 }
@@ -30,9 +28,7 @@ pub fn load_table(path: &Path) -> Result<Table, String> {
 /// As [`load_table`].
 pub fn load_values(path: &Path) -> Result<Pairs, String> {
     let origin = path.display().to_string();
-    let unread = |error| format!("cannot read the table {origin}: {error}; {}", files::hint(&error));
-    let text = files::read_text(path, files::TABLE_BYTES).map_err(unread)?;
-    let pairs = lines(&text, &origin, |line| {
+    let pairs = lines(&read(path, "the table")?, &origin, |line| {
         let wrong = || {
             format!("{line:?} is not a value and a resistance: write \"value,r_ohm\", such as \"25,10000\"")
         };
@@ -41,6 +37,11 @@ pub fn load_values(path: &Path) -> Result<Pairs, String> {
         value.zip(ohm(right.trim())).map(|(value, r_ohm)| (r_ohm, value)).ok_or_else(wrong)
     })?;
     Pairs::try_from(pairs).map_err(|error| format!("{origin}: {error}"))
+}
+
+fn read(path: &Path, what: &str) -> Result<String, String> {
+    let unread = |error| format!("cannot read {what} {}: {error}; {}", path.display(), files::hint(&error));
+    files::read_text(path, files::TABLE_BYTES).map_err(unread)
 }
 
 /// The pairs of a CSV file. Empty lines, lines that begin with `#` and a line of names before the first pair are passed

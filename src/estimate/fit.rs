@@ -4,7 +4,8 @@
 
 use crate::estimate::scatter;
 use crate::reading::Measured;
-use crate::sensor::{Force, Law, Table, TableError};
+use crate::sensor::table::PairsError;
+use crate::sensor::{Force, Law, Table};
 
 /// A force and the resistance under it.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -43,7 +44,7 @@ pub enum FitError {
     Rising,
     /// No table.
     #[error(transparent)]
-    Table(#[from] TableError),
+    Table(#[from] PairsError),
 }
 
 /// The least squares of R = alpha / F: minimises the sum of (R - alpha/F)^2.

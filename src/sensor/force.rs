@@ -1,6 +1,7 @@
 //! `force`: how the resistance of a piezoresistive sensor becomes a force: the four ways to say it, how well it is known, and
 //! what lies on the sensor.
 
+use super::table::{Pairs, PairsError, Rules};
 use super::{Defect, Shown};
 use crate::units::{Newton, NewtonOhm, rounded};
 use serde::{Deserialize, Serialize};
@@ -205,63 +206,40 @@ impl Law {
     }
 }
 
-/// Measured pairs of force and resistance: more force, less resistance.
+/// Measured pairs (ohm, newton): more force, less resistance.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(try_from = "Vec<(f64, f64)>", into = "Vec<(f64, f64)>")]
-pub struct Table {
-    /// (ohm, newton), resistance rising.
-    pairs: Vec<(f64, f64)>,
-}
+pub struct Table(Pairs);
 
-/// What is wrong with a force table, and what to do.
-#[derive(Debug, thiserror::Error)]
-#[error("the force table {0}")]
-pub struct TableError(String);
+const RULES: Rules = Rules {
+    name: "the force table",
+    is_sound: |f_n| FORCES_N.contains(&f_n),
+    unsound: "has a pair (ohm, newton) that is not above 0",
+    may_rise: false,
+    turned: "the force does not fall",
+};
 
 impl TryFrom<Vec<(f64, f64)>> for Table {
-    type Error = TableError;
+    type Error = PairsError;
     /// From pairs (ohm, newton) in any order.
-    fn try_from(mut pairs: Vec<(f64, f64)>) -> Result<Table, TableError> {
-        if pairs.len() < 2 {
-            return Err(TableError(format!("has {} pair(s); it takes at least 2", pairs.len())));
-        }
-        if !pairs.iter().all(|(r_ohm, f_n)| r_ohm.is_finite() && *r_ohm > 0.0 && FORCES_N.contains(f_n)) {
-            return Err(TableError("has a pair (ohm, newton) that is not above 0".to_owned()));
-        }
-        pairs.sort_by(|a, b| a.0.total_cmp(&b.0));
-        if let Some(pair) = pairs.windows(2).find(|pair| pair[1].0 <= pair[0].0 || pair[1].1 >= pair[0].1) {
-            return Err(TableError(format!(
-                "is not monotone: at {} ohm the force does not fall while the resistance rises; take that pair out or \
-                 measure it again",
-                pair[1].0
-            )));
-        }
-        Ok(Table { pairs })
-    }
-}
-
-impl Table {
-    /// The pairs (ohm, newton), resistance rising.
-    pub fn pairs(&self) -> &[(f64, f64)] {
-        &self.pairs
-    }
-
-    /// Force and its slope by resistance; `None` outside the table.
-    fn at(&self, r_ohm: f64) -> Option<(f64, f64)> {
-        let upper = self.pairs.partition_point(|pair| pair.0 < r_ohm).max(1);
-        let (left, right) = (self.pairs[upper - 1], *self.pairs.get(upper)?);
-        if !(left.0..=right.0).contains(&r_ohm) {
-            return None;
-        }
-        let exponent = (right.1 / left.1).ln() / (right.0 / left.0).ln();
-        let f = left.1 * (r_ohm / left.0).powf(exponent);
-        Some((f, exponent * f / r_ohm))
+    fn try_from(pairs: Vec<(f64, f64)>) -> Result<Table, PairsError> {
+        Pairs::sorted(pairs, &RULES).map(Table)
     }
 }
 
 impl From<Table> for Vec<(f64, f64)> {
     fn from(table: Table) -> Vec<(f64, f64)> {
-        table.pairs
+        table.0.into()
+    }
+}
+
+impl Table {
+    /// Force and its slope by resistance; `None` outside the table.
+    fn at(&self, r_ohm: f64) -> Option<(f64, f64)> {
+        let [left, right] = self.0.around(r_ohm)?;
+        let exponent = (right.1 / left.1).ln() / (right.0 / left.0).ln();
+        let f = left.1 * (r_ohm / left.0).powf(exponent);
+        Some((f, exponent * f / r_ohm))
     }
 }
 

@@ -13,7 +13,7 @@ mod relation;
 pub mod table;
 mod transducer;
 
-pub use force::{FSR_402, Force, Law, Table, TableError, UNCALIBRATED_N, UNCALIBRATED_U, defect_of_bounds};
+pub use force::{FSR_402, Force, Law, Table, UNCALIBRATED_N, UNCALIBRATED_U, defect_of_bounds};
 pub use limits::{SCALES, UNLIKE_PINS_OHM};
 pub use transducer::Transducer;
 

@@ -21,58 +21,80 @@ pub struct Tabled {
 /// Measured pairs.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(try_from = "Vec<(f64, f64)>", into = "Vec<(f64, f64)>")]
-pub struct Pairs {
-    /// (ohm, value), resistance rising.
-    pairs: Vec<(f64, f64)>,
-}
+pub struct Pairs(Vec<(f64, f64)>);
 
 /// What is wrong with the pairs of a table, and what to do.
 #[derive(Debug, thiserror::Error)]
-#[error("the table {0}")]
+#[error("{0}")]
 pub struct PairsError(String);
+
+/// What a table asks of its pairs beside an order, in the words of its errors.
+pub(super) struct Rules {
+    pub name: &'static str,
+    pub is_sound: fn(f64) -> bool,
+    pub unsound: &'static str,
+    pub may_rise: bool,
+    pub turned: &'static str,
+}
+
+const RULES: Rules = Rules {
+    name: "the table",
+    is_sound: f64::is_finite,
+    unsound: "has a pair whose resistance is not above 0, or that is no number",
+    may_rise: true,
+    turned: "the value stays or turns back",
+};
 
 impl TryFrom<Vec<(f64, f64)>> for Pairs {
     type Error = PairsError;
     /// From pairs (ohm, value) in any order.
-    fn try_from(mut pairs: Vec<(f64, f64)>) -> Result<Pairs, PairsError> {
-        if pairs.len() < 2 {
-            return Err(PairsError(format!("has {} pair(s); it takes at least 2", pairs.len())));
-        }
-        if !pairs.iter().all(|(r_ohm, value)| r_ohm.is_finite() && *r_ohm > 0.0 && value.is_finite()) {
-            return Err(PairsError(
-                "has a pair whose resistance is not above 0, or that is no number".to_owned(),
-            ));
-        }
-        pairs.sort_by(|a, b| a.0.total_cmp(&b.0));
-        let is_rising = pairs[pairs.len() - 1].1 > pairs[0].1;
-        let turns = |pair: &&[(f64, f64)]| {
-            pair[1].0 <= pair[0].0 || pair[1].1 == pair[0].1 || (pair[1].1 > pair[0].1) != is_rising
-        };
-        if let Some(pair) = pairs.windows(2).find(turns) {
-            return Err(PairsError(format!(
-                "is not monotone: at {} ohm the value stays or turns back while the resistance rises; take that pair out or \
-                 measure it again",
-                pair[1].0
-            )));
-        }
-        Ok(Pairs { pairs })
+    fn try_from(pairs: Vec<(f64, f64)>) -> Result<Pairs, PairsError> {
+        Pairs::sorted(pairs, &RULES)
     }
 }
 
 impl From<Pairs> for Vec<(f64, f64)> {
-    fn from(table: Pairs) -> Vec<(f64, f64)> {
-        table.pairs
+    fn from(pairs: Pairs) -> Vec<(f64, f64)> {
+        pairs.0
     }
 }
 
 impl Pairs {
+    /// From pairs in any order.
+    pub(super) fn sorted(mut pairs: Vec<(f64, f64)>, rules: &Rules) -> Result<Pairs, PairsError> {
+        let wrong = |what: &str| Err(PairsError(format!("{} {what}", rules.name)));
+        if pairs.len() < 2 {
+            return wrong(&format!("has {} pair(s); it takes at least 2", pairs.len()));
+        }
+        let is_sound =
+            |&(r_ohm, value): &(f64, f64)| r_ohm.is_finite() && r_ohm > 0.0 && (rules.is_sound)(value);
+        if !pairs.iter().all(is_sound) {
+            return wrong(rules.unsound);
+        }
+        pairs.sort_by(|a, b| a.0.total_cmp(&b.0));
+        let is_rising = rules.may_rise && pairs[pairs.len() - 1].1 > pairs[0].1;
+        let turns = |pair: &&[(f64, f64)]| {
+            pair[1].0 <= pair[0].0 || pair[1].1 == pair[0].1 || (pair[1].1 > pair[0].1) != is_rising
+        };
+        if let Some(pair) = pairs.windows(2).find(turns) {
+            return wrong(&format!(
+                "is not monotone: at {} ohm {} while the resistance rises; take that pair out or measure it again",
+                pair[1].0, rules.turned
+            ));
+        }
+        Ok(Pairs(pairs))
+    }
+
+    /// The pairs on both sides of a resistance; `None` outside.
+    pub(super) fn around(&self, r_ohm: f64) -> Option<[(f64, f64); 2]> {
+        let upper = self.0.partition_point(|pair| pair.0 < r_ohm).max(1);
+        let (left, right) = (self.0[upper - 1], *self.0.get(upper)?);
+        (left.0..=right.0).contains(&r_ohm).then_some([left, right])
+    }
+
     /// Value and its slope by resistance; `None` outside.
     fn at(&self, r_ohm: f64) -> Option<(f64, f64)> {
-        let upper = self.pairs.partition_point(|pair| pair.0 < r_ohm).max(1);
-        let (left, right) = (self.pairs[upper - 1], *self.pairs.get(upper)?);
-        if !(left.0..=right.0).contains(&r_ohm) {
-            return None;
-        }
+        let [left, right] = self.around(r_ohm)?;
         let by_log = (right.1 - left.1) / (right.0 / left.0).ln();
         Some((left.1 + by_log * (r_ohm / left.0).ln(), by_log / r_ohm))
     }

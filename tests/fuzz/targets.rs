@@ -94,7 +94,8 @@ pub fn force_table(data: &[u8]) {
     let pairs: Vec<_> = pairs.iter().map(|pair| (pair.r_ohm, pair.f_n)).collect();
     let Ok(table) = Table::try_from(pairs) else { return };
     let known = [470.0, 12_700.0];
-    let (least, most) = (table.pairs()[0].0, table.pairs()[table.pairs().len() - 1].0);
+    let sorted = Vec::from(table.clone());
+    let (least, most) = (sorted[0].0, sorted[sorted.len() - 1].0);
     let force = cermd::sensor::Force { law: Law::Table { table }, u: None, range_n: None, tare_n: None };
     let mut before = f64::INFINITY;
     for step in 0..=20 {
