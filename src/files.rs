@@ -7,7 +7,7 @@ use nix::fcntl::OFlag;
 use std::fs::{self, File, Metadata, Permissions};
 use std::io::{self, ErrorKind, Read, Write};
 use std::os::unix::fs::{MetadataExt, OpenOptionsExt, PermissionsExt, fchown};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use tempfile::NamedTempFile;
 
 /// A configuration or a scene, bytes: a hundred times what anybody has typed.
@@ -83,6 +83,26 @@ pub fn sync_folder(path: &Path) -> io::Result<()> {
 
 fn folder_of(path: &Path) -> &Path {
     path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."))
+}
+
+/// What cannot be done with a file or a folder, and what to do about it.
+#[derive(Debug, thiserror::Error)]
+#[error("{path}: {error}; {hint}", path = .path.display())]
+pub struct FileError {
+    /// Which.
+    pub path: PathBuf,
+    /// What the system says.
+    pub error: io::Error,
+    /// What to do.
+    pub hint: &'static str,
+}
+
+impl FileError {
+    /// What a path turns an error into; `hint`: what to do about it.
+    pub fn at(path: &Path, hint: fn(&io::Error) -> &'static str) -> impl Fn(io::Error) -> FileError + use<> {
+        let path = path.to_owned();
+        move |error| FileError { path: path.clone(), hint: hint(&error), error }
+    }
 }
 
 /// What to do about an error of [`read_text`].

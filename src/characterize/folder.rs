@@ -1,7 +1,7 @@
 //! The folder of a sweep: rows are written as they come, and a sweep that was interrupted goes on where it was.
 
 use super::table::{self, POINTS, PROVENANCE, Provenance, Row};
-use crate::files::{self, SETTINGS_BYTES, TABLE_BYTES};
+use crate::files::{self, FileError, SETTINGS_BYTES, TABLE_BYTES};
 use std::fs::{self, File, OpenOptions};
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
@@ -10,13 +10,8 @@ use std::path::{Path, PathBuf};
 #[derive(Debug, thiserror::Error)]
 pub enum FolderError {
     /// The system refuses.
-    #[error("{path}: {error}; {hint}", path = .path.display(), hint = look_where(.error))]
-    Io {
-        /// The file.
-        path: PathBuf,
-        /// Why.
-        error: io::Error,
-    },
+    #[error(transparent)]
+    Io(#[from] FileError),
     /// A file that nobody here has written.
     #[error("{path}: {reason}; name another folder, or remove it", path = .path.display())]
     Foreign {
@@ -64,7 +59,7 @@ impl Folder {
             Ok(text) => table::read(&text)
                 .map_err(|error| FolderError::Foreign { path: points.clone(), reason: error.to_string() })?,
             Err(error) if error.kind() == io::ErrorKind::NotFound => Vec::new(),
-            Err(error) => return Err(failed(&points)(error)),
+            Err(error) => return Err(failed(&points)(error).into()),
         };
         // Whole rows only: the last one may have been cut off.
         replace(&points, &rows)?;
@@ -101,9 +96,8 @@ impl Folder {
     }
 }
 
-fn failed(path: &Path) -> impl Fn(io::Error) -> FolderError + use<> {
-    let path = path.to_owned();
-    move |error| FolderError::Io { path: path.clone(), error }
+fn failed(path: &Path) -> impl Fn(io::Error) -> FileError + use<> {
+    FileError::at(path, look_where)
 }
 
 /// Writes where a table comes from, or, where that stands there already, by which command it goes on; all of it comes back.
@@ -115,9 +109,10 @@ fn begin(path: &Path, provenance: &Provenance) -> Result<Provenance, FolderError
     let text = match files::read_text(path, SETTINGS_BYTES) {
         Ok(text) => text,
         Err(error) if error.kind() == io::ErrorKind::NotFound => {
-            return write(provenance).map(|()| provenance.clone());
+            write(provenance)?;
+            return Ok(provenance.clone());
         }
-        Err(error) => return Err(failed(path)(error)),
+        Err(error) => return Err(failed(path)(error).into()),
     };
     let foreign = |reason: String| FolderError::Foreign { path: path.to_owned(), reason };
     let mut there: Provenance = serde_json::from_str(&text).map_err(|error| foreign(error.to_string()))?;
@@ -134,7 +129,7 @@ fn begin(path: &Path, provenance: &Provenance) -> Result<Provenance, FolderError
 /// Puts a table in the place of the old one.
 fn replace(path: &Path, rows: &[Row]) -> Result<(), FolderError> {
     let text = table::text(rows, true).map_err(|error| failed(path)(error.into()))?;
-    files::replace(path, &text).map_err(failed(path))
+    Ok(files::replace(path, &text).map_err(failed(path))?)
 }
 
 #[cfg(test)]

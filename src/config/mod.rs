@@ -31,13 +31,14 @@ pub use settings::{SettingsError, tape_header};
 pub use trigger::{OutputTable, TriggerSettings, When};
 
 use crate::circuit::Circuit;
-use crate::files;
+use crate::files::{self, FileError};
 use crate::instrument::settings::OffsetSource;
 use crate::pins::realtime::Wishes;
 use crate::reading::Method;
 use crate::units::Nanos;
 use serde::Deserialize;
 use serde::de::{self, Deserializer};
+use std::io;
 use std::path::{Path, PathBuf};
 
 /// Everything the file says.
@@ -245,13 +246,12 @@ impl Config {
     /// # Errors
     /// When it cannot be read or parsed.
     pub fn load(path: &Path) -> Result<Config, ConfigError> {
-        let text = files::read_text(path, files::SETTINGS_BYTES).map_err(|error| {
-            let hint = match error.kind() {
-                std::io::ErrorKind::NotFound => "name a file with --config, or try `cermctl demo`",
-                _ => files::hint(&error),
-            };
-            ConfigError(format!("{}: {error}; {hint}", path.display()))
-        })?;
+        let unread = FileError::at(path, |error| match error.kind() {
+            io::ErrorKind::NotFound => "name a file with --config, or try `cermctl demo`",
+            _ => files::hint(error),
+        });
+        let text = files::read_text(path, files::SETTINGS_BYTES);
+        let text = text.map_err(|error| ConfigError(unread(error).to_string()))?;
         Config::of_file(&text, path)
     }
 

@@ -5,9 +5,8 @@ use crate::characterize::cell::CellError;
 use crate::characterize::folder::FolderError;
 use crate::config::ConfigError;
 use crate::daemon::DaemonError;
-use crate::files;
+use crate::files::{self, FileError};
 use crate::pins::sim::SceneError;
-use crate::report::ReportError;
 use crate::stream::client::ClientError;
 use std::io;
 use std::path::Path;
@@ -30,9 +29,9 @@ pub enum CtlError {
     /// The folder of a sweep.
     #[error(transparent)]
     Folder(#[from] FolderError),
-    /// The report of a sweep.
+    /// A file or a folder.
     #[error(transparent)]
-    Report(#[from] ReportError),
+    File(#[from] FileError),
     /// A cell of a sweep.
     #[error(transparent)]
     Cell(#[from] CellError),
@@ -80,7 +79,7 @@ impl CtlError {
 
     /// A file cannot be read or written.
     pub(super) fn file(path: &Path) -> impl Fn(io::Error) -> CtlError {
-        move |error| CtlError::Said(format!("{}: {error}; {}", path.display(), look_where(&error)))
+        move |error| FileError::at(path, look_where)(error).into()
     }
 
     /// The system refuses something basic.

@@ -21,29 +21,16 @@ mod setting;
 mod svg;
 
 use crate::characterize::table::{Provenance, Row};
-use crate::files::{self, TABLE_BYTES};
+use crate::files::{self, FileError, TABLE_BYTES};
 use page::Section;
 use plot::Width;
 use std::io;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 /// The name of the page in the folder of a sweep.
 pub const PAGE: &str = "report.html";
 /// The folder of the figures there.
 pub const FIGURES: &str = "figures";
-
-/// Why there is no report.
-#[derive(Debug, thiserror::Error)]
-pub enum ReportError {
-    /// A file or a folder cannot be written.
-    #[error("{path}: {error}; is there room, and may this user write there?")]
-    Write {
-        /// Which.
-        path: PathBuf,
-        /// What the system says.
-        error: io::Error,
-    },
-}
 
 /// What is drawn.
 enum Drawing {
@@ -107,8 +94,12 @@ fn sections(rows: &[Row], board: &str, provenance: &Provenance) -> Vec<Section> 
     ]
 }
 
-fn put(path: PathBuf, text: &str) -> Result<(), ReportError> {
-    files::replace(&path, text).map_err(|error| ReportError::Write { path, error })
+fn put(path: &Path, text: &str) -> Result<(), FileError> {
+    files::replace(path, text).map_err(unwritten(path))
+}
+
+fn unwritten(path: &Path) -> impl Fn(io::Error) -> FileError + use<> {
+    FileError::at(path, |_| "is there room, and may this user write there?")
 }
 
 /// Removes the figures of a page that is there: of what was measured then, and no other file.
@@ -126,18 +117,18 @@ fn clear(folder: &Path) {
 ///
 /// # Errors
 /// If one of them cannot be written.
-pub fn write(folder: &Path, rows: &[Row], provenance: &Provenance) -> Result<(), ReportError> {
+pub fn write(folder: &Path, rows: &[Row], provenance: &Provenance) -> Result<(), FileError> {
     // A picture may be met without its page.
     let board = format!("{}, {}", provenance.board, provenance.source);
     let sections = sections(rows, &board, provenance);
     clear(folder);
     let figures = folder.join(FIGURES);
-    std::fs::create_dir_all(&figures).map_err(|error| ReportError::Write { path: figures.clone(), error })?;
+    std::fs::create_dir_all(&figures).map_err(unwritten(&figures))?;
     for figure in sections.iter().flat_map(|section| &section.figures) {
         let (svg, size) = figure.drawing.draw(Width::Wide);
-        put(figures.join(format!("{}.svg", figure.name)), &svg.alone(size, &figure.text))?;
+        put(&figures.join(format!("{}.svg", figure.name)), &svg.alone(size, &figure.text))?;
     }
-    put(folder.join(PAGE), &page::html(&sections, provenance))
+    put(&folder.join(PAGE), &page::html(&sections, provenance))
 }
 
 #[cfg(test)]
@@ -168,7 +159,7 @@ mod tests {
     #[test]
     fn the_papers_figures_are_there_with_all_their_numbers() {
         let folder = tempfile::tempdir().unwrap();
-        let kept = std::env::var_os("CERMD_REPORT").map(PathBuf::from);
+        let kept = std::env::var_os("CERMD_REPORT").map(std::path::PathBuf::from);
         let folder = kept.as_deref().unwrap_or(folder.path());
         let provenance = Provenance { board: "fpga-paper".to_owned(), ..fixture::provenance() };
         write(folder, &fixture::papers_rows(), &provenance).unwrap();
