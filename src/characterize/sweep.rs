@@ -11,7 +11,6 @@ use crate::config::{ChannelTable, Config, Measure, Mock, backend};
 use crate::pins::sim::{Scene, SceneError};
 use crate::reading::Method;
 use crate::units::{Nanos, Ohm, Seconds, rounded};
-use std::path::PathBuf;
 
 /// The scene of the paper, which is read as the paper says.
 const PAPER: &str = "fpga-paper";
@@ -212,8 +211,6 @@ fn counts(average: Nanos) -> Counts {
 
 /// What somebody would write who knows the parts of a board, its one channel being commissioned.
 fn config_of(name: &str, scene: &Scene) -> Config {
-    let channel =
-        ChannelTable { id: "x".to_owned(), zero_ohm: Some(0.0), scale: Some(1.0), ..ChannelTable::default() };
     let resolution = scene.clock_period.map(Nanos::from);
     // Section IV and V: 2^13 cycles of charge, T_L = 616 cycles, the switch where node A crosses.
     let measure = if name == PAPER {
@@ -228,14 +225,9 @@ fn config_of(name: &str, scene: &Scene) -> Config {
         Measure::default()
     };
     Config {
-        circuit: backend::circuit_of(scene),
-        gpio: Default::default(),
         measure: Measure { resolution, ..measure },
-        channels: vec![channel],
-        realtime: Default::default(),
-        server: Default::default(),
         mock: Some(Mock { scene: name.to_owned(), seed: None }),
-        base: PathBuf::new(),
+        ..Config::of(backend::circuit_of(scene), vec![ChannelTable::commissioned("x", 0.0)])
     }
 }
 

@@ -178,6 +178,18 @@ fn each() -> u32 {
     1
 }
 
+impl ChannelTable {
+    /// A sensor whose zero and scale have been measured.
+    pub fn commissioned(id: &str, zero_ohm: f64) -> ChannelTable {
+        ChannelTable {
+            id: id.to_owned(),
+            zero_ohm: Some(zero_ohm),
+            scale: Some(1.0),
+            ..ChannelTable::default()
+        }
+    }
+}
+
 impl Default for ChannelTable {
     /// A sensor without a name, of which nothing is known.
     fn default() -> ChannelTable {
@@ -241,6 +253,20 @@ pub struct Mock {
 pub struct ConfigError(String);
 
 impl Config {
+    /// With everything but these as it is where a file says nothing.
+    pub fn of(circuit: Circuit, channels: Vec<ChannelTable>) -> Config {
+        Config {
+            circuit,
+            channels,
+            gpio: Gpio::default(),
+            measure: Measure::default(),
+            realtime: Wishes::default(),
+            server: Server::default(),
+            mock: None,
+            base: PathBuf::new(),
+        }
+    }
+
     /// Reads a file.
     ///
     /// # Errors

@@ -3,9 +3,8 @@
 use super::limits::{PART_LOW, SENSE_OHM, SUPPLY_HIGH};
 use super::{Board, Price, Stock};
 use crate::circuit::{Circuit, Kind, Network};
-use crate::config::{ChannelTable, Config, Gpio, Measure, Server};
+use crate::config::{ChannelTable, Config, Measure};
 use crate::units::{Farad, Nanos, Ohm};
-use std::path::PathBuf;
 
 /// How often readings are published.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -74,22 +73,9 @@ impl Design {
             Pace::Mean(time) => (None, Some(time)),
             Pace::Hertz(hertz) => (Some(hertz), None),
         };
-        let channel = ChannelTable {
-            id: "sensor".to_owned(),
-            zero_ohm: Some(self.r_lim.0),
-            scale: Some(1.0),
-            ..ChannelTable::default()
-        };
-        Config {
-            circuit: self.circuit(board),
-            gpio: Gpio::default(),
-            measure: Measure { rate_hz, average, deadline: self.deadline, ..Measure::default() },
-            channels: vec![channel],
-            realtime: Default::default(),
-            server: Server::default(),
-            mock: None,
-            base: PathBuf::new(),
-        }
+        let channel = ChannelTable::commissioned("sensor", self.r_lim.0);
+        let measure = Measure { rate_hz, average, deadline: self.deadline, ..Measure::default() };
+        Config { measure, ..Config::of(self.circuit(board), vec![channel]) }
     }
 
     /// Where pins carry most, and how much, with nothing counted for the pin: charger at power-up, R_1, the sensor shorted; A.

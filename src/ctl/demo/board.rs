@@ -2,14 +2,14 @@
 //! can know.
 
 use super::super::CtlError;
-use crate::config::{ChannelTable, Characteristic, Config, Gpio, Measure, Mock, Server, Source, backend};
+use crate::config::{ChannelTable, Characteristic, Config, Measure, Mock, Server, Source, backend};
 use crate::ctl::cli;
 use crate::pins::Drives;
 use crate::pins::sim::network::line_index;
 use crate::pins::sim::{Kind, Scene, Sensor, SimPins};
 use crate::sensor::{FSR_402, Law};
 use crate::units::{Newton, Ohm, Seconds};
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 /// The channels, as far as a hand has fingers.
 const FINGERS: [&str; 5] = ["thumb", "index", "middle", "ring", "little"];
@@ -77,28 +77,26 @@ fn hand() -> Sensor {
     Sensor::Hand { alpha: FSR_402, peak: Newton(10.0), period: Seconds(3.0) }
 }
 
+fn name_of(index: usize) -> String {
+    FINGERS.get(index).map_or_else(|| format!("x{index}"), |name| (*name).to_owned())
+}
+
 fn config(scene: &Scene, arguments: &cli::Demo, socket: &Path) -> Config {
     let channel = |index: usize| ChannelTable {
-        id: FINGERS.get(index).map_or_else(|| format!("x{index}"), |name| (*name).to_owned()),
-        // As after commissioning: the simulated pins are alike.
-        zero_ohm: Some(0.0),
-        scale: Some(1.0),
         force: Some(Characteristic {
             law: Source::Given(Law::Alpha { alpha_n_ohm: FSR_402.0 }),
             u: None,
             range_n: None,
             tare_n: None,
         }),
-        ..ChannelTable::default()
+        // The simulated pins are alike.
+        ..ChannelTable::commissioned(&name_of(index), 0.0)
     };
+    let channels = (0..scene.sensors.len().max(1)).map(channel).collect();
     Config {
-        circuit: backend::circuit_of(scene),
-        gpio: Gpio::default(),
         measure: Measure { method: arguments.method, ..Measure::default() },
-        channels: (0..scene.sensors.len().max(1)).map(channel).collect(),
-        realtime: Default::default(),
         server: Server { socket: socket.to_owned(), mode: 0o600 },
         mock: Some(Mock { scene: arguments.scene.clone(), seed: arguments.seed }),
-        base: PathBuf::new(),
+        ..Config::of(backend::circuit_of(scene), channels)
     }
 }
