@@ -17,7 +17,7 @@
 //!
 //! | room | for | must not know |
 //! |---|---|---|
-//! | [`units`] | time and quantities with their units, how numbers are written | physics |
+//! | [`units`] | time and quantities with their units, how numbers and texts are written | physics |
 //! | [`files`] | the text of a file whose path is not to be trusted | what is in it |
 //! | [`circuit`] | the nominal law of the circuit, its nodes, its three wirings | measured times, pins |
 //! | [`record`] | the timings of one discharge | how they were taken |

@@ -1,7 +1,7 @@
 //! What an error is made of, where the time goes, how it settles, how honest it is: over resistance, method and effect.
 
 use super::axis::{Axis, digits, ohms, percent, seconds};
-use super::heat::{Cell, Grid, Heat, Ramp};
+use super::heat::{Cell, Grid, Heat, Ramp, cells};
 use super::plot::{Plot, Point, Series};
 use super::setting::{Setting, resistances};
 use super::{Drawing, Figure};
@@ -33,10 +33,7 @@ pub fn budget(rows: &[Row], board: &str) -> Option<Figure> {
     let grid = |setting: &Setting| Grid {
         name: format!("{}, %", setting.name(&settings)),
         ramp: Ramp::Amount,
-        cells: effects
-            .iter()
-            .map(|effect| columns.iter().map(|r_ohm| cell(setting, effect, *r_ohm)).collect())
-            .collect(),
+        cells: cells(&effects, &columns, |effect, r_ohm| cell(setting, effect, *r_ohm)),
     };
     let heat = Heat {
         title: format!("Error budget: part of the variance that goes with an effect, board {board}"),
@@ -47,13 +44,8 @@ pub fn budget(rows: &[Row], board: &str) -> Option<Figure> {
         abreast: 2,
     };
     let text = "Measured by switching one effect of the scene off at a time. The parts need not add up to 100 %: a program that sees less \
-                noise decides otherwise, and small parts scatter about zero."
-        .to_owned();
-    (!without.is_empty()).then(|| Figure {
-        name: "error-budget".to_owned(),
-        drawing: Drawing::Heat(heat),
-        text,
-    })
+                noise decides otherwise, and small parts scatter about zero.";
+    (!without.is_empty()).then(|| heat.figure("error-budget", text))
 }
 
 /// Errors with all effects and without one, ohm.
@@ -106,10 +98,7 @@ pub fn times(rows: &[Row], board: &str) -> Option<Figure> {
     let grid = |r_ohm: &f64| Grid {
         name: format!("{}, ms", ohms(*r_ohm)),
         ramp: Ramp::Amount,
-        cells: settings
-            .iter()
-            .map(|setting| PARTS.iter().map(|part| cell(setting, *r_ohm, part)).collect())
-            .collect(),
+        cells: cells(&settings, &PARTS, |setting, part| cell(setting, *r_ohm, part)),
     };
     let heat = Heat {
         title: format!("Where the time of a reading goes, board {board}"),
@@ -120,9 +109,8 @@ pub fn times(rows: &[Row], board: &str) -> Option<Figure> {
         abreast: 2,
     };
     let text = "Milliseconds of a single reading; the brighter, the larger a part of its time. Calibration includes its charges and looks for a leak; \
-                overhead is what is left: calls, waking, computing."
-        .to_owned();
-    (!split.is_empty()).then(|| Figure { name: "times".to_owned(), drawing: Drawing::Heat(heat), text })
+                overhead is what is left: calls, waking, computing.";
+    (!split.is_empty()).then(|| heat.figure("times", text))
 }
 
 /// Error and stated uncertainty against the time since the start, a figure for each resistance.
@@ -209,15 +197,12 @@ pub fn coverage(rows: &[Row], board: &str) -> Option<Figure> {
         grids: vec![Grid {
             name: "within 2u, %".to_owned(),
             ramp: Ramp::Ratio,
-            cells: settings
-                .iter()
-                .map(|setting| columns.iter().map(|vary| cell(setting, vary)).collect())
-                .collect(),
+            cells: cells(&settings, &columns, cell),
         }],
         abreast: 1,
     };
-    let text = "95.4 % is honest. Each number is of all resistances and amounts together; hovering tells the worst cell.".to_owned();
-    (!known.is_empty()).then(|| Figure { name: "coverage".to_owned(), drawing: Drawing::Heat(heat), text })
+    let text = "95.4 % is honest. Each number is of all resistances and amounts together; hovering tells the worst cell.";
+    (!known.is_empty()).then(|| heat.figure("coverage", text))
 }
 
 #[cfg(test)]

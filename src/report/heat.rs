@@ -2,6 +2,7 @@
 
 use super::plot::{Width, heading};
 use super::svg::{Anchor, At, LINE, Svg, width_of, wrapped};
+use super::{Drawing, Figure};
 
 /// One cell.
 #[derive(Debug, Clone)]
@@ -45,6 +46,22 @@ pub struct Heat {
     pub grids: Vec<Grid>,
     /// So many grids side by side, where there is room.
     pub abreast: usize,
+}
+
+impl Heat {
+    /// As a figure of this name.
+    pub fn figure(self, name: impl Into<String>, text: &str) -> Figure {
+        Figure { name: name.into(), drawing: Drawing::Heat(self), text: text.to_owned() }
+    }
+}
+
+/// One cell for each pair of a row and a column.
+pub fn cells<R, C>(
+    rows: &[R],
+    columns: &[C],
+    cell: impl Fn(&R, &C) -> Option<Cell>,
+) -> Vec<Vec<Option<Cell>>> {
+    rows.iter().map(|row| columns.iter().map(|column| cell(row, column)).collect()).collect()
 }
 
 type Rgb = [f64; 3];

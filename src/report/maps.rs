@@ -1,9 +1,9 @@
 //! Where methods fail: error and honesty over resistance and one thing that is not as it should be.
 
+use super::Figure;
 use super::axis::{Writer, digits, ohms, percent, plain, seconds};
-use super::heat::{Cell, Grid, Heat, Ramp};
+use super::heat::{Cell, Grid, Heat, Ramp, cells};
 use super::setting::{Setting, resistances};
-use super::{Drawing, Figure};
 use crate::characterize::table::{Row, Vary};
 
 /// Half of the readings without a number.
@@ -54,15 +54,14 @@ fn figure(rows: &[Row], board: &str, (vary, what, write): &Map) -> Option<Figure
             };
             own.iter().find(is_it).copied()
         };
-        let cells = |cell: fn(&Row, &str) -> Cell| -> Vec<Vec<Option<Cell>>> {
-            let at = |amount: f64, r_ohm: f64| {
-                find(amount, r_ohm)
-                    .map(|row| cell(row, &format!("{name}, {}, {what} {}", ohms(r_ohm), write(amount))))
-            };
-            amounts.iter().map(|amount| columns.iter().map(|r_ohm| at(*amount, *r_ohm)).collect()).collect()
+        let all = |cell: fn(&Row, &str) -> Cell| {
+            cells(&amounts, &columns, |amount, r_ohm| {
+                find(*amount, *r_ohm)
+                    .map(|row| cell(row, &format!("{name}, {}, {what} {}", ohms(*r_ohm), write(*amount))))
+            })
         };
-        grids.push(Grid { name: format!("{name}: error, %"), ramp: Ramp::Amount, cells: cells(error) });
-        grids.push(Grid { name: format!("{name}: error / u"), ramp: Ramp::Ratio, cells: cells(honesty) });
+        grids.push(Grid { name: format!("{name}: error, %"), ramp: Ramp::Amount, cells: all(error) });
+        grids.push(Grid { name: format!("{name}: error / u"), ramp: Ramp::Ratio, cells: all(honesty) });
     }
     let heat = Heat {
         title: format!("Where it fails: resistance and {what}, board {board}"),
@@ -73,9 +72,8 @@ fn figure(rows: &[Row], board: &str, (vary, what, write): &Map) -> Option<Figure
         abreast: 2,
     };
     let text = "Left: root mean square error in percent of the resistance. Right: that error over the stated uncertainty; above 1, red, it says \
-                too little, below, blue, it is cautious. Framed cells fail, by the cause in the list."
-        .to_owned();
-    (!own.is_empty()).then(|| Figure { name: format!("map-{vary}"), drawing: Drawing::Heat(heat), text })
+                too little, below, blue, it is cautious. Framed cells fail, by the cause in the list.";
+    (!own.is_empty()).then(|| heat.figure(format!("map-{vary}"), text))
 }
 
 /// Why a cell counts as failed.
@@ -138,7 +136,7 @@ fn says(row: &Row, name: &str) -> String {
 
 #[cfg(test)]
 mod tests {
-    use super::super::fixture;
+    use super::super::{Drawing, fixture};
     use super::*;
 
     #[test]

@@ -2,9 +2,10 @@
 
 use super::plot::Width;
 use super::rivals::RIVALS;
-use super::svg::{escaped, style};
+use super::svg::style;
 use super::{Drawing, Figure};
 use crate::characterize::table::{Provenance, Source};
+use crate::units::markup::escaped;
 
 const CSS: &str = include_str!("page.css");
 const SCRIPT: &str = include_str!("page.js");

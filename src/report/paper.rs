@@ -4,6 +4,7 @@ pub mod numbers;
 
 use super::axis::{Axis, Writer, ohms, percent, plain};
 use super::plot::{Mark, Plot, Point, Series};
+use super::setting::ink;
 use super::{Drawing, Figure};
 use crate::characterize::table::{Row, Source, Vary};
 use crate::circuit::Kind;
@@ -49,10 +50,6 @@ const MAE: Printed = &[
     (Method::Cerm, 15_010.0, 6.2),
     (Method::Tpcm, 16_200.0, 13.1),
 ];
-
-fn ink(method: Method) -> String {
-    format!("i{}", Method::ALL.iter().position(|other| *other == method).unwrap_or(0))
-}
 
 /// Ours, in the colour and shape of a method.
 fn simulated(

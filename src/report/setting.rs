@@ -7,6 +7,15 @@ use crate::circuit::Kind;
 use crate::reading::Method;
 use crate::units::rounded;
 
+fn place(method: Method) -> usize {
+    Method::ALL.iter().position(|other| *other == method).unwrap_or(0)
+}
+
+/// The class of the colour of a method.
+pub fn ink(method: Method) -> String {
+    format!("i{}", place(method))
+}
+
 /// How something was read, whatever was read.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Setting {
@@ -38,7 +47,7 @@ impl Setting {
                 all.push(setting);
             }
         }
-        all.sort_by_key(|setting| Method::ALL.iter().position(|method| *method == setting.method));
+        all.sort_by_key(|setting| place(setting.method));
         all
     }
 
@@ -64,8 +73,7 @@ impl Setting {
 
     /// The class of its colour: one for each method.
     pub fn ink(&self) -> String {
-        let index = Method::ALL.iter().position(|method| *method == self.method).unwrap_or(0);
-        format!("i{index}")
+        ink(self.method)
     }
 
     /// Its shape: one for each circuit of a method.

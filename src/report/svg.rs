@@ -1,5 +1,6 @@
 //! Shapes and words as SVG, in CSS pixels; colours and strokes are classes of `figure.css`.
 
+use crate::units::markup::escaped;
 use std::fmt::Write;
 
 /// What all figures look like, in light and dark and on paper.
@@ -27,11 +28,6 @@ pub struct Svg {
 /// How a number is written in a drawing: to a tenth of a pixel.
 fn px(value: f64) -> f64 {
     (value * 10.0).round() / 10.0
-}
-
-/// With the characters of markup replaced.
-pub fn escaped(text: &str) -> String {
-    text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
 }
 
 /// About how wide a text of the size of labels is, pixels.

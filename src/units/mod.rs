@@ -3,6 +3,8 @@
 //! For: units in types and in text ("2.2 uF"). Must not know: what a quantity is used for.
 
 mod force;
+#[doc(hidden)]
+pub mod markup;
 mod number;
 mod quantity;
 

@@ -1,6 +1,7 @@
 //! The channels as a device of IIO: its description, and what its attributes say.
 
 use crate::stream::wire::{ChannelInfo, ReadingLine, StatusName, Unit, VersionLine};
+use crate::units::markup::escaped;
 use std::fmt::Write;
 
 /// The one device.
@@ -211,10 +212,6 @@ fn attributes(element: Element) -> &'static [&'static str] {
         Element::Timestamp => &[],
         _ => &["raw", "scale", "input", "uncertainty", "status"],
     }
-}
-
-fn escaped(text: &str) -> String {
-    text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
 }
 
 #[cfg(test)]

@@ -2,6 +2,7 @@
 
 use crate::estimate::fit::{Fit, Pair};
 use crate::sensor::Law;
+use crate::units::markup::escaped;
 use std::fmt::Write;
 
 const WIDTH: f64 = 640.0;
@@ -107,10 +108,6 @@ fn ticks([from, to]: [f64; 2]) -> impl Iterator<Item = f64> {
 
 fn label(out: &mut String, x: f64, y: f64, anchor: &str, text: &str) {
     let _ = writeln!(out, "<text x=\"{x:.1}\" y=\"{y:.1}\" text-anchor=\"{anchor}\">{text}</text>");
-}
-
-fn escaped(text: &str) -> String {
-    text.replace('&', "&amp;").replace('<', "&lt;")
 }
 
 #[cfg(test)]

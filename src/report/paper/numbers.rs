@@ -3,6 +3,7 @@
 use super::{ALPHA, METHODS};
 use crate::characterize::table::Row;
 use crate::reading::Method;
+use crate::units::markup::escaped;
 use crate::units::rounded;
 
 /// One number of the paper.
@@ -175,7 +176,7 @@ pub fn html(all: &[Row]) -> String {
         };
         let ratio = ours.map_or(String::new(), |ours| rounded(ours / number.paper, 2).to_string());
         let (what, paper, ours, remark) =
-            (number.what, rounded(number.paper, 6), shown(ours), super::super::svg::escaped(number.remark));
+            (number.what, rounded(number.paper, 6), shown(ours), escaped(number.remark));
         text += &format!(
             "<tr><th scope=\"row\">{what}</th><td class=\"n\">{paper}</td><td class=\"n\">{ours}</td><td class=\"n\">{ratio}</td><td>{remark}</td></tr>\n"
         );
