@@ -82,7 +82,7 @@ fn sweep(arguments: &Characterize, config: Option<Config>) -> Result<(Sweep, Str
         scene,
         config: config.map(alone),
         methods: arguments.method.clone(),
-        kinds: arguments.circuit.iter().map(|wiring| (*wiring).into()).collect(),
+        kinds: arguments.circuit.clone(),
         r_ohm: arguments.r.clone(),
         averages: arguments.average.clone(),
         instruments: arguments.instruments,

@@ -142,24 +142,13 @@ pub struct Demo {
     pub method: Option<Method>,
     /// How it is wired [default: as the scene, or as the method needs it]
     #[arg(long)]
-    pub wiring: Option<Wiring>,
+    pub wiring: Option<Kind>,
     /// All methods side by side on the same sensor: what each reads, how far off it is, how fast; then error against time.
     /// On anything but a terminal as fast as it can be computed
     #[arg(long, conflicts_with = "method")]
     pub compare: bool,
     #[command(flatten)]
     pub shown: Shown,
-}
-
-/// The wirings of the drawings.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub enum Wiring {
-    /// One capacitor: least parts, most readings a second
-    One,
-    /// Two capacitors: each reading can be checked by a second crossing
-    Two,
-    /// One capacitor, Rc2 in series with Rc1: for qerm
-    Series,
 }
 
 /// What forces are shown in; lines for machines are always in newton.
@@ -180,13 +169,19 @@ impl ValueEnum for ForceUnit {
     }
 }
 
-impl From<Wiring> for Kind {
-    fn from(wiring: Wiring) -> Kind {
-        match wiring {
-            Wiring::One => Kind::OneCapacitor,
-            Wiring::Two => Kind::TwoCapacitor,
-            Wiring::Series => Kind::SeriesCalibration,
-        }
+/// By the names of the drawings.
+impl ValueEnum for Kind {
+    fn value_variants<'a>() -> &'a [Kind] {
+        &[Kind::OneCapacitor, Kind::TwoCapacitor, Kind::SeriesCalibration]
+    }
+
+    fn to_possible_value(&self) -> Option<PossibleValue> {
+        let (name, help) = match self {
+            Kind::OneCapacitor => ("one", "One capacitor: least parts, most readings a second"),
+            Kind::TwoCapacitor => ("two", "Two capacitors: each reading can be checked by a second crossing"),
+            Kind::SeriesCalibration => ("series", "One capacitor, Rc2 in series with Rc1: for qerm"),
+        };
+        Some(PossibleValue::new(name).help(help))
     }
 }
 

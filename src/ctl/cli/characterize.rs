@@ -1,7 +1,7 @@
 //! The command line of `cermctl characterize`.
 
-use super::Wiring;
 use super::calibrate::ohm;
+use crate::circuit::Kind;
 use crate::config::LONGEST_WAIT;
 use crate::reading::Method;
 use crate::units::Nanos;
@@ -32,7 +32,7 @@ pub struct Characterize {
     pub method: Vec<Method>,
     /// Only these wirings [default: all that the scene has capacitors for]
     #[arg(long, value_delimiter = ',', conflicts_with_all = ["config", "tape"])]
-    pub circuit: Vec<Wiring>,
+    pub circuit: Vec<Kind>,
     /// Only these resistances, such as "100 ohm,4.7 kohm" [default: four over the range; live: as they are typed]
     #[arg(long, value_name = "OHM", value_delimiter = ',', value_parser = known_ohm, conflicts_with = "tape")]
     pub r: Vec<f64>,

@@ -1,6 +1,6 @@
 //! The arguments of `cermctl size`.
 
-use super::Wiring;
+use crate::circuit::Kind;
 use crate::size::{self, Stock, Wanted};
 use crate::units::{Ampere, Hertz, Newton, Ohm};
 use clap::{ArgGroup, Args, ValueEnum};
@@ -39,7 +39,7 @@ pub struct Size {
     pub have: Option<Stock>,
     /// How it is wired [default: whatever is better]
     #[arg(long)]
-    pub wiring: Option<Wiring>,
+    pub wiring: Option<Kind>,
     /// Write a configuration for the circuit, with comments on what to measure; the file must not be there yet
     #[arg(long, value_name = "FILE")]
     pub write: Option<PathBuf>,

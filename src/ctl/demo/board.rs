@@ -29,7 +29,7 @@ impl Board {
         let scene = if is_file(&arguments.scene) { scene } else { scene.with_sensors(vec![hand()])? };
         let circuits = arguments.method.map(|method| method.rules().circuits);
         let other = circuits.filter(|kinds| !kinds.contains(&scene.circuit.kind)).and_then(<[Kind]>::first);
-        let scene = match arguments.wiring.map(Kind::from).or(other.copied()) {
+        let scene = match arguments.wiring.or(other.copied()) {
             Some(kind) => scene.with_kind(kind)?,
             None => scene,
         };

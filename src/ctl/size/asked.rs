@@ -41,12 +41,12 @@ pub fn asked(arguments: &cli::Size) -> Result<Asked, CtlError> {
     };
     let kinds = match arguments.wiring {
         None => vec![Kind::OneCapacitor, Kind::TwoCapacitor],
-        Some(cli::Wiring::Series) => {
+        Some(Kind::SeriesCalibration) => {
             return Err(CtlError::said(
                 "--wiring series is for qerm, which is planned for by hand: size takes one or two",
             ));
         }
-        Some(wiring) => vec![wiring.into()],
+        Some(kind) => vec![kind],
     };
     let board = Board::of(&scene);
     let need = Need { r_ohm, tolerance, rate_hz: arguments.rate.map(|rate| rate.0) };
