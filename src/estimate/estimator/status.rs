@@ -65,7 +65,7 @@ impl Estimator {
     pub fn judge(&self, record: &Record, sensor: &Channel, motion: &mut Motion) -> Judged {
         let at_ns = middle_ns(record);
         let mut judged = Judged { at_ns, ..Judged::fault(Fault::Implausible) };
-        judged.status = self.status_of(record, sensor, motion, &mut judged);
+        judged.status = self.status_of(record, sensor, motion, &mut judged).unwrap_or_else(Status::Fault);
         if let Status::Open { r_min_ohm, .. } = judged.status {
             motion.is_open(record.start + Nanos(judged.at_ns as i64), sensor.as_read(r_min_ohm));
         }
@@ -78,83 +78,112 @@ impl Estimator {
         sensor: &Channel,
         motion: &mut Motion,
         judged: &mut Judged,
-    ) -> Status {
-        if let Err(fault) = self.check_paths() {
-            return Status::Fault(fault);
+    ) -> Result<Status, Fault> {
+        self.check_paths()?;
+        if let Some(r_ohm) = self.bound_alone(record, sensor)? {
+            return Ok(self.open(sensor, r_ohm));
         }
-        let known = [self.r1_ohm, self.r2_ohm];
-        let open = |r_ohm: f64| {
-            let r_min_ohm = sensor.corrected(r_ohm).max(0.0);
-            Status::Open { r_min_ohm, shown: sensor.bound_above(r_min_ohm, known) }
-        };
-        if let (None, Some(waited_ns)) = (record.crossing(self.last()), record.waited_ns) {
-            // A known resistor was to finish it, and has not: nothing of this is the sensor's.
-            if record.switch.is_some() {
-                return Status::Fault(Fault::NoCalibration);
-            }
-            let bound = self.bound_ohm(waited_ns).filter(|r_ohm| sensor.corrected(*r_ohm) > 0.0);
-            return bound.map_or(Status::Fault(Fault::Implausible), open);
-        }
-        if let Some(r_ohm) = self.beyond(record) {
-            return open(r_ohm);
-        }
-        // Where the reciprocal is known to +-u.
-        let open_above = |value: f64, u: f64| open(value / (1.0 + COVERAGE * u / value));
-        let (estimate, evidence) = match self.solve(record) {
-            Ok(found) => found,
-            Err(fault) => return Status::Fault(fault),
-        };
+        let (estimate, evidence) = self.solve(record)?;
         let Measured { value, u } = estimate.r_ohm;
         let by_prior = self.is_settling(record, &estimate);
         // Whose conductance may be none is no number, as where the state tells it.
         let may_be_none = |u: f64| value > self.r2_ohm && value <= RESOLVED * u && !evidence.contradicts;
         if let Some(u) = u.filter(|u| may_be_none(*u) && !by_prior) {
-            return open_above(value, u);
+            return Ok(self.open_above(sensor, value, u));
         }
         let r_o_ohm = self.offset().r_o();
         let mut is_repeated = || u.is_none_or(|u| motion.repeats([value, u], r_o_ohm));
         if self.noise().is_often_late() && !(evidence.is_confirmed() && is_repeated()) {
-            return Status::Fault(Fault::LatencyOutlier);
+            return Err(Fault::LatencyOutlier);
         }
         (judged.at_ns, judged.basis) = (evidence.at_ns, estimate.basis);
-        let moved = u.map(|u| motion.judge(record.start, [value, u], r_o_ohm, &evidence)).transpose();
-        let moved = match moved {
-            Ok(moved) => moved,
-            Err(fault) => return Status::Fault(fault),
-        };
+        let moved = u.map(|u| motion.judge(record.start, [value, u], r_o_ohm, &evidence)).transpose()?;
         let measured = Measured { value, u: u.map(|u| u.hypot(moved.map_or(0.0, |moved| moved.u_ohm))) };
-        let Some(r_ohm) = self.with_defects(measured) else {
+        let Some(as_read) = self.with_defects(measured) else {
             // The leak only ever makes it read lower; so far up it is the reciprocal that is known.
-            return open_above(measured.value, measured.u.unwrap_or(0.0));
+            return Ok(self.open_above(sensor, measured.value, measured.u.unwrap_or(0.0)));
         };
-        judged.as_read_ohm = Some(r_ohm.value);
-        let (value, readout_u) = (sensor.corrected(r_ohm.value), r_ohm.u);
-        let pins_u_ohm = sensor.pins_u_ohm(value, known);
-        let r_ohm = Measured { value, u: readout_u.map(|u| u.hypot(pins_u_ohm)) };
+        judged.as_read_ohm = Some(as_read.value);
+        let r_ohm = self.own_ohm(sensor, as_read);
         let is_settling = motion.settles(by_prior);
-        let is_resolved = r_ohm.u.is_none_or(|u| r_ohm.value > COVERAGE * u);
+        if let Some(status) = self.unresolved(record, sensor, r_ohm, is_settling)? {
+            return Ok(status);
+        }
+        Ok(Status::Ok {
+            branch: estimate.branch,
+            r_ohm,
+            is_moving: moved.is_some_and(|moved| moved.is_moving),
+            is_settling,
+            // The reciprocal of a resistance that may be 0 is anything.
+            shown: is_resolved(r_ohm).then(|| sensor.value_at(r_ohm, self.known_ohm())).flatten(),
+        })
+    }
+
+    /// The lower bound that is all that is known after a discharge that has not ended, or ended by R_1 or R_2 alone.
+    fn bound_alone(&self, record: &Record, sensor: &Channel) -> Result<Option<f64>, Fault> {
+        let (None, Some(waited_ns)) = (record.crossing(self.last()), record.waited_ns) else {
+            return Ok(self.beyond(record));
+        };
+        // A known resistor was to finish it, and has not: nothing of this is the sensor's.
+        if record.switch.is_some() {
+            return Err(Fault::NoCalibration);
+        }
+        let bound = self.bound_ohm(waited_ns).filter(|r_ohm| sensor.corrected(*r_ohm) > 0.0);
+        bound.map(Some).ok_or(Fault::Implausible)
+    }
+
+    /// What a resistance that cannot be told from a short circuit is; `None`: it can.
+    fn unresolved(
+        &self,
+        record: &Record,
+        sensor: &Channel,
+        r_ohm: Measured,
+        is_settling: bool,
+    ) -> Result<Option<Status>, Fault> {
         match r_ohm.u {
-            Some(u) if r_ohm.value < -BEYOND_NOISE * u => Status::Fault(Fault::Implausible),
+            Some(u) if r_ohm.value < -BEYOND_NOISE * u => Err(Fault::Implausible),
             // What a wide prior cannot tell from a short circuit is none yet.
-            Some(u) if !is_resolved && (!is_settling || r_ohm.value <= 0.0) => {
+            Some(u) if !is_resolved(r_ohm) && (!is_settling || r_ohm.value <= 0.0) => {
                 let r_max_ohm = r_ohm.value.max(0.0) + COVERAGE * u;
                 // What may as well be above R_1 is no short circuit: nothing is known.
                 if r_max_ohm > self.r1_ohm {
-                    return self.above(record).map_or(Status::Fault(Fault::Implausible), open);
+                    let r_ohm = self.above(record).ok_or(Fault::Implausible)?;
+                    return Ok(Some(self.open(sensor, r_ohm)));
                 }
-                Status::Short { r_max_ohm, shown: sensor.bound_below(r_max_ohm, known) }
+                let shown = sensor.bound_below(r_max_ohm, self.known_ohm());
+                Ok(Some(Status::Short { r_max_ohm, shown }))
             }
-            None if r_ohm.value <= 0.0 => Status::Fault(Fault::Implausible),
-            _ => Status::Ok {
-                branch: estimate.branch,
-                r_ohm,
-                is_moving: moved.is_some_and(|moved| moved.is_moving),
-                is_settling,
-                // The reciprocal of a resistance that may be 0 is anything.
-                shown: is_resolved.then(|| sensor.value_at(r_ohm, known)).flatten(),
-            },
+            None if r_ohm.value <= 0.0 => Err(Fault::Implausible),
+            _ => Ok(None),
         }
     }
+
+    /// The sensor's own part of a resistance as it was read.
+    fn own_ohm(&self, sensor: &Channel, as_read: Measured) -> Measured {
+        let value = sensor.corrected(as_read.value);
+        let pins_u_ohm = sensor.pins_u_ohm(value, self.known_ohm());
+        Measured { value, u: as_read.u.map(|u| u.hypot(pins_u_ohm)) }
+    }
+
+    /// At least so much as it is read.
+    fn open(&self, sensor: &Channel, r_ohm: f64) -> Status {
+        let r_min_ohm = sensor.corrected(r_ohm).max(0.0);
+        Status::Open { r_min_ohm, shown: sensor.bound_above(r_min_ohm, self.known_ohm()) }
+    }
+
+    /// Where the reciprocal is known to +-u.
+    fn open_above(&self, sensor: &Channel, value: f64, u: f64) -> Status {
+        self.open(sensor, value / (1.0 + COVERAGE * u / value))
+    }
+
+    fn known_ohm(&self) -> [f64; 2] {
+        [self.r1_ohm, self.r2_ohm]
+    }
+}
+
+/// Whether a resistance is certainly above 0.
+fn is_resolved(r_ohm: Measured) -> bool {
+    r_ohm.u.is_none_or(|u| r_ohm.value > COVERAGE * u)
 }
 
 /// The middle of the part of a discharge that ran through the sensor.
