@@ -21,6 +21,8 @@ pub enum ChardevError {
         source: io::Error,
         /// The likely cause, as far as it could be looked up, and the remedy.
         hint: String,
+        /// Whether a group may do what this user may not.
+        for_a_group: bool,
         /// Who holds lines that were asked for, if that could be found out.
         consumers: Vec<String>,
     },
@@ -41,19 +43,19 @@ impl ChardevError {
     /// From a failed call on a device node; who holds a line and which other chips there are is not looked up.
     pub(super) fn call(call: &'static str, line: String, source: io::Error, node: &Path) -> ChardevError {
         let errno = source.raw_os_error().unwrap_or_default();
-        let hint = match Errno::from_raw(errno) {
+        let (hint, for_a_group) = match Errno::from_raw(errno) {
             Errno::EACCES | Errno::EPERM => closed(node),
-            _ if is_gone(&source) => "the chip is gone".to_owned(),
-            _ => hint(errno).to_owned(),
+            _ if is_gone(&source) => ("the chip is gone".to_owned(), false),
+            _ => (hint(errno).to_owned(), false),
         };
-        ChardevError::Call { call, line, source, hint, consumers: Vec::new() }
+        ChardevError::Call { call, line, source, hint, for_a_group, consumers: Vec::new() }
     }
 
     /// With what was looked up: another hint, and who holds lines that were asked for.
     pub(super) fn explained(self, hint: String, consumers: Vec<String>) -> ChardevError {
         match self {
-            ChardevError::Call { call, line, source, .. } => {
-                ChardevError::Call { call, line, source, hint, consumers }
+            ChardevError::Call { call, line, source, for_a_group, .. } => {
+                ChardevError::Call { call, line, source, hint, for_a_group, consumers }
             }
             other => other,
         }
@@ -80,12 +82,9 @@ impl ChardevError {
 
     /// Whether a group may do what this user may not.
     pub(super) fn asks_for_a_group(&self) -> bool {
-        matches!(self, ChardevError::Call { hint, .. } if hint.contains(JOIN))
+        matches!(self, ChardevError::Call { for_a_group: true, .. })
     }
 }
-
-/// How to join a group.
-const JOIN: &str = "sudo usermod -aG ";
 
 /// The likely cause and the remedy by the error number alone.
 pub(super) fn hint(errno: i32) -> &'static str {
@@ -108,18 +107,22 @@ pub(super) fn is_gone(answer: &io::Error) -> bool {
     matches!(answer.raw_os_error(), Some(libc::ENODEV | libc::ENXIO | libc::ENOENT))
 }
 
-/// How to be let in by a device node: by way of the group that owns it (its number, if it has no name), unless that is root's.
-fn closed(node: &Path) -> String {
+/// How to be let in by a device node: by way of the group that owns it (its number, if it has no name), unless that is root's; and
+/// whether there is such a way.
+fn closed(node: &Path) -> (String, bool) {
     let (gid, mode) = std::fs::metadata(node).map_or((0, 0), |node| (node.gid(), node.mode()));
     if gid == 0 || mode & 0o060 != 0o060 {
-        return "the device node is open to its owner alone: install the udev rule that gives it to a group"
-            .to_owned();
+        let hint =
+            "the device node is open to its owner alone: install the udev rule that gives it to a group";
+        return (hint.to_owned(), false);
     }
     let named = Group::from_gid(Gid::from_raw(gid)).ok().flatten();
     let group = named.map_or_else(|| gid.to_string(), |group| group.name);
-    format!(
-        "the device node belongs to group {group}: add yourself to group {group} ({JOIN}{group} USER, then log in again)"
-    )
+    let hint = format!(
+        "the device node belongs to group {group}: add yourself to group {group} (sudo usermod -aG {group} USER, then log in \
+         again)"
+    );
+    (hint, true)
 }
 
 /// As an `io::Error`, which keeps the error number.
