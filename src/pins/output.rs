@@ -5,16 +5,15 @@
 
 use super::chardev::chips::Chip;
 use super::chardev::error::{ChardevError, as_io};
-use super::chardev::wiring::line_offset;
+use super::chardev::wiring::{line_offset, patient};
 use super::chardev::{Failed, explain};
-use super::limits::{RELEASE_ATTEMPTS, RELEASE_PAUSE};
+use super::limits::RELEASE_ATTEMPTS;
 use super::{PinsError, chardev_v1};
 use embedded_hal::digital::OutputPin;
 use gpiocdev_uapi::v2::{self, LineConfig, LineFlags, LineRequest, LineValues, Offsets};
 use linux_embedded_hal::CdevPin;
 use serde::{Deserialize, Serialize};
 use std::fs::File;
-use std::thread;
 
 /// Which line, and what is active.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
@@ -136,21 +135,13 @@ fn driven(high: bool) -> LineConfig {
     config
 }
 
-/// Makes a line inactive, then an input: for after a kill. A line that is still held is asked for again: the kernel closes the
-/// files of a killed process with a delay.
+/// Makes a line inactive, then an input: for after a kill. A line that is still held is asked for again.
 ///
 /// # Errors
 /// As [`Output::open`].
 pub fn release(line: &OutputLine, way: Way) -> Result<(), ChardevError> {
-    let mut opened = Output::open(line, way);
-    for _ in 0..RELEASE_ATTEMPTS {
-        if !opened.as_ref().is_err_and(ChardevError::is_busy) {
-            break;
-        }
-        thread::sleep(RELEASE_PAUSE);
-        opened = Output::open(line, way);
-    }
-    opened.map(drop)
+    let mut attempts_left = RELEASE_ATTEMPTS;
+    patient(&mut attempts_left, || Output::open(line, way)).map(drop)
 }
 
 #[cfg(test)]

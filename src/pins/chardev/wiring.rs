@@ -75,8 +75,7 @@ impl Lines {
         }
     }
 
-    /// Tries `release` on every line, again and again on those that are busy: the kernel closes the files of a killed
-    /// process with a delay. Keeps the first failure.
+    /// Tries `release` on every line, and is [`patient`] with those that are busy. Keeps the first failure.
     pub fn release_each(
         &self,
         mut release: impl FnMut(&WiredLine) -> Result<(), ChardevError>,
@@ -84,16 +83,24 @@ impl Lines {
         let mut attempts_left = RELEASE_ATTEMPTS;
         let mut first_failure = Ok(());
         for line in self.drives.iter().chain(&self.sense) {
-            let mut outcome = release(line);
-            while attempts_left > 0 && outcome.as_ref().is_err_and(ChardevError::is_busy) {
-                attempts_left -= 1;
-                thread::sleep(RELEASE_PAUSE);
-                outcome = release(line);
-            }
-            first_failure = first_failure.and(outcome);
+            first_failure = first_failure.and(patient(&mut attempts_left, || release(line)));
         }
         first_failure
     }
+}
+
+/// Tries again and again while a line is busy: the kernel closes the files of a killed process with a delay.
+pub(in crate::pins) fn patient<T>(
+    attempts_left: &mut u32,
+    mut attempt: impl FnMut() -> Result<T, ChardevError>,
+) -> Result<T, ChardevError> {
+    let mut outcome = attempt();
+    while *attempts_left > 0 && outcome.as_ref().is_err_and(ChardevError::is_busy) {
+        *attempts_left -= 1;
+        thread::sleep(RELEASE_PAUSE);
+        outcome = attempt();
+    }
+    outcome
 }
 
 impl Wiring {

@@ -149,7 +149,7 @@ impl Analog {
         self.on
     }
 
-    /// R_x of a channel at an instant, ohm: the sensor itself, not the value held over an interval.
+    /// R_x of a channel at an instant, ohm.
     pub fn r_x(&self, channel: usize, at_ns: i64) -> Option<f64> {
         self.sources.get(channel).map(|source| source.clone().r_x(seconds(at_ns)))
     }
