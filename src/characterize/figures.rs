@@ -6,6 +6,7 @@ use super::limits::{DIGITS, SINCE_START};
 use super::table::{Row, Source, Vary};
 use super::watch::{Found, Number, Told};
 use crate::config::Config;
+use crate::units::sample::{mean, rms};
 use crate::units::{Nanos, rounded};
 use std::collections::BTreeMap;
 
@@ -158,15 +159,6 @@ pub fn blocks(found: &Found, length: Nanos) -> Found {
     // The last one is not whole.
     let told = blocks.filter(|told| block(&told[0]) < last).map(mean_of).collect();
     Found { told, ..Found::default() }
-}
-
-fn mean(values: &[f64]) -> Option<f64> {
-    (!values.is_empty()).then(|| values.iter().sum::<f64>() / values.len() as f64)
-}
-
-/// The root mean square.
-fn rms(values: impl Iterator<Item = f64>) -> Option<f64> {
-    mean(&values.map(|value| value * value).collect::<Vec<_>>()).map(f64::sqrt)
 }
 
 /// The standard deviation as a part of the mean.

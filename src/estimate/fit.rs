@@ -6,6 +6,7 @@ use crate::estimate::scatter;
 use crate::reading::Measured;
 use crate::sensor::table::PairsError;
 use crate::sensor::{Force, Law, Table};
+use crate::units::sample::{self, rms};
 
 /// A force and the resistance under it.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -138,8 +139,7 @@ impl Fit {
 
     /// The root mean square of the [residuals](Fit::residual).
     pub fn relative_rms(&self, pairs: &[Pair]) -> f64 {
-        let squares: f64 = pairs.iter().map(|&pair| self.residual(pair).powi(2)).sum();
-        (squares / pairs.len() as f64).sqrt()
+        rms(pairs.iter().map(|&pair| self.residual(pair))).unwrap_or(f64::NAN)
     }
 }
 
@@ -155,8 +155,7 @@ pub fn mean(readings: &[f64]) -> Option<Measured> {
         return Some(Measured { value, u });
     }
     let blocks = readings.chunks_exact(length).take(BLOCKS);
-    let means = blocks.map(|block| block.iter().sum::<f64>() / length as f64);
-    let of_blocks = scatter::mean(means).and_then(|mean| mean.u);
+    let of_blocks = scatter::mean(blocks.filter_map(sample::mean)).and_then(|mean| mean.u);
     Some(Measured { value, u: u.zip(of_blocks).map(|(a, b)| a.max(b)) })
 }
 

@@ -9,6 +9,7 @@ use super::{Drawing, Figure};
 use crate::characterize::table::{Row, Source, Vary};
 use crate::circuit::Kind;
 use crate::reading::Method;
+use crate::units::sample::rms;
 
 /// The name of the scene of section IV.
 const SCENE: &str = "fpga-paper";
@@ -218,8 +219,7 @@ fn fig_5a(inferred: &[&Row]) -> Option<Figure> {
         points: ends.map(|[x, y]| Point::new(x, y, String::new())).to_vec(),
         is_stairs: false,
     };
-    let second: Vec<f64> = inferred.iter().filter_map(|row| row.t_c2a_rsd).collect();
-    let second = (second.iter().map(|rsd| rsd * rsd).sum::<f64>() / second.len() as f64).sqrt();
+    let second = rms(inferred.iter().filter_map(|row| row.t_c2a_rsd)).unwrap_or(f64::NAN);
     let level =
         |name: &str, method: Method, times: f64| line(name, &ink(method), x.map(|x| [x, times * second]));
     let printed = [

@@ -7,6 +7,8 @@ mod force;
 pub mod markup;
 mod number;
 mod quantity;
+#[doc(hidden)]
+pub mod sample;
 
 pub use force::ForceUnit;
 pub use number::{measured, rough, rounded, rounded_down, rounded_up, to_places};

@@ -14,6 +14,7 @@ use crate::ctl::cli::Characterize;
 use crate::ctl::replay::Replay;
 use crate::reading::Method;
 use crate::stream::tape::{Entry, Header, Reader};
+use crate::units::sample::mean;
 use crate::units::{Nanos, rounded};
 use std::fs::File;
 use std::io::BufReader;
@@ -117,7 +118,7 @@ fn rows_of(row: Row, found: &Found, entries: &[Entry], channel: usize) -> Vec<Ro
     let discharges: Vec<f64> = of_sensor()
         .filter_map(|entry| entry.record.crossings().into_iter().flatten().reduce(f64::max))
         .collect();
-    let discharge_ns = discharges.iter().sum::<f64>() / discharges.len().max(1) as f64;
+    let discharge_ns = mean(&discharges).unwrap_or(0.0);
     let [first, last] = [found.told[0].at, found.told[found.told.len() - 1].at];
     let whole_s = (last - first).as_seconds();
     let each_s = whole_s / (found.told.len() as f64 - 1.0).max(1.0);

@@ -7,6 +7,7 @@ use crate::config::{Backend, Config, Findings};
 use crate::ctl::limits::{
     BEYOND_CHANCE, COLD, REHEARSED, REHEARSED_BOARDS, REHEARSED_READINGS, SHARES_OF_R_2, WARM,
 };
+use crate::estimate::scatter;
 use crate::instrument::settings::Settings;
 use crate::instrument::{Instrument, Message};
 use crate::pins::Pins;
@@ -103,10 +104,8 @@ pub fn rehearse(settings: &Settings, scene: &Scene, r_ohm: f64, boards: usize) -
 fn refuted_by(boards: &[Rehearsed], stated: f64) -> Option<f64> {
     let with_numbers = boards.iter().filter(|board| board.numbers > 0);
     let squares: Vec<f64> = with_numbers.map(|board| board.errors / board.numbers as f64).collect();
-    let count = squares.len() as f64;
-    let mean = squares.iter().sum::<f64>() / count;
-    let scatter = squares.iter().map(|square| (square - mean).powi(2)).sum::<f64>() / (count - 1.0) / count;
-    Some(mean).filter(|mean| count > 1.0 && mean - BEYOND_CHANCE * scatter.sqrt() > stated)
+    let mean = scatter::mean(squares.into_iter())?;
+    mean.u.filter(|u| mean.value - BEYOND_CHANCE * u > stated).map(|_| mean.value)
 }
 
 /// What came of boards; `stated`, `errors`: the sum of the squares of u, and of what it is said of, ohm².

@@ -5,6 +5,7 @@ use super::board::Board;
 use crate::pins::sim::SimPins;
 use crate::reading::Fault;
 use crate::stream::wire::{ReadingLine, StatsLine, StatusName};
+use crate::units::sample::rms;
 use crate::units::{Nanos, measured, rough};
 use console::{Style, style};
 use std::collections::BTreeMap;
@@ -126,11 +127,10 @@ impl Tally<'_> {
     /// Whether the uncertainties are true: a stated 1 sigma must hold what it promises.
     fn honesty(&self) -> String {
         let errors = &self.errors;
-        if errors.is_empty() {
+        let Some(spread) = rms(errors.iter().copied()) else {
             return row("error of ohms", "too few numbers to tell; try --seconds 20");
-        }
+        };
         let count = errors.len() as f64;
-        let spread = (errors.iter().map(|error| error * error).sum::<f64>() / count).sqrt();
         let within = 100.0 * errors.iter().filter(|error| error.abs() <= 2.0).count() as f64 / count;
         let [one, two] = ["(1 is honest)", "(95)"].map(|text| Style::new().dim().apply_to(text));
         let text = format!("{spread:.2} u rms {one}, {within:.0} % within 2 u {two} of {count}");

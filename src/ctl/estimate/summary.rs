@@ -2,6 +2,7 @@
 
 use crate::ctl::replay::Estimate;
 use crate::estimate::scatter;
+use crate::units::sample::rms;
 use crate::units::{measured, rounded};
 use serde::Serialize;
 use std::collections::BTreeMap;
@@ -60,8 +61,7 @@ impl Row {
         let n = numbers.len();
         let mean = scatter::mean(numbers.iter().map(|(r_ohm, _)| *r_ohm));
         let square = |of: &dyn Fn(f64, f64) -> f64| {
-            let squares = numbers.iter().filter_map(|(r_ohm, u)| Some(of(*r_ohm, (*u)?).powi(2)));
-            scatter::mean(squares.collect::<Vec<_>>().into_iter()).map(|mean| mean.value.sqrt())
+            rms(numbers.iter().filter_map(|(r_ohm, u)| Some(of(*r_ohm, (*u)?))))
         };
         // One degree of freedom is in the mean.
         let freedom = (n as f64 / (n as f64 - 1.0).max(1.0)).sqrt();

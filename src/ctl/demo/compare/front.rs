@@ -5,6 +5,7 @@ use super::super::board::Board;
 use crate::instrument::{Instrument, Message};
 use crate::pins::Pins;
 use crate::reading::{Method, Status};
+use crate::units::sample::{mean, rms};
 use crate::units::{Nanos, Ohm, Seconds, rounded};
 use console::style;
 
@@ -67,11 +68,10 @@ fn points(each_s: f64, errors: &[f64]) -> Vec<(f64, f64)> {
     let means = MEANS_S.map(|mean_s| (mean_s / each_s).round() as usize);
     let counts = std::iter::once(1).chain(means.into_iter().filter(|count| *count > 1));
     let rms_of_means = |count: usize| {
-        let means = errors.chunks_exact(count).map(|chunk| chunk.iter().sum::<f64>() / count as f64);
-        let squares: Vec<f64> = means.map(|mean| mean * mean).collect();
-        (count as f64 * each_s, (squares.iter().sum::<f64>() / squares.len().max(1) as f64).sqrt())
+        let means = errors.chunks_exact(count).filter_map(mean);
+        Some((count as f64 * each_s, rms(means).filter(|rms| *rms > 0.0)?))
     };
-    counts.map(rms_of_means).filter(|(_, rms)| *rms > 0.0).collect()
+    counts.filter_map(rms_of_means).collect()
 }
 
 /// The chart, and beneath it what each letter means.
