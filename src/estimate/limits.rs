@@ -76,13 +76,13 @@ pub const ELSEWHERE_EVERY: u32 = 4;
 /// The first late ones follow each other; fewer tell little.
 pub const ELSEWHERE_FIRST: usize = 6;
 /// How many are remembered.
-pub const ELSEWHERE_REMEMBERED: usize = 128;
+pub const ELSEWHERE_REMEMBERED: usize = 256;
 /// What they show is there beyond so many sigma.
 pub const ELSEWHERE_SHOWS: f64 = 3.0;
 /// By which part of R_1 a reading is off, 1 sigma, for each of R_2's time that they are beside the state.
 pub const BY_ELSEWHERE: f64 = 1.5;
 /// The same between R_1 and R_2, where it is greatest.
-pub const BY_ELSEWHERE_ABOVE: f64 = 5.5;
+pub const BY_ELSEWHERE_ABOVE: f64 = 7.0;
 
 // Noise of crossings.
 /// The largest share of a crossing's variance that both crossings have in common, whatever the resistor.

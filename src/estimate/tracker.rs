@@ -73,7 +73,7 @@ pub struct Tracker {
     /// Ro by the rounds before these, ohm.
     rough_r_o_ohm: Option<f64>,
     ready: bool,
-    /// Gain and rows of the last correction.
+    /// Gain and rows of the last calibration discharge; 0 if it has corrected nothing.
     last: ([[f64; 2]; UNKNOWNS], [State; 2]),
 }
 
@@ -191,8 +191,8 @@ impl Tracker {
         times: [Option<f64>; 2],
     ) -> Result<(), Fault> {
         self.advance(record.start);
-        let is_elsewhere = self.takes_elsewhere(kind, record);
-        if is_elsewhere && self.shows_elsewhere() {
+        self.last = Default::default();
+        if !self.takes_elsewhere(kind, record) {
             return Ok(());
         }
         match self.correct(kind, record, times) {

@@ -56,6 +56,9 @@ pub const CHATTER: f64 = 0.95;
 /// the discharge takes. In the steady state P of the calibration goes with the root of the time between discharges, so that
 /// half of what the last one brings is what less frequent ones would cost.
 pub const CALIBRATION_PAYS: f64 = 2.0;
+/// What a late split discharge shows of a board is worth as much as if it were gone after so long: a board keeps its capacitors,
+/// but what is published first has to wait for it.
+pub const SHOWN_LASTS: Nanos = Nanos(10_000_000_000);
 /// A split discharge pays in each cycle while the offset makes more than this share of a switched reading's variance. Its
 /// error is the same in all readings: it is a tenth of the noise of one, and as much as the noise of a mean of a hundred.
 pub const OFFSET_SHARE: f64 = 0.01;

@@ -23,10 +23,15 @@ pub(super) struct Elsewhere {
 }
 
 impl Tracker {
-    /// When the next split discharge is to switch, ns after its start, if that is elsewhere than the others.
-    pub fn elsewhere_ns(&self) -> Option<f64> {
+    /// When the next split discharge is to switch, ns after its start, if that is elsewhere than the others; `pays`: it is there
+    /// for what late ones show. No more than half of them are late, or the state would follow them and hide that.
+    pub fn elsewhere_ns(&self, pays: bool) -> Option<f64> {
         let Elsewhere { beside_ns, splits, .. } = &self.elsewhere;
-        let every = if beside_ns.taken() < ELSEWHERE_FIRST { 1 } else { ELSEWHERE_EVERY };
+        let every = match beside_ns.taken() {
+            taken if taken < ELSEWHERE_FIRST => 1,
+            _ if pays => 2,
+            _ => ELSEWHERE_EVERY,
+        };
         let is_due = self.ready && splits % every == every - 1;
         self.latest_ns().filter(|_| is_due)
     }
@@ -39,17 +44,17 @@ impl Tracker {
         (latest_ns > ELSEWHERE_AT_LEAST * first_ns).then_some(latest_ns)
     }
 
-    /// Counts a split discharge, and takes it if it switched late.
+    /// Takes a split discharge, for what it shows if it switched late; whether the state is to be corrected by it.
     pub(super) fn takes_elsewhere(&mut self, kind: CalibrationKind, record: &Record) -> bool {
-        let (CalibrationKind::Split, Some(switch)) = (kind, record.switch) else { return false };
+        let (CalibrationKind::Split, Some(switch)) = (kind, record.switch) else { return true };
         self.elsewhere.splits = self.elsewhere.splits.wrapping_add(1);
         if switch.at_ns < f64::midpoint(SPLIT_FRACTION, ELSEWHERE_AT_LEAST) * self.takes_ns()[0] {
-            return false;
+            return true;
         }
         let (beside_ns, u_state_ns) = self.beside_elsewhere(kind, record).unzip();
         self.elsewhere.u_state_ns = u_state_ns.unwrap_or(self.elsewhere.u_state_ns);
         self.elsewhere.beside_ns.add(beside_ns, record.start);
-        true
+        !self.shown_elsewhere_ns().is_some_and(is_certain)
     }
 
     /// By how much node A crossed later than expected, ns, the variance of that, and what the state's own uncertainty is of it,
@@ -59,11 +64,6 @@ impl Tracker {
         let (_, noise) = noise?;
         let u_state_ns = quadratic(&self.covariance, &a.by_state).sqrt();
         Some(([record.a_ns? - a.ns, noise.aa], u_state_ns))
-    }
-
-    /// Whether the law leaves something out for certain.
-    pub(super) fn shows_elsewhere(&self) -> bool {
-        self.shown_elsewhere_ns().is_some_and(is_certain)
     }
 
     /// By how much node A crosses beside what the state says, and the uncertainty of that, 1 sigma, ns.
@@ -77,17 +77,34 @@ impl Tracker {
     /// and R_2, which are read as themselves, all counts that noise does not explain.
     pub fn left_out_ohm(&self, r_ohm: f64) -> f64 {
         let Some([shown_ns, u_ns]) = self.shown_elsewhere_ns() else { return 0.0 };
-        let [r1_ohm, r2_ohm] = self.r_ohm;
         let certain_ns = if is_certain([shown_ns, u_ns]) { shown_ns } else { 0.0 };
         let likely_ns = (shown_ns.powi(2) - u_ns.powi(2)).max(0.0).sqrt();
-        // It grows from R_1 on until the dielectric can follow.
-        let above_ohm = if r_ohm > r1_ohm {
-            1.0 / (1.0 / (r_ohm - r1_ohm) + 1.0 / r1_ohm + 1.0 / (r2_ohm - r_ohm).abs())
-        } else {
-            0.0
-        };
-        let by_ohm = [BY_ELSEWHERE * r1_ohm * certain_ns, BY_ELSEWHERE_ABOVE * above_ohm * likely_ns];
-        by_ohm[0].max(by_ohm[1]) / self.takes_ns()[1]
+        let below_ohm = BY_ELSEWHERE * self.r_ohm[0] / self.takes_ns()[1] * certain_ns;
+        below_ohm.max(self.left_out_above(r_ohm) * likely_ns)
+    }
+
+    /// What is left out of a reading above R_1 for each ns that shows, ohm/ns. It grows from R_1 on until the dielectric can follow.
+    fn left_out_above(&self, r_ohm: f64) -> f64 {
+        let [r1_ohm, r2_ohm] = self.r_ohm;
+        if r_ohm <= r1_ohm {
+            return 0.0;
+        }
+        let above_ohm = 1.0 / (1.0 / (r_ohm - r1_ohm) + 1.0 / r1_ohm + 1.0 / (r2_ohm - r_ohm).abs());
+        BY_ELSEWHERE_ABOVE * above_ohm / self.takes_ns()[1]
+    }
+
+    /// The variance of a reading that late split discharges are too few to show, and by how much one more would lower it, ohm²;
+    /// `None` where there are none.
+    pub fn hidden_elsewhere(&self, r_ohm: f64) -> Option<[f64; 2]> {
+        self.latest_ns()?;
+        let beside_ns = &self.elsewhere.beside_ns;
+        let taken = beside_ns.taken();
+        if taken == 0 {
+            return None;
+        }
+        let variance = (self.left_out_above(r_ohm) * beside_ns.noise()).powi(2);
+        let lowered = if taken < ELSEWHERE_REMEMBERED { variance / (taken + 1) as f64 } else { 0.0 };
+        Some([variance, lowered])
     }
 }
 

@@ -207,3 +207,46 @@ fn what_the_law_leaves_out_shows_where_nothing_was_fitted() {
     let false_alarms = (0..200).filter(|seed| left_out(1000 + seed, 0.0)[0] > 0.0).count();
     assert!(share_is_in(false_alarms, 200, 0.0..=0.01), "{false_alarms} of 200");
 }
+
+/// Each of the first split discharges is late, then one in two while that pays, and else one in four.
+#[test]
+fn late_splits_come_as_often_as_what_they_show_is_worth() {
+    let (mut plant, mut tracker) = tracked(3, 60);
+    let mut late = |tracker: &mut Tracker, pays: bool| {
+        (0..8)
+            .filter(|_| {
+                let at_ns = tracker.elsewhere_ns(pays);
+                let fraction = at_ns.map_or(0.88, |at_ns| at_ns / tracker.takes_ns()[0]);
+                let _ = tracker.add(&plant.switched(CalibrationKind::Split, fraction));
+                at_ns.is_some()
+            })
+            .count()
+    };
+    late(&mut tracker, false);
+    let r_ohm = 3.0 * R[0];
+    let [hidden, lowered] = tracker.hidden_elsewhere(r_ohm).unwrap();
+    assert!(lowered < hidden && tracker.hidden_elsewhere(R[0]).unwrap()[0] == 0.0);
+    assert_eq!(late(&mut tracker, true), 4);
+    assert_eq!(late(&mut tracker, false), 2);
+    let [less, _] = tracker.hidden_elsewhere(r_ohm).unwrap();
+    assert!(less < 0.7 * hidden, "{less} of {hidden} ohm² with twice as many");
+}
+
+/// What a mean shares with the state is what it was after a discharge that has corrected nothing.
+#[test]
+fn a_discharge_that_corrects_nothing_leaves_what_is_shared() {
+    let (mut plant, mut tracker) = tracked(4, 60);
+    let v: State = std::array::from_fn(|index| 1.0 + index as f64);
+    for _ in 0..64 {
+        let _ = tracker.add(&plant.record(CalibrationKind::First));
+        let record = plant.switched(CalibrationKind::Split, 0.98);
+        let a_ns = record.a_ns.map(|a_ns| a_ns - 40_000.0);
+        let _ = tracker.add(&Record { a_ns, b_ns: None, ..record });
+    }
+    assert_eq!(tracker.counts().steps, 0);
+    let used = tracker.counts().used;
+    assert_eq!(tracker.after_correction(&v), v);
+    tracker.add(&plant.record(CalibrationKind::First)).unwrap();
+    assert_ne!(tracker.after_correction(&v), v);
+    assert_eq!(tracker.counts().used, used + 1);
+}

@@ -10,11 +10,11 @@ use crate::estimate::limits::{ABSORPTION_REST, LEAK_HELD_AT, LEAK_HOLD, SPLIT_FR
 use crate::estimate::method::Switching;
 use crate::estimate::motion::Motion;
 use crate::estimate::scatter::expected_ns;
-use crate::estimate::tracker::Tracker;
 use crate::instrument::discharge::Charge;
 use crate::instrument::limits::{
     B_FORGOTTEN, B_LEFT_ALONE, CALIBRATION_PAYS, CHARGE_STEP, HYSTERESIS, LONGEST_IDLE, MOST_LONGER,
-    OFFSET_SHARE, OUTLIERS_OF_DOUBT, RESTLESS_KEEPS, RETRY_EARLIER, YOUNG, YOUNG_EVERY, YOUNG_PAUSE,
+    OFFSET_SHARE, OUTLIERS_OF_DOUBT, RESTLESS_KEEPS, RETRY_EARLIER, SHOWN_LASTS, YOUNG, YOUNG_EVERY,
+    YOUNG_PAUSE,
 };
 use crate::instrument::settings::Charges;
 use crate::sensor::Channel;
@@ -232,7 +232,8 @@ impl Cycle {
     fn split_time(&self) -> Option<Nanos> {
         let (c1, c2) = self.estimator.calibration()?;
         let [r1, r2] = self.settings.r_ohm();
-        let elsewhere_ns = self.estimator.tracker().and_then(Tracker::elsewhere_ns);
+        let pays = self.late_split_pays() > CALIBRATION_PAYS;
+        let elsewhere_ns = self.estimator.tracker().and_then(|tracker| tracker.elsewhere_ns(pays));
         let usual_ns = SPLIT_FRACTION * (c2[0] - c1[0]) / (r2 - r1) * r1;
         Some(Nanos(elsewhere_ns.unwrap_or(usual_ns) as i64))
     }
@@ -307,8 +308,7 @@ impl Cycle {
     pub(super) fn wanted(&self) -> Option<(CalibrationKind, Node)> {
         let tracker = self.estimator.tracker()?;
         let dependences = || self.memory.iter().filter_map(|memory| memory.dependence);
-        // Of a mean, what each reading has of its own is less.
-        let readings = self.settings.average.map_or(1.0, |time| (time.as_ns() / self.cycle_ns).max(1.0));
+        let readings = self.readings();
         let before_ns = self.before_ns();
         let all = CalibrationKind::ALL
             .into_iter()
@@ -335,7 +335,30 @@ impl Cycle {
             let kind = CalibrationKind::ALL[self.young as usize % 3];
             return Some((kind, best.1));
         }
+        if self.late_split_pays() > pays.max(CALIBRATION_PAYS) {
+            return Some((CalibrationKind::Split, Node::A));
+        }
         (pays > CALIBRATION_PAYS || is_doubted || is_due(LONGEST_IDLE)).then_some(best)
+    }
+
+    /// How many readings there are in what is published: of a mean, what each has of its own is less.
+    fn readings(&self) -> f64 {
+        self.settings.average.map_or(1.0, |time| (time.as_ns() / self.cycle_ns).max(1.0))
+    }
+
+    /// What a split discharge that switches late is worth for its time: it shows what the law leaves out, which is in the
+    /// uncertainty of readings as far as nothing excludes it.
+    fn late_split_pays(&self) -> f64 {
+        let Some(tracker) = self.estimator.tracker() else { return 0.0 };
+        let relative = |memory: &Memory| {
+            let ((by_state, own), r_ohm) = (memory.dependence?, memory.r_ohm?);
+            let [hidden, lowered] = tracker.hidden_elsewhere(r_ohm)?;
+            Some(lowered / (own / self.readings() + tracker.variance(&by_state) + hidden))
+        };
+        let all: f64 = self.memory.iter().filter_map(relative).sum();
+        let ends_ns = tracker.planned(CalibrationKind::Split).crossing(tracker.state(), 0).ns;
+        let takes_ns = self.before_ns()[0] + ends_ns;
+        all / self.memory.len() as f64 * SHOWN_LASTS.as_ns() / takes_ns
     }
 }
 
