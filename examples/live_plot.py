@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""A live plot of a channel with its uncertainty: live_plot.py [CHANNEL]. Needs clients/python and matplotlib."""
+"""A live plot of a channel with its uncertainty: live_plot.py [CHANNEL]. Needs clients/python and matplotlib. Not tested."""
 
 import sys
 import time

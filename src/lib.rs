@@ -1,6 +1,6 @@
 //! Reads resistive sensors on Linux GPIO lines without an ADC.
 //!
-//! Two capacitors, two known resistors and five to seven GPIO lines make an ohmmeter: lines charge the capacitors,
+//! One or two capacitors, two known resistors and five to seven GPIO lines make an ohmmeter: lines charge the capacitors,
 //! one resistor at a time discharges them, the kernel stamps the moment a node falls through the threshold of its
 //! input, and the times give the resistance (direct interface circuits: TPCM, QERM, TCDIC, CERM).
 //!

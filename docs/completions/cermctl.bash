@@ -1119,7 +1119,7 @@ _cermctl() {
             return 0
             ;;
         cermctl__subcmd__setup)
-            opts="-h --yes --undo --chip --scene --wiring --c-a --c-b --c --r-c1 --r-c2 --sensor --id --set --no-service --config --socket --help"
+            opts="-h --yes --undo --chip --scene --wiring --c-a --c-b --c --r-c1 --r-c2 --r-charge --sensor --id --set --no-service --config --socket --help"
             if [[ ${cur} == -* || ${COMP_CWORD} -eq 2 ]] ; then
                 COMPREPLY=( $(compgen -W "${opts}" -- "${cur}") )
                 return 0
@@ -1154,6 +1154,10 @@ _cermctl() {
                     return 0
                     ;;
                 --r-c2)
+                    COMPREPLY=($(compgen -f "${cur}"))
+                    return 0
+                    ;;
+                --r-charge)
                     COMPREPLY=($(compgen -f "${cur}"))
                     return 0
                     ;;

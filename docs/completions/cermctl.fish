@@ -186,9 +186,10 @@ complete -c cermctl -n "__fish_cermctl_using_subcommand setup" -l c-b -d 'C_B as
 complete -c cermctl -n "__fish_cermctl_using_subcommand setup" -l c -d 'The only capacitor as printed' -r
 complete -c cermctl -n "__fish_cermctl_using_subcommand setup" -l r-c1 -d 'Rc1 as measured, such as "468.2 ohm"' -r
 complete -c cermctl -n "__fish_cermctl_using_subcommand setup" -l r-c2 -d 'Rc2 as measured' -r
+complete -c cermctl -n "__fish_cermctl_using_subcommand setup" -l r-charge -d 'Rp of a charger and its pin, such as "260 ohm" [default: by the chip, as hw/wiring.md has it]' -r
 complete -c cermctl -n "__fish_cermctl_using_subcommand setup" -l sensor -d 'What is measured: fsr402 for force by its data sheet, ohm for resistance alone' -r
 complete -c cermctl -n "__fish_cermctl_using_subcommand setup" -l id -d 'The name of the sensor in the stream' -r
-complete -c cermctl -n "__fish_cermctl_using_subcommand setup" -l set -d 'Any other value of the configuration, such as gpio.sense-a=GPIO17; several times for several' -r
+complete -c cermctl -n "__fish_cermctl_using_subcommand setup" -l set -d 'Any other value of the configuration, such as gpio.sense-a=GPIO17 or channel.law.kind=pt1000; several times for several' -r
 complete -c cermctl -n "__fish_cermctl_using_subcommand setup" -l config -d 'The configuration file, see cermd.toml(5)' -r -F
 complete -c cermctl -n "__fish_cermctl_using_subcommand setup" -l socket -d 'The socket of the daemon' -r -F
 complete -c cermctl -n "__fish_cermctl_using_subcommand setup" -l yes -d 'Ask nothing: what no option says is as on the drawings'

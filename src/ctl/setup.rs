@@ -27,6 +27,7 @@ pub fn run(arguments: &Setup) -> Result<(), CtlError> {
     let path = &arguments.file.path;
     let chip = chip(arguments)?;
     let answers = ask(arguments, chip)?;
+    say(&format!("   r-charge: {}, Rp and its pin; for another Rp: --r-charge", answers.r_charge()))?;
     let text = answers.configuration().map_err(CtlError::Said)?;
     let report = check::usable(path, Config::of_file(&text, path));
     if !report.is_usable() {
@@ -129,9 +130,10 @@ fn finish(arguments: &Setup) -> Result<(), CtlError> {
     if !arguments.yes {
         zero(arguments)?;
     }
-    say(
-        "done. Live: cermctl watch. What pins differ by is taken out by `cermctl calibrate zero` and `reference`,",
-    )?;
+    let user = std::env::var("SUDO_USER").unwrap_or_else(|_| "USER".to_owned());
+    say("done. Live: sudo cermctl watch")?;
+    say(&format!("without sudo, once {user} has logged in again: sudo usermod -aG cermd {user}"))?;
+    say("What pins differ by is taken out by `cermctl calibrate zero` and `reference`,")?;
     say("and forces are as true as `cermctl calibrate force` makes them. Taken back by: cermctl setup --undo")
 }
 

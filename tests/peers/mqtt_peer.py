@@ -150,6 +150,7 @@ with Bench() as bench:
     tls = ["--port", broker.tls_port, "--user", "board", "--password-file", "password"]
     for what, arguments, words in [
         ("a wrong authority is told", [*tls, "--ca", "other-ca.pem"], "does not vouch for this broker"),
+        ("so is another name", ["--broker", "127.0.0.1", *tls, "--ca", "ca.pem"], "its certificate is for another name"),
         ("so is TLS on the wrong port", ["--port", broker.port, "--ca", "ca.pem"], "is this its port for TLS?"),
         ("so is no TLS where it is wanted", ["--port", broker.tls_port], "does it want TLS"),
         ("so is a wrong password", ["--port", broker.tls_port, "--ca", "ca.pem", "--user", "board", "--password-file", "ca.pem"],
@@ -157,7 +158,8 @@ with Bench() as bench:
         ("so is nobody", ["--port", free_port()], "refused"),
     ]:  # fmt: skip
         log = f"log-{time.monotonic_ns()}"
-        attempt = bench.cermctl("bridge", "mqtt", "--broker", "localhost", "--id", "other", *arguments, log=log)
+        where = [] if "--broker" in arguments else ["--broker", "localhost"]
+        attempt = bench.cermctl("bridge", "mqtt", *where, "--id", "other", *arguments, log=log)
         until(what, lambda: words in bench.log(log))
         check(what, attempt.poll() is None, bench.log(log).strip().splitlines()[-1][-160:])
         attempt.kill()

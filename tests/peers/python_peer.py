@@ -106,6 +106,21 @@ with Bench() as bench:
         check("an outage releases", not sensor.is_active and sensor.value is None and events[-1] == "released")
         bench.start_daemon()
         sensor.wait_for_active(20)
+
+    from gpiozero import PWMLED
+    from gpiozero.pins.mock import MockFactory, MockPWMPin
+
+    pins = MockFactory(pin_class=MockPWMPin)
+    with ForceSensor("thumb", full_scale=20, socket=path, stale=0.5) as sensor, PWMLED(17, pin_factory=pins) as led:
+        # From before the first reading on.
+        led.source = sensor
+        until("an output to follow the sensor", lambda: led.value > 0.3)
+        bench.kill_daemon()
+        until("it to be off in an outage", lambda: sensor.value is None and led.value == 0)
+        bench.start_daemon()
+        _, took = until("it to follow again", lambda: led.value > 0.3)
+        check("an output follows by its source, and is off where nothing is known", True, f"{took:.2f} s after the start")
+        check("there is no source of a sensor", not hasattr(sensor, "source"))
     with ForceSensor("toe", socket=path) as sensor:
         until("the sensor to say what is wrong", lambda: sensor.error is not None)
         check("a channel that is not there is no end of it", sensor.value is None and "toe" in str(sensor.error), sensor.error)

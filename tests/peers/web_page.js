@@ -36,6 +36,8 @@ const check = (what, isSo, seen = "") => {
     check("values move", seen.size > 5, `${seen.size} in 10 looks`);
     await page.locator("#figures", { hasText: "latency offset" }).waitFor();
     await page.waitForTimeout(pictures ? 40000 : 4000);
+    await index.locator(".span", { hasText: /, \d+(\.\d+)?\/s$/ }).waitFor();
+    check("each channel has its own rate", true, await index.locator(".span").textContent());
     const drawn = await thumb.locator(".line").getAttribute("d");
     check("a plot is drawn, with its band", drawn.length > 500 && (await thumb.locator(".band").getAttribute("d")).length > 500, `${drawn.length} characters`);
 

@@ -142,6 +142,25 @@ fn thresholds_may_be_in_the_unit_of_a_law() {
 }
 
 #[test]
+fn an_output_may_be_active_while_released() {
+    let keys = KEYS.replace("\"GPIO17\" }", "\"GPIO17\", when = \"released\" }");
+    let home = Home::new(config(&["thumb"], "offset = \"8 us\"").lines("channel.thumb", &keys));
+    pressing(&home);
+    let daemon = home.start();
+    let mut stream = home.connect();
+    while next(&mut stream)["event"] != "released" {}
+    until_so("the output is active", || levels(&home).contains(&"active"));
+    while next(&mut stream)["event"] != "pressed" {}
+    while next(&mut stream)["event"] != "released" {}
+    until_so("a press has made it inactive", || {
+        levels(&home).windows(3).any(|levels| levels == ["active", "inactive", "active"])
+    });
+    daemon.signal(Signal::SIGTERM);
+    assert_eq!(daemon.end().code(), Some(0));
+    assert_eq!(levels(&home).last(), Some(&"inactive"), "at the end");
+}
+
+#[test]
 fn a_reload_lets_go_of_the_output() {
     let home = home();
     let daemon = home.start();

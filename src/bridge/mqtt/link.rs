@@ -227,16 +227,26 @@ fn hint(error: &ConnectionError, text: &str, was_short: bool) -> &'static str {
             ": look at --user and --password-file"
         }
         ConnectionError::ConnectionRefused(BadClientId) => ": the broker does not like --id",
-        // What is inside of an error of TLS has no type here.
-        _ if text.contains("UnknownIssuer") => ": the file of --ca does not vouch for this broker",
-        _ if text.contains("NotValidForName") => {
-            ": its certificate is for another name; write that into --broker"
-        }
+        _ if text.contains("invalid peer certificate") => certificate(text),
         ConnectionError::Tls(_) => ": is this its port for TLS?",
         ConnectionError::MqttState(_) if was_short => {
             ": does it want TLS, or is there another client of the same --id?"
         }
         _ => "",
+    }
+}
+
+/// What is inside of an error of TLS has no type here, but the words of rustls.
+fn certificate(text: &str) -> &'static str {
+    let says = |words: &[&str]| words.iter().any(|word| text.contains(word));
+    if says(&["UnknownIssuer"]) {
+        ": the file of --ca does not vouch for this broker"
+    } else if says(&["NotValidForName", "not valid for name"]) {
+        ": its certificate is for another name; write that into --broker"
+    } else if says(&["Expired", "NotValidYet", "certificate expired", "not valid yet"]) {
+        ": its certificate is not valid at the time of this machine's clock; is that set? (timedatectl)"
+    } else {
+        ""
     }
 }
 
@@ -260,4 +270,36 @@ fn options(broker: &Broker, id: &str, will: &Message) -> Result<MqttOptions, Bri
 
 fn read(path: &Path) -> Result<String, BridgeError> {
     read_text(path, SETTINGS_BYTES).map_err(|error| BridgeError::File { path: path.to_owned(), error })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::certificate;
+
+    /// As rustls 0.23 writes them.
+    #[test]
+    fn what_is_wrong_with_a_certificate_is_told_apart() {
+        for (error, wanted) in [
+            ("UnknownIssuer", "does not vouch"),
+            (
+                "certificate not valid for name \"127.0.0.1\"; certificate is only valid for DnsName(\"localhost\")",
+                "another name",
+            ),
+            ("NotValidForName", "another name"),
+            (
+                "certificate expired: verification time 1766000000 (UNIX), but certificate is not valid after 1765000000 \
+                 (1000000 seconds ago)",
+                "timedatectl",
+            ),
+            (
+                "certificate not valid yet: verification time 1000 (UNIX), but certificate is not valid before 1765000000 \
+                 (1764999000 seconds in future)",
+                "timedatectl",
+            ),
+        ] {
+            let hint = certificate(&format!("TLS: invalid peer certificate: {error}"));
+            assert!(hint.contains(wanted), "{error}: {hint}");
+        }
+        assert_eq!(certificate("TLS: invalid peer certificate: BadEncoding"), "");
+    }
 }

@@ -74,6 +74,7 @@ class Channel {
     // No reading, or none that is fresh.
     silence() {
         this.seen = null;
+        this.rate = undefined;
         this.state("unknown", "no reading");
         for (const part of [".value", ".more", ".note"]) this.say(part, "");
         this.add(undefined);
@@ -141,7 +142,7 @@ class Channel {
         const past = `the last ${(span / 1000).toFixed(0)} s`;
         this.say(".low", from);
         this.say(".high", to);
-        this.say(".span", past);
+        this.say(".span", this.rate > 0 ? `${past}, ${this.rate.toPrecision(3)}/s` : past);
         const label = isKnown ? `${this.id}: ${from} ${to} in ${past}` : `${this.id}: nothing in ${past}`;
         if (this.label !== label) this.part("svg").setAttribute("aria-label", (this.label = label));
     }
@@ -185,6 +186,7 @@ function health(stats) {
         tell("readings a second", ((stats.readings - counted.readings) / (stats.uptime_s - counted.uptime_s)).toPrecision(3));
     }
     counted = stats;
+    for (const [id, channel] of channels) channel.rate = stats.channels?.[id]?.rate_hz;
     tell("method", stats.method);
     const scaled = (ns) => (ns === undefined ? undefined : ns / 1000);
     tell("latency offset", measured(scaled(stats.offset_ns), scaled(stats.offset_u_ns), "µs") || "not known yet");

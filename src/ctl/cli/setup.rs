@@ -36,13 +36,16 @@ pub struct Setup {
     /// Rc2 as measured
     #[arg(long, value_name = "RESISTANCE")]
     pub r_c2: Option<String>,
+    /// Rp of a charger and its pin, such as "260 ohm" [default: by the chip, as hw/wiring.md has it]
+    #[arg(long, value_name = "RESISTANCE")]
+    pub r_charge: Option<String>,
     /// What is measured: fsr402 for force by its data sheet, ohm for resistance alone
     #[arg(long, value_name = "fsr402|ohm")]
     pub sensor: Option<String>,
     /// The name of the sensor in the stream
     #[arg(long, value_name = "ID", default_value = "thumb")]
     pub id: String,
-    /// Any other value of the configuration, such as gpio.sense-a=GPIO17; several times for several
+    /// Any other value of the configuration, such as gpio.sense-a=GPIO17 or channel.law.kind=pt1000; several times for several
     #[arg(long, value_name = "KEY=VALUE")]
     pub set: Vec<String>,
     /// Write and test the configuration, and leave the service alone

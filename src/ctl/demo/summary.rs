@@ -14,7 +14,7 @@ use std::collections::BTreeMap;
 const HINTS: [(&str, &str); 3] = [
     ("cermctl demo --compare", "all methods side by side"),
     ("cermctl check", "what to expect of your own circuit"),
-    ("cermd, cermctl watch", "on hardware; start from hw/cermd.toml"),
+    ("sudo cermctl setup", "on hardware: from wires to readings"),
 ];
 
 /// The readings so far.

@@ -4,7 +4,7 @@ use crate::ctl::calibrate::edit;
 use crate::ctl::cli::Setup;
 use crate::units::{Farad, Ohm};
 use std::str::FromStr;
-use toml_edit::{DocumentMut, Item, Table, TableLike, Value};
+use toml_edit::{DocumentMut, InlineTable, Item, Table, TableLike, Value};
 
 /// The first words of a file that a setup has written.
 pub const MARK: &str = "# Written by `cermctl setup`";
@@ -93,7 +93,19 @@ impl<'a> Answers<'a> {
                 answers.answer(key, text).map_err(|error| format!("{}: {error}", key.question()))?;
             }
         }
+        if let Some(text) = &arguments.r_charge {
+            quantity::<Ohm>(text).map_err(|error| format!("--r-charge: {error}"))?;
+        }
         Ok(answers)
+    }
+
+    /// Rp and 40 ohm of its pin: Rp is by what the pins of a board may carry (hw/wiring.md).
+    pub fn r_charge(&self) -> &str {
+        self.arguments.r_charge.as_deref().unwrap_or(match self.chip.as_deref() {
+            Some("pinctrl-rp1") => "370 ohm",
+            Some("pinctrl-bcm2711") => "510 ohm",
+            _ => "260 ohm",
+        })
     }
 
     fn given(&self, key: Key) -> Option<&'a str> {
@@ -155,6 +167,7 @@ impl<'a> Answers<'a> {
         }
         set("circuit.r-c1", self.text(Key::RC1))?;
         set("circuit.r-c2", self.text(Key::RC2))?;
+        set("circuit.r-charge", self.r_charge())?;
         set("channel.id", &self.arguments.id)?;
         match &self.chip {
             Some(chip) => set("gpio.chip", chip)?,
@@ -188,14 +201,21 @@ impl<'a> Answers<'a> {
     }
 }
 
-/// The table that a path such as `gpio.chip` names, made if it is not there, and the key in it; the first channel is `channel`.
+/// The table that a path such as `gpio.chip` or `channel.law.kind` names, made if it is not there, and the key in it; the first
+/// channel is `channel`.
 fn table<'a, 'b>(document: &'a mut DocumentMut, path: &'b str) -> Option<(&'a mut dyn TableLike, &'b str)> {
-    let (name, key) = path.split_once('.')?;
-    let item = document.entry(name).or_insert_with(|| Item::Table(Table::new()));
-    match item {
-        Item::ArrayOfTables(tables) => tables.get_mut(0).map(|table| (table as &mut dyn TableLike, key)),
-        item => item.as_table_like_mut().map(|table| (table, key)),
+    let (tables, key) = path.rsplit_once('.')?;
+    let mut names = tables.split('.');
+    let item = document.entry(names.next()?).or_insert_with(|| Item::Table(Table::new()));
+    let mut table: &mut dyn TableLike = match item {
+        Item::ArrayOfTables(tables) => tables.get_mut(0)?,
+        item => item.as_table_like_mut()?,
+    };
+    for name in names {
+        let inner = table.entry(name).or_insert_with(|| Item::Value(InlineTable::new().into()));
+        table = inner.as_table_like_mut()?;
     }
+    Some((table, key))
 }
 
 fn put(document: &mut DocumentMut, path: &str, value: Value) -> Result<(), String> {
@@ -232,7 +252,35 @@ mod tests {
     #[test]
     fn without_a_word_it_is_the_commented_one() {
         let text = written(&[], Some("pinctrl-rp1")).unwrap();
-        assert!(text.starts_with(MARK) && text.ends_with(TEMPLATE));
+        assert!(text.starts_with(MARK) && text.ends_with(&TEMPLATE.replace("\"260 ohm\"", "\"370 ohm\"")));
+    }
+
+    #[test]
+    fn the_charger_is_that_of_the_board_or_what_is_said() {
+        for (chip, options, wanted) in [
+            ("pinctrl-rp1", &[][..], 370.0),
+            ("pinctrl-bcm2711", &[], 510.0),
+            ("pinctrl-bcm2835", &[], 260.0),
+            ("pinctrl-bcm2711", &["--r-charge", "300 ohm"], 300.0),
+        ] {
+            let config = Config::parse(&written(options, Some(chip)).unwrap(), "test").unwrap();
+            assert_eq!(config.circuit.r_charge, Ohm(wanted), "{chip}");
+        }
+    }
+
+    #[test]
+    fn a_law_is_given_by_its_keys() {
+        let law = ["channel.law.kind=ntc", "channel.law.r25=10 kohm", "channel.law.beta=3950 K"];
+        let law = law.iter().flat_map(|assignment| ["--set", assignment]);
+        let options: Vec<&str> = ["--sensor", "ohm"].into_iter().chain(law).collect();
+        let config = Config::parse(&written(&options, Some("pinctrl-rp1")).unwrap(), "test").unwrap();
+        assert!(
+            config.channels[0].law.is_some() && !config.check().has_errors(),
+            "{}",
+            config.check().errors()
+        );
+        let force = written(&["--set", "channel.force.alpha=1 N ohm"], None).unwrap();
+        assert!(force.contains("force = { alpha = \"1 N ohm\" }"), "{force}");
     }
 
     #[test]
@@ -266,6 +314,8 @@ mod tests {
             (["--wiring", "three"], "one, or two"),
             (["--set", "nonsense"], "KEY=VALUE"),
             (["--set", "gpio=5"], "a key such as"),
+            (["--set", "gpio.chip.name=5"], "a key such as"),
+            (["--r-charge", "470"], "--r-charge: "),
         ] {
             let error = written(&options, None).unwrap_err();
             assert!(error.contains(wanted), "{error}");

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import threading
 import time
-from typing import Any, Optional
+from typing import Any, Iterator, Optional
 
-from gpiozero import Device, EventsMixin, SourceMixin
+from gpiozero import Device, EventsMixin
 from gpiozero.threads import GPIOThread
 
 from ._client import CermdError, Readings
@@ -26,7 +26,7 @@ class _NoPins:
         return later - earlier
 
 
-class ForceSensor(SourceMixin, EventsMixin, Device):  # type: ignore[misc]
+class ForceSensor(EventsMixin, Device):  # type: ignore[misc]
     """A channel of cermd with a force. `value` is 0 to 1 of `full_scale`, or None where there is no number.
 
     Active from `threshold` on until the force is below `release` (0.8 of the threshold without it), there is no number,
@@ -108,6 +108,12 @@ class ForceSensor(SourceMixin, EventsMixin, Device):  # type: ignore[misc]
         """0 to 1 of the full scale; None: unknown."""
         force = self.force
         return None if force is None else min(1.0, max(0.0, force / self.full_scale))
+
+    @property
+    def values(self) -> Iterator[float]:
+        """`value` again and again, for the `source` of an output, which takes numbers only: 0.0 where nothing is known."""
+        while not self.closed:
+            yield self.value or 0.0
 
     @property
     def is_active(self) -> bool:
