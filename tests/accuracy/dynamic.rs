@@ -198,6 +198,9 @@ fn fastest(method: Method) -> f64 {
     }
 }
 
+/// Where an oscillation of 20 Hz is read a dozen times a period, one or two in a hundred readings come after a gap that is too long.
+const UNSETTLED: f64 = 0.03;
+
 fn oscillations() -> (String, String) {
     let (mut table, mut wrong) = (String::new(), String::new());
     for case in CASES {
@@ -211,18 +214,19 @@ fn oscillations() -> (String, String) {
                 let is_true = seen.within(2.0).is_in(WITHIN_2U..=1.0)
                     && seen.rms().is_in(0.5..=1.2)
                     && seen.worst() < 7.0
-                    && seen.share("unsettled").is_in(0.0..=0.0);
+                    && seen.share("unsettled").is_in(0.0..=UNSETTLED);
                 if !is_true {
                     writeln!(wrong, "{} {r_ohm} ohm {hertz} Hz: {}", name(case), seen.in_words()).unwrap();
                 }
                 writeln!(
                     table,
-                    "| {} | {r_ohm} | {hertz} | {:.3} | {:.3} | {:.1} | {:.1} |",
+                    "| {} | {r_ohm} | {hertz} | {:.3} | {:.3} | {:.1} | {:.1} | {:.1} |",
                     name(case),
                     100.0 * predicted(r_ohm, hertz),
                     100.0 * seen.median_u(),
                     100.0 * seen.within(2.0).value,
-                    100.0 * seen.moving().value
+                    100.0 * seen.moving().value,
+                    100.0 * seen.share("unsettled").value
                 )
                 .unwrap();
             }
@@ -262,10 +266,11 @@ than the value there is no number: the reading is `fault`, `unsettled`.
 Everything below is **simulated**: board `pi4` without its rare late stamps, R_x = R (1 + 0.2 sin(2 pi f t)), 8
 instruments with 150 readings each. Written by `UPDATE_DOCS=1 cargo test --test accuracy dynamic`; do not edit. `predicted` is the
 second order of a full discharge of two nodes (1 sigma), `u` the median of what is stated, noise included, `within 2u` the share
-of the numbers that are R_x at their instant within twice their own sigma. All are numbers.
+of the numbers that are R_x at their instant within twice their own sigma. `unsettled`: no numbers, after a calibration discharge through
+Rc2 that the oscillation has not waited for.
 
-| method | R / ohm | f / Hz | predicted / % | u / % | within 2u / % | moving / % |
-|---|--:|--:|--:|--:|--:|--:|
+| method | R / ohm | f / Hz | predicted / % | u / % | within 2u / % | moving / % | unsettled / % |
+|---|--:|--:|--:|--:|--:|--:|--:|
 ";
 
 const HAND: &str = "

@@ -6,7 +6,7 @@ use super::{Branch, CalibrationKind, Cycle, Estimator, Fault, Judged, Look, Plan
 use crate::circuit::Node;
 use crate::estimate::Predicted;
 use crate::estimate::law::State;
-use crate::estimate::limits::{ABSORPTION_REST, LEAK_HELD_AT, LEAK_HOLD, SPLIT_FRACTION};
+use crate::estimate::limits::{ABSORPTION_REST, BEYOND_NOISE, LEAK_HELD_AT, LEAK_HOLD, SPLIT_FRACTION};
 use crate::estimate::method::Switching;
 use crate::estimate::motion::Motion;
 use crate::estimate::scatter::expected_ns;
@@ -335,10 +335,10 @@ impl Cycle {
             let kind = CalibrationKind::ALL[self.young as usize % 3];
             return Some((kind, best.1));
         }
-        if self.late_split_pays() > pays.max(CALIBRATION_PAYS) {
-            return Some((CalibrationKind::Split, Node::A));
+        if pays > CALIBRATION_PAYS || is_doubted || is_due(LONGEST_IDLE) {
+            return Some(best);
         }
-        (pays > CALIBRATION_PAYS || is_doubted || is_due(LONGEST_IDLE)).then_some(best)
+        (self.late_split_pays() > CALIBRATION_PAYS).then_some((CalibrationKind::Split, Node::A))
     }
 
     /// How many readings there are in what is published: of a mean, what each has of its own is less.
@@ -352,6 +352,10 @@ impl Cycle {
         let Some(tracker) = self.estimator.tracker() else { return 0.0 };
         let relative = |memory: &Memory| {
             let ((by_state, own), r_ohm) = (memory.dependence?, memory.r_ohm?);
+            // What moves is followed, not waited for, and is uncertain by more than that.
+            if memory.restless * r_ohm > BEYOND_NOISE * own.sqrt() {
+                return None;
+            }
             let [hidden, lowered] = tracker.hidden_elsewhere(r_ohm)?;
             Some(lowered / (own / self.readings() + tracker.variance(&by_state) + hidden))
         };
