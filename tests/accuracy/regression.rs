@@ -62,7 +62,7 @@ fn accuracy_and_speed_are_as_they_were() {
         let holds = row.rms_ohm.zip(row.u_ohm).is_some_and(|(error, u)| error < 1.5 * u);
         // Nor is rest taken for motion.
         let all = INSTRUMENTS as usize * READINGS;
-        let rests = share_is_in((row.moving * all as f64) as usize, all, 0.0..=0.05);
+        let rests = share_is_in((row.moving * all as f64).round() as usize, all, 0.0..=0.05);
         if !holds || !rests {
             wrong.push(what);
         }
