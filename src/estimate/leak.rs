@@ -13,7 +13,8 @@
 #[cfg(doc)]
 use crate::estimate::limits::LEAK_HELD_AT;
 use crate::estimate::limits::{
-    GROSS_LEAK_SIEMENS, LEAK_EVERY, LEAK_FIRST, LEAK_HOLD, LEAK_REMEMBERED, LIKELY_LEAK_SIEMENS,
+    GROSS_LEAK_SIEMENS, LEAK_EVERY, LEAK_FIRST, LEAK_GROSS_FIRST, LEAK_HOLD, LEAK_REMEMBERED,
+    LIKELY_LEAK_SIEMENS,
 };
 use crate::estimate::look::Looks;
 use crate::units::Nanos;
@@ -60,9 +61,15 @@ impl LeakTest {
         has_changed
     }
 
-    /// Whether there has been a look.
+    /// Whether the looks are wanting without which nothing is to be said of a sensor.
+    pub fn is_wanting(&self) -> bool {
+        self.looks.tried() < LEAK_GROSS_FIRST
+    }
+
+    /// Whether there have been looks enough: for a defect a few that agree, since nothing else is so large.
     pub fn is_known(&self) -> bool {
-        self.looks.taken() >= LEAK_FIRST
+        let is_gross = self.looks.remembered().iter().all(|siemens| siemens.abs() > GROSS_LEAK_SIEMENS);
+        self.looks.taken() >= if is_gross { LEAK_GROSS_FIRST } else { LEAK_FIRST }
     }
 
     /// The likely leak, siemens, whether it shows or not: nobody has seen that there is none. Before there has been a look, one
@@ -118,6 +125,20 @@ mod tests {
         // One that goes is forgotten.
         let gone = tested(2 * LEAK_REMEMBERED, |index| if index < LEAK_REMEMBERED { 508_000.0 } else { 0.0 });
         assert_eq!((gone.siemens(), gone.likely_siemens()), (None, 0.0));
+    }
+
+    #[test]
+    fn a_defect_is_known_by_the_first_looks_and_one_spike_is_none() {
+        // 40 ms / 50 kohm * 12.7 kohm.
+        let defect = |count| tested(count, |_| 10.16e6);
+        assert!(defect(LEAK_GROSS_FIRST - 1).is_wanting() && !defect(LEAK_GROSS_FIRST).is_wanting());
+        assert_eq!(defect(LEAK_GROSS_FIRST - 1).siemens(), None);
+        assert!(defect(LEAK_GROSS_FIRST).siemens().unwrap() > GROSS_LEAK_SIEMENS);
+        let spike = tested(LEAK_GROSS_FIRST, |index| if index == 0 { 30e6 } else { 0.0 });
+        assert!(!spike.is_known() && spike.siemens().is_none());
+        let mut failed = LeakTest::default();
+        (0..LEAK_GROSS_FIRST).for_each(|_| failed.add(None, 12_700.0, Nanos::ZERO));
+        assert!(!failed.is_wanting() && !failed.is_known());
     }
 
     #[test]

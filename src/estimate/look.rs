@@ -64,6 +64,16 @@ impl<const N: usize> Looks<N> {
         self.taken
     }
 
+    /// How many there have been, those that came to nothing included.
+    pub fn tried(&self) -> usize {
+        self.taken + self.failed
+    }
+
+    /// What those that are remembered have shown.
+    pub fn remembered(&self) -> &[f64] {
+        &self.shown[..self.taken.min(N)]
+    }
+
     /// What they show, 0 before the first.
     pub fn median(&self) -> f64 {
         self.median

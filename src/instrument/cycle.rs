@@ -273,10 +273,18 @@ impl Cycle {
         found.is_some()
     }
 
+    /// The first sensor, but nothing is said of any before there has been a look for leaks.
+    fn before_sensors(&self) -> Step {
+        if self.may_look() && self.leak.is_wanting() { Step::Hold(Look::Leak) } else { self.first_sensor() }
+    }
+
+    fn may_look(&self) -> bool {
+        self.failed.is_none() && self.estimator.calibration().is_some()
+    }
+
     /// The next cycle, or before it, from time to time, a look for leaks and absorption: where no reading waits for it.
-    fn after_sensors(&mut self, now: Nanos) -> Step {
-        let may = self.failed.is_none() && self.estimator.calibration().is_some();
-        match may {
+    fn after_sensors(&self, now: Nanos) -> Step {
+        match self.may_look() {
             true if self.leak.is_due(now) => Step::Hold(Look::Leak),
             true if self.absorption.is_due(now) => Step::Hold(Look::Absorption),
             _ => Step::Start,

@@ -23,7 +23,7 @@ impl Cycle {
             };
             kind.map(|kind| (kind, self.settings.last()))
         };
-        next.map_or(self.first_sensor(), |(kind, last)| Step::Calibrate(kind, last))
+        next.map_or_else(|| self.before_sensors(), |(kind, last)| Step::Calibrate(kind, last))
     }
 
     pub(super) fn is_split_due(&self) -> bool {
@@ -87,7 +87,7 @@ impl Cycle {
 
     /// A split discharge that came to nothing costs one round, not the cycle.
     pub(super) fn split_done(&mut self, outcome: &Outcome) {
-        self.step = self.first_sensor();
+        self.step = self.before_sensors();
         let (Some(split), Some((c1, c2))) = (&mut self.split, self.estimator.calibration()) else { return };
         let Ok(record) = &outcome.result else { return };
         let before = split.taken();

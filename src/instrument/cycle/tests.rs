@@ -5,9 +5,18 @@ use crate::config_file::config;
 
 const R_OHM: f64 = 1000.0;
 
-fn cycle() -> Cycle {
+fn begun() -> Cycle {
     let config = config(|c| c.set("measure.method", "tcdic").channel("thumb").channel("finger"));
     Cycle::new(config.parse().settings().unwrap())
+}
+
+/// One that has looked for leaks.
+fn cycle() -> Cycle {
+    let mut cycle = begun();
+    while cycle.leak.is_wanting() {
+        course(&mut cycle, &[], 1);
+    }
+    cycle
 }
 
 /// A discharge that takes 600 ns/ohm to node A and 700 to node B.
@@ -55,6 +64,14 @@ fn is_right(status: Option<Status>) -> bool {
 }
 
 const WIDE: Result<(), Fault> = Err(Fault::WideBracket);
+
+#[test]
+fn nothing_is_said_of_a_sensor_before_there_has_been_a_look_for_leaks() {
+    let seen = course(&mut begun(), &[], 9);
+    let (c1, c2) = (Through::C1, Through::C2);
+    let through: Vec<_> = seen.iter().map(|(through, _)| *through).collect();
+    assert_eq!(through, [c1, c2, c2, c1, c2, c2, c1, c2, Through::X(0)]);
+}
 
 #[test]
 fn a_sensors_interrupted_discharge_is_taken_again() {
