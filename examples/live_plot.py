@@ -15,20 +15,17 @@ channel = sys.argv[1] if len(sys.argv) > 1 else "thumb"
 stream = cermd.readings(channel, max_hz=MAX_HZ)
 points = deque(maxlen=SECONDS * MAX_HZ)
 figure, axes = plt.subplots()
-# Until a force is seen.
-unit = "ohm"
+# Until there is a number.
+unit = ""
 
 
 def draw(_frame):
     global unit
     while (reading := stream.get(timeout=0.0)) is not None:
         unit = reading.unit or unit
-        unit = "N" if "f_n" in reading.raw or "f_max_n" in reading.raw or "f_min_n" in reading.raw else unit
         # A state is a gap, not a zero.
-        value, u = {"N": (reading.newtons, reading.newtons_u), "ohm": (reading.ohms, reading.ohms_u)}.get(
-            unit, (reading.value, reading.value_u)
-        )
-        points.append((reading.monotonic_ns * 1e-9, float("nan") if value is None else value, u or 0.0))
+        value = float("nan") if reading.value is None else reading.value
+        points.append((reading.monotonic_ns * 1e-9, value, reading.value_u or 0.0))
     # cermd and this run on one clock, so an outage moves out of the picture.
     times = [at - time.monotonic() for at, _, _ in points]
     values = [value for _, value, _ in points]

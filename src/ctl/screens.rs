@@ -143,9 +143,11 @@ fn the_samples_of_the_pages() {
     panel.feed(reading);
     let get = panel.plain("thumb").unwrap() + "\n";
     let stream = line(&VersionLine::new(&[info])) + &line(reading);
-    for (page, samples) in
-        [("README.md", [get.as_str(), &stream].as_slice()), ("docs/protocol.md", &[&stream])]
-    {
+    for (page, samples) in [
+        ("README.md", [get.as_str()].as_slice()),
+        ("docs/overview.md", &[&get, &stream]),
+        ("docs/protocol.md", &[&stream]),
+    ] {
         let path = Path::new(env!("CARGO_MANIFEST_DIR")).join(page);
         let mut text = std::fs::read_to_string(&path).unwrap();
         for wanted in samples.iter().flat_map(|sample| sample.lines()) {

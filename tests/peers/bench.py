@@ -64,12 +64,12 @@ INDEX_OHM = 2000.0
 
 
 class Bench:
-    def __init__(self):
+    def __init__(self, config=CONFIG, scene=SCENE):
         self._folder = tempfile.TemporaryDirectory(prefix="cermd-peers-")
         self.path = Path(self._folder.name)
         self._children = []
-        (self.path / "cermd.toml").write_text(CONFIG)
-        (self.path / "scene.toml").write_text(SCENE)
+        (self.path / "cermd.toml").write_text(config)
+        (self.path / "scene.toml").write_text(scene)
         self.socket = self.path / "socket"
         self.daemon = None
 

@@ -26,6 +26,18 @@ const check = (what, isSo, seen = "") => {
     const thumb = page.locator("[data-channel=thumb]"), index = page.locator("[data-channel=index]");
     const value = (channel) => channel.locator(".value").textContent();
 
+    const looks = async (state) => {
+        for (const [width, scheme] of [[1100, "light"], [1100, "dark"], [390, "light"], [390, "dark"]]) {
+            await page.setViewportSize({ width, height: 760 });
+            await page.emulateMedia({ colorScheme: scheme });
+            const { violations } = await page.evaluate(() => axe.run());
+            check(`${state}: axe at ${width}, ${scheme}`, violations.length === 0, violations.map((v) => `${v.id}: ${v.nodes[0].html}`).join("; "));
+            const tooWide = await page.evaluate(() => document.documentElement.scrollWidth > innerWidth);
+            check(`${state}: no wider than the window at ${width}`, !tooWide);
+            if (pictures) await page.screenshot({ path: `${pictures}/web-${state}-${width}-${scheme}.png`, fullPage: true });
+        }
+    };
+
     await index.locator(".state", { hasText: /^ok$/ }).waitFor();
     check("a value with its uncertainty and unit", /^\d+(\.\d+)? ± \d+(\.\d+)? Ω$/.test(await value(index)), await value(index));
     const r = parseFloat(await value(index));
@@ -41,27 +53,20 @@ const check = (what, isSo, seen = "") => {
     const drawn = await thumb.locator(".line").getAttribute("d");
     check("a plot is drawn, with its band", drawn.length > 500 && (await thumb.locator(".band").getAttribute("d")).length > 500, `${drawn.length} characters`);
 
-    for (const [width, scheme] of [[1100, "light"], [1100, "dark"], [390, "light"], [390, "dark"]]) {
-        await page.setViewportSize({ width, height: 760 });
-        await page.emulateMedia({ colorScheme: scheme });
-        const { violations } = await page.evaluate(() => axe.run());
-        check(`axe at ${width}, ${scheme}`, violations.length === 0, violations.map((v) => `${v.id}: ${v.nodes[0].html}`).join("; "));
-        const tooWide = await page.evaluate(() => document.documentElement.scrollWidth > innerWidth);
-        check(`no wider than the window at ${width}`, !tooWide);
-        if (pictures) await page.screenshot({ path: `${pictures}/web-${width}-${scheme}.png`, fullPage: true });
-    }
+    await looks("ok");
 
     await ask("break");
     await index.locator(".state.fault").waitFor();
     const state = await index.locator(".state").textContent();
     check("a fault shows, without a number", state.length > 0 && !/\d/.test(await value(index)), `${state}: ${await index.locator(".note").textContent()}`);
-    if (pictures) await page.screenshot({ path: `${pictures}/web-fault.png`, fullPage: true });
+    await looks("fault");
     await ask("mend");
     await index.locator(".state.ok").waitFor();
 
     await ask("kill cermd");
     await page.locator("#link", { hasText: "does not answer" }).waitFor();
     check("an outage of cermd shows, without numbers", !/\d/.test(await value(index)), await index.locator(".state").textContent());
+    await looks("away");
     await ask("start cermd");
     await index.locator(".state.ok").waitFor();
     check("it is back after a restart of cermd", true);

@@ -127,6 +127,15 @@ fn quoted_figures_are_those_that_were_measured() {
     let mean = |r: &str| format!("{} ohm", short(&row("averages.md", &format!("| one | {r} | 1 s |"))[4]));
     check_lines(
         "README.md",
+        "| one capacitor, 5 lines",
+        &[
+            line("one capacitor, 5 lines", &single("tracked, one capacitor")),
+            line("two capacitors, 7 lines", &single("tracked")),
+            line("one capacitor, mean of 1 s", &mean),
+        ],
+    );
+    check_lines(
+        "docs/overview.md",
         "| `tpcm`",
         &[
             line("`tpcm`, one capacitor's worth of information", &single("tpcm")),

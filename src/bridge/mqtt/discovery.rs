@@ -86,6 +86,11 @@ fn quantity(unit: &Unit) -> (&'static str, Option<&'static str>) {
     }
 }
 
+/// There is no "." in the name of a board: "hall" and "thumb-index" are not "hall-thumb" and "index".
+fn unique(topics: &Topics, entity: &str) -> String {
+    format!("cermd-{}.{entity}", topics.id)
+}
+
 fn template(key: &str) -> String {
     format!("{{{{ value_json.{key} if value_json.{key} is defined else None }}}}")
 }
@@ -103,7 +108,7 @@ fn add(
     let kept: Vec<_> = attributes.iter().map(|name| format!("'{name}'")).collect();
     let mut entity = json!({
         "p": "sensor", "name": format!("{channel} {name}"), "state_topic": topic,
-        "unique_id": format!("cermd-{}-{channel}-{name}", topics.id),
+        "unique_id": unique(topics, &format!("{channel}-{name}")),
         "expire_after": expiry(every),
         "json_attributes_topic": topic,
         "json_attributes_template": format!(
@@ -119,7 +124,7 @@ fn of_trigger(topics: &Topics, channel: &str, every: Duration, entities: &mut Ma
     let topic = topics.trigger(channel);
     let entity = json!({
         "p": "binary_sensor", "name": format!("{channel} pressed"), "state_topic": topic,
-        "unique_id": format!("cermd-{}-{channel}-pressed", topics.id),
+        "unique_id": unique(topics, &format!("{channel}-pressed")),
         "value_template":
             "{{ None if value_json.reason is defined else ('ON' if value_json.event == 'pressed' else 'OFF') }}",
         "expire_after": expiry(every.max(STATS_EVERY)),
@@ -141,7 +146,7 @@ fn of_instrument(topics: &Topics, every: Duration, entities: &mut Map<String, Va
     // The two names are no channel's: those end in what they measure.
     for (key, mut entity) in [("rate", rate), ("gpio", trouble)] {
         let more = json!({
-            "unique_id": format!("cermd-{}-{key}", topics.id), "state_topic": topics.instrument(),
+            "unique_id": unique(topics, key), "state_topic": topics.instrument(),
             "entity_category": "diagnostic", "expire_after": expiry(every.max(STATS_EVERY)),
         });
         merge(&mut entity, more);

@@ -153,7 +153,7 @@ fn a_channel_with_a_trigger_is_a_binary_sensor_too() {
       "name": "thumb pressed",
       "p": "binary_sensor",
       "state_topic": "cermd/bench/trigger/thumb",
-      "unique_id": "cermd-bench-thumb-pressed",
+      "unique_id": "cermd-bench.thumb-pressed",
       "value_template": "{{ None if value_json.reason is defined else ('ON' if value_json.event == 'pressed' else 'OFF') }}"
     }
     "#);

@@ -3,7 +3,7 @@
 //! What is unknown is absent, never 0 or NaN.
 
 use crate::bridge::board::Board;
-use crate::stream::wire::{ChannelInfo, ReadingLine, StateLine, StatsLine, StatusName};
+use crate::stream::wire::{ChannelInfo, ReadingLine, StateLine, StatsLine, StatusName, Unit};
 use crate::units::Nanos;
 use jiff::Timestamp;
 use std::fmt::Write;
@@ -180,8 +180,9 @@ fn values(page: &mut Page, channels: &[(&ChannelInfo, Option<&ReadingLine>)]) {
         ("cermd_value_lower_bound", "", "Open or short: the value is above.", |s| s.value_min),
         ("cermd_value_upper_bound", "", "Open or short: the value is below.", |s| s.value_max),
     ];
+    let of_laws = || channels.iter().filter(|(channel, _)| matches!(channel.unit, Unit::Other(_)));
     for (name, unit, help, number) in VALUES {
-        let samples = channels.iter().filter_map(|(channel, reading)| {
+        let samples = of_laws().filter_map(|(channel, reading)| {
             let labels = vec![("channel", &*channel.id), ("unit", channel.unit.as_str())];
             Some((labels, number(&(*reading)?.state)?))
         });
@@ -225,7 +226,7 @@ mod tests {
     use super::*;
     use crate::bridge::board::tests::{event, ok, reading, up};
     use crate::bridge::feed::Heard;
-    use crate::stream::wire::{EventName, InstrumentStats, Unit, VersionLine};
+    use crate::stream::wire::{EventName, InstrumentStats, VersionLine};
     use std::time::Duration;
 
     const AT: Nanos = Nanos(1_000);

@@ -88,10 +88,7 @@ class Channel {
         // It may have waited on its way: fresh is what was measured now.
         this.seen = measured_at + clock;
         const { status, r_ohm, r_u_ohm, r_min_ohm, r_max_ohm } = reading;
-        const newton = this.unit === "N";
-        // A force, or what a law gives; the same of its bounds.
-        const v = newton ? reading.f_n : reading.value, u = newton ? reading.f_u_n : reading.value_u;
-        const least = newton ? reading.f_min_n : reading.value_min, most = newton ? reading.f_max_n : reading.value_max;
+        const { value: v, value_u: u, value_min: least, value_max: most } = reading;
         const shows = this.unit !== "ohm", unit = symbol(this.unit);
         this.state(status, status === "fault" ? reading.fault : status);
         const resistance = measured(r_ohm, r_u_ohm, "Ω");
@@ -103,7 +100,7 @@ class Channel {
         this.say(".value", value || "\u2014");
         this.say(".more", more);
         this.say(".note", ["moving", "settling", "extrapolated"].filter((flag) => reading[flag]).join(", ") || reading.hint || "");
-        this.add(shows ? v : r_ohm, shows ? u : r_u_ohm, measured_at + clock);
+        this.add(v, u, measured_at + clock);
     }
 
     // A point without a value is a gap.

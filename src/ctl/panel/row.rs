@@ -178,12 +178,13 @@ impl Row {
         let other = if unicode { self.measures.symbol() } else { self.measures.as_str() };
         let is_other = matches!(self.measures, Unit::Other(_));
         let (unit, style) = (if is_other { other } else { self.unit.as_str() }, Style::new());
-        let least = state.value_min.or(in_unit(state.f_min_n));
-        let most = state.value_max.or(in_unit(state.f_max_n));
+        let in_shown = |value, f_n| if is_other { value } else { in_unit(f_n) };
+        let least = in_shown(state.value_min, state.f_min_n);
+        let most = in_shown(state.value_max, state.f_max_n);
         let limit = || [bound("<", most, unit), bound(">", least, unit)].concat();
         let (shown, ohms, status, style) = match state.status {
             StatusName::Ok => (
-                value(state.value.or(in_unit(state.f_n)), state.value_u.or(in_unit(state.f_u_n)), unit),
+                value(in_shown(state.value, state.f_n), in_shown(state.value_u, state.f_u_n), unit),
                 value(state.r_ohm, state.r_u_ohm, "ohm"),
                 mark(state),
                 style.green(),

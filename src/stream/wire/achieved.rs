@@ -22,7 +22,7 @@ pub struct ChannelStats {
     /// The same of `f_u_n`, newton.
     #[serde(serialize_with = "uncertainty", skip_serializing_if = "is_unknown")]
     pub f_u_n: Option<f64>,
-    /// The same of `value_u`, in the unit of the channel.
+    /// The same of `value_u` of a channel with a law, in its unit.
     #[serde(serialize_with = "uncertainty", skip_serializing_if = "is_unknown")]
     pub value_u: Option<f64>,
     /// Numbers.
@@ -86,7 +86,9 @@ impl ReadingTally {
         let state = &reading.state;
         match state.status {
             StatusName::Ok => {
-                self.number([state.r_u_ohm, state.f_u_n, state.value_u], state.moving, state.settling);
+                // What is no law's is one of the other two.
+                let of_law = state.value_u.filter(|_| !matches!(state.unit.as_deref(), Some("N" | "ohm")));
+                self.number([state.r_u_ohm, state.f_u_n, of_law], state.moving, state.settling);
             }
             StatusName::Open => self.counts.open += 1,
             StatusName::Short => self.counts.short += 1,

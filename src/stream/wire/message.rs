@@ -1,7 +1,7 @@
 //! What the server says: VERSION, READING, EVENT, STATS, ERROR and the lines of a tape.
 
 use super::{EventLine, PROTO_MAJOR, PROTO_MINOR, StatsLine};
-use crate::reading::{Bound, MeasuredValue, Method, Reading, Status};
+use crate::reading::{Bound, Measured, MeasuredValue, Method, Reading, Status};
 use crate::stream::line::{Class, is_unknown, uncertainty, value};
 use crate::stream::tape::{DischargeLine, Header};
 use serde::de::DeserializeOwned;
@@ -118,6 +118,11 @@ impl Unit {
         }
     }
 
+    /// What a channel shows that has neither force nor law: the resistance itself.
+    fn of_itself<T>(&self, resistance: T) -> Option<T> {
+        (*self == Unit::Ohm).then_some(resistance)
+    }
+
     /// As it is written where there are more letters than those of ASCII.
     pub fn symbol(&self) -> &str {
         match self.as_str() {
@@ -201,13 +206,13 @@ pub struct StateLine {
     /// 1 sigma of the readout alone: how well readings of one sensor can be told apart, newton.
     #[serde(serialize_with = "uncertainty", skip_serializing_if = "is_unknown")]
     pub f_repeat_u_n: Option<f64>,
-    /// What the sensor shows by its law, in `unit`.
+    /// What the channel shows, in `unit`: a force, what its law gives, or the resistance itself where it has neither.
     #[serde(serialize_with = "value", skip_serializing_if = "is_unknown")]
     pub value: Option<f64>,
-    /// 1 sigma of all, readout and law, in `unit`.
+    /// 1 sigma of all, readout and force or law, in `unit`.
     #[serde(serialize_with = "uncertainty", skip_serializing_if = "is_unknown")]
     pub value_u: Option<f64>,
-    /// 1 sigma of the readout alone, in `unit`.
+    /// 1 sigma of the readout alone, in `unit`; not of a resistance.
     #[serde(serialize_with = "uncertainty", skip_serializing_if = "is_unknown")]
     pub value_repeat_u: Option<f64>,
     /// Of the values beside it: that of the channel in VERSION.
@@ -276,9 +281,9 @@ impl StateLine {
             Status::Ok { branch, r_ohm, shown, is_moving, is_settling } => {
                 line.status = StatusName::Ok;
                 (line.r_ohm, line.r_u_ohm) = (Some(r_ohm.value), r_ohm.u);
-                if let Some(shown) = shown {
-                    line.set_value(shown, unit);
-                }
+                let Measured { value, u } = r_ohm;
+                let itself = MeasuredValue { value, u, repeat_u: None, is_extrapolated: false };
+                line.set_value(shown.or(unit.of_itself(itself)), unit);
                 (line.moving, line.settling) = (is_moving, is_settling);
                 line.method = Some(method.to_string());
                 line.branch = Some(branch.to_string());
@@ -286,50 +291,37 @@ impl StateLine {
             Status::Open { r_min_ohm, shown } => {
                 line.status = StatusName::Open;
                 line.r_min_ohm = Some(r_min_ohm);
-                line.set_bound(shown, unit);
+                line.set_bound(shown.or(unit.of_itself(Bound::AtLeast(r_min_ohm))), unit);
             }
             Status::Short { r_max_ohm, shown } => {
                 line.status = StatusName::Short;
                 line.r_max_ohm = Some(r_max_ohm);
-                line.set_bound(shown, unit);
+                line.set_bound(shown.or(unit.of_itself(Bound::AtMost(r_max_ohm))), unit);
             }
             Status::Fault(fault) => line.fault = Some(fault.to_string()),
         }
         line
     }
 
-    fn set_value(
-        &mut self,
-        MeasuredValue { value, u, repeat_u, is_extrapolated }: MeasuredValue,
-        unit: &Unit,
-    ) {
+    fn set_value(&mut self, shown: Option<MeasuredValue>, unit: &Unit) {
+        let Some(MeasuredValue { value, u, repeat_u, is_extrapolated }) = shown else { return };
         self.extrapolated = is_extrapolated;
+        (self.value, self.value_u, self.value_repeat_u) = (Some(value), u, repeat_u);
+        self.unit = Some(unit.as_str().to_owned());
         if *unit == Unit::Newton {
             (self.f_n, self.f_u_n, self.f_repeat_u_n) = (Some(value), u, repeat_u);
-        } else {
-            (self.value, self.value_u, self.value_repeat_u) = (Some(value), u, repeat_u);
-            self.unit = Some(unit.as_str().to_owned());
         }
     }
 
     fn set_bound(&mut self, bound: Option<Bound>, unit: &Unit) {
-        let is_force = *unit == Unit::Newton;
         match bound {
             None => return,
-            Some(Bound::AtLeast(f_n)) if is_force => self.f_min_n = Some(f_n),
-            Some(Bound::AtMost(f_n)) if is_force => self.f_max_n = Some(f_n),
             Some(Bound::AtLeast(value)) => self.value_min = Some(value),
             Some(Bound::AtMost(value)) => self.value_max = Some(value),
         }
-        self.unit = (!is_force).then(|| unit.as_str().to_owned());
-    }
-
-    /// What the channel shows, in its unit, with 1 sigma of all: a force, a value by a law, or the resistance itself.
-    pub fn shown(&self, unit: &Unit) -> (Option<f64>, Option<f64>) {
-        match unit {
-            Unit::Newton => (self.f_n, self.f_u_n),
-            Unit::Ohm => (self.r_ohm, self.r_u_ohm),
-            Unit::Other(_) => (self.value, self.value_u),
+        self.unit = Some(unit.as_str().to_owned());
+        if *unit == Unit::Newton {
+            (self.f_min_n, self.f_max_n) = (self.value_min, self.value_max);
         }
     }
 }

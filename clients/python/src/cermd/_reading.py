@@ -26,13 +26,13 @@ class Reading:
     newtons_u: Optional[float] = None
     #: That of the readout alone: how well two readings of one sensor can be told apart.
     newtons_repeat_u: Optional[float] = None
-    #: What the sensor shows by a law beside force: a temperature, an illuminance, a position, in `unit`.
+    #: What any channel shows, in `unit`: a force, what its law gives, or the resistance where it has neither.
     value: Optional[float] = None
     #: All of its uncertainty; None also where nobody has said how well the law is known.
     value_u: Optional[float] = None
-    #: That of the readout alone.
+    #: That of the readout alone; not of a resistance.
     value_repeat_u: Optional[float] = None
-    #: Of the values: "degC", "lx", "mm", or as a table says.
+    #: Of the values: "N", "ohm", "degC", "lx", "mm", or as a table says.
     unit: Optional[str] = None
     value_min: Optional[float] = None
     value_max: Optional[float] = None

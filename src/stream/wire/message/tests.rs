@@ -36,7 +36,7 @@ fn ok() -> Status {
 }
 
 #[test]
-fn a_law_gives_values_with_their_unit_and_a_force_none() {
+fn every_channel_has_a_value_with_its_unit() {
     let written =
         |status, unit| serde_json::to_string(&StateLine::new(&status, Method::Cerm, &unit)).unwrap();
     let of_law = |status| written(status, Unit::named("degC"));
@@ -52,6 +52,21 @@ fn a_law_gives_values_with_their_unit_and_a_force_none() {
     let (below, above) = (Some(Bound::AtMost(7.0)), Some(Bound::AtLeast(7.0)));
     assert!(of_law(open(below)).contains("\"value_max\":7") && of_law(open(below)).contains("\"degC\""));
     assert!(of_law(open(above)).contains(least) && of_law(short(above)).contains(least));
+    // A force has its own names, too; a resistance is its own value.
+    let wanted = "\"f_n\":4.697,\"f_u_n\":0.41,\"f_repeat_u_n\":0.002,\"value\":4.697,\"value_u\":0.41,\"value_repeat_u\":0.002,\
+                  \"unit\":\"N\"";
+    assert!(written(self::ok(), Unit::Newton).contains(wanted));
+    let pressed = written(short(above), Unit::Newton);
+    assert!(
+        pressed.contains("\"f_min_n\":7,\"value_min\":7") && pressed.contains("\"unit\":\"N\""),
+        "{pressed}"
+    );
+    let Status::Ok { branch, r_ohm, .. } = self::ok() else { panic!("{:?}", self::ok()) };
+    let plain = Status::Ok { branch, r_ohm, shown: None, is_moving: false, is_settling: false };
+    let itself = written(plain, Unit::Ohm);
+    assert!(itself.contains("\"value\":2841.3,\"value_u\":1.2,\"unit\":\"ohm\""), "{itself}");
+    assert!(written(open(None), Unit::Ohm).contains("\"value_min\":1900000"));
+    assert!(written(short(None), Unit::Ohm).contains("\"value_max\":4.5"));
     assert_eq!(of_law(open(None)), "{\"status\":\"open\",\"r_min_ohm\":1900000}");
     assert_eq!(of_law(Status::Fault(Fault::Pins)), "{\"status\":\"fault\",\"fault\":\"pins\"}");
     // What a later release may measure in is a unit, too.
@@ -66,7 +81,8 @@ fn the_lines_of_the_protocol_byte_by_byte() {
         written(ok()),
         "{\"class\":\"READING\",\"channel\":\"thumb\",\"seq\":1041,\"time\":\"2026-11-21T03:40:00.123456789Z\",\
          \"t_mono_ns\":81234567890,\"status\":\"ok\",\"r_ohm\":2841.3,\"r_u_ohm\":1.2,\"f_n\":4.697,\
-         \"f_u_n\":0.41,\"f_repeat_u_n\":0.002,\"method\":\"cerm\",\"branch\":\"direct\",\"duration_us\":18230,\"lost\":0}\n"
+         \"f_u_n\":0.41,\"f_repeat_u_n\":0.002,\"value\":4.697,\"value_u\":0.41,\"value_repeat_u\":0.002,\"unit\":\"N\",\
+         \"method\":\"cerm\",\"branch\":\"direct\",\"duration_us\":18230,\"lost\":0}\n"
     );
     let Status::Ok { branch, r_ohm, .. } = ok() else { panic!("{:?}", ok()) };
     let moving = written(Status::Ok { branch, r_ohm, shown: None, is_moving: true, is_settling: true });
@@ -81,7 +97,7 @@ fn the_lines_of_the_protocol_byte_by_byte() {
     assert_eq!(
         written(Status::Open { r_min_ohm: 1.9e6, shown: Some(Bound::AtMost(0.007)) }),
         format!(
-            "{head}\"open\",\"r_min_ohm\":1900000,\"f_max_n\":0.007,\"duration_us\":18230,\"lost\":0}}\n"
+            "{head}\"open\",\"unit\":\"N\",\"r_min_ohm\":1900000,\"f_max_n\":0.007,\"value_max\":0.007,\"duration_us\":18230,\"lost\":0}}\n"
         )
     );
     assert_eq!(
