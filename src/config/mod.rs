@@ -23,7 +23,7 @@ mod settings;
 mod trigger;
 
 pub use finding::{Finding, Findings, Severity};
-pub use force::{Characteristic, Source};
+pub use force::{Characteristic, ForceSource};
 pub use gpio::{Backend, Gpio, LineName};
 pub use law::LawSource;
 pub use limits::{LARGEST_ZERO_OHM, LONGEST_WAIT};

@@ -1,7 +1,7 @@
 //! What the instrument runs with: every default filled in and every file read.
 
 use crate::circuit::{Kind, Node};
-use crate::instrument::diagnosis::Board;
+use crate::instrument::diagnosis::Nominal;
 use crate::instrument::discharge::Charge;
 use crate::pins::Drives;
 use crate::reading::Method;
@@ -122,9 +122,9 @@ impl Settings {
     }
 
     /// What is known of the board.
-    pub fn board(&self) -> Board {
+    pub fn board(&self) -> Nominal {
         let nodes = &Node::BOTH[..self.nodes()];
-        Board { kind: self.kind, nodes, r_ohm: self.r_ohm(), nominal_ns: self.nominal.as_ns() }
+        Nominal { kind: self.kind, nodes, r_ohm: self.r_ohm(), nominal_ns: self.nominal.as_ns() }
     }
 
     /// The discharge of R_2.

@@ -1,7 +1,7 @@
 //! `force`: how the resistance of a piezoresistive sensor becomes a force: the four ways to say it, how well it is known, and
 //! what lies on the sensor.
 
-use super::table::{Pairs, PairsError, Rules};
+use super::table::{Pairs, PairsDemands, PairsError};
 use super::{Defect, Shown};
 use crate::units::{Newton, NewtonOhm, rounded};
 use serde::{Deserialize, Serialize};
@@ -211,7 +211,7 @@ impl Law {
 #[serde(try_from = "Vec<(f64, f64)>", into = "Vec<(f64, f64)>")]
 pub struct Table(Pairs);
 
-const RULES: Rules = Rules {
+const RULES: PairsDemands = PairsDemands {
     name: "the force table",
     is_sound: |f_n| FORCES_N.contains(&f_n),
     unsound: "has a pair (ohm, newton) that is not above 0",

@@ -8,7 +8,7 @@ pub mod faulty;
 pub mod seed;
 
 use cermd::characterize::cell::Cell;
-use cermd::characterize::watch::{Found, Number};
+use cermd::characterize::watch::{Deviation, Found};
 use cermd::instrument::settings::Settings;
 use cermd::instrument::{Instrument, Message};
 use cermd::pins::Pins;
@@ -235,8 +235,8 @@ impl Errors {
             all.next_board();
             for told in &board.told {
                 match told.what {
-                    Ok(Number { u_ohm: None, .. }) => all.without_u += 1,
-                    Ok(Number { error_ohm, u_ohm: Some(u_ohm), is_moving, .. }) => {
+                    Ok(Deviation { u_ohm: None, .. }) => all.without_u += 1,
+                    Ok(Deviation { error_ohm, u_ohm: Some(u_ohm), is_moving, .. }) => {
                         all.errors.push(error_ohm);
                         all.us.push(u_ohm);
                         all.moving.push(is_moving);

@@ -39,7 +39,7 @@ pub struct Login {
 
 /// One publication.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Message {
+pub struct Publication {
     pub topic: String,
     pub payload: String,
     /// Whether the broker keeps it for those who come later, and confirms it.
@@ -48,13 +48,13 @@ pub struct Message {
     pub channel: Option<String>,
 }
 
-impl Message {
-    pub fn retained(topic: String, payload: &str) -> Message {
-        Message { is_retained: true, ..Message::passing(topic, payload) }
+impl Publication {
+    pub fn retained(topic: String, payload: &str) -> Publication {
+        Publication { is_retained: true, ..Publication::passing(topic, payload) }
     }
 
-    pub fn passing(topic: String, payload: &str) -> Message {
-        Message { topic, payload: payload.to_owned(), is_retained: false, channel: None }
+    pub fn passing(topic: String, payload: &str) -> Publication {
+        Publication { topic, payload: payload.to_owned(), is_retained: false, channel: None }
     }
 
     fn qos(&self) -> QoS {
@@ -64,7 +64,7 @@ impl Message {
 
 /// Whether there is a broker.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum State {
+pub enum BrokerState {
     /// Yes; `is_new`: it, or who listens to it, must be told everything anew.
     Up {
         is_new: bool,
@@ -74,7 +74,7 @@ pub enum State {
 
 /// Shared with the thread that talks to the broker.
 #[derive(Default)]
-struct Shared {
+struct LinkState {
     client: Option<Client>,
     is_new: bool,
     is_over: bool,
@@ -82,11 +82,11 @@ struct Shared {
 
 /// The link.
 pub struct Link {
-    shared: Arc<Mutex<Shared>>,
+    shared: Arc<Mutex<LinkState>>,
     ended: Receiver<()>,
 }
 
-fn lock(shared: &Mutex<Shared>) -> MutexGuard<'_, Shared> {
+fn lock(shared: &Mutex<LinkState>) -> MutexGuard<'_, LinkState> {
     shared.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
@@ -96,11 +96,11 @@ impl Link {
     pub fn start(
         broker: Broker,
         id: &str,
-        will: Message,
+        will: Publication,
         births: Option<String>,
     ) -> Result<Link, BridgeError> {
         let options = options(&broker, id, &will)?;
-        let shared = Arc::new(Mutex::new(Shared::default()));
+        let shared = Arc::new(Mutex::new(LinkState::default()));
         let (end, ended) = channel();
         let talker = Talker { broker, births, shared: Arc::clone(&shared), said: None, end };
         let thread = std::thread::Builder::new().name("mqtt".to_owned());
@@ -110,19 +110,19 @@ impl Link {
         Ok(Link { shared, ended })
     }
 
-    pub fn state(&mut self) -> State {
+    pub fn state(&mut self) -> BrokerState {
         let mut shared = lock(&self.shared);
         match shared.client {
-            Some(_) => State::Up { is_new: std::mem::take(&mut shared.is_new) },
-            None => State::Down,
+            Some(_) => BrokerState::Up { is_new: std::mem::take(&mut shared.is_new) },
+            None => BrokerState::Down,
         }
     }
 
     /// Whether it was taken: not if the broker is slow or gone.
-    pub fn publish(&self, message: Message) -> bool {
+    pub fn publish(&self, message: Publication) -> bool {
         let client = lock(&self.shared).client.clone();
         client.is_some_and(|client| {
-            let (qos, Message { topic, payload, is_retained, .. }) = (message.qos(), message);
+            let (qos, Publication { topic, payload, is_retained, .. }) = (message.qos(), message);
             client.try_publish(topic, qos, is_retained, payload).is_ok()
         })
     }
@@ -133,7 +133,7 @@ impl Link {
     }
 
     /// Many at once; if there is no room for all, [`Link::introduce_again`].
-    pub fn publish_all(&self, messages: Vec<Message>) {
+    pub fn publish_all(&self, messages: Vec<Publication>) {
         for message in messages {
             if !self.publish(message) {
                 return self.introduce_again();
@@ -142,7 +142,7 @@ impl Link {
     }
 
     /// A last word, and the end.
-    pub fn end(self, last: Message) {
+    pub fn end(self, last: Publication) {
         lock(&self.shared).is_over = true;
         let client = lock(&self.shared).client.clone();
         if self.publish(last) && client.is_some_and(|client| client.try_disconnect().is_ok()) {
@@ -156,7 +156,7 @@ impl Link {
 struct Talker {
     broker: Broker,
     births: Option<String>,
-    shared: Arc<Mutex<Shared>>,
+    shared: Arc<Mutex<LinkState>>,
     /// What the log knows of an outage.
     said: Option<String>,
     end: Sender<()>,
@@ -250,7 +250,7 @@ fn certificate(text: &str) -> &'static str {
     }
 }
 
-fn options(broker: &Broker, id: &str, will: &Message) -> Result<MqttOptions, BridgeError> {
+fn options(broker: &Broker, id: &str, will: &Publication) -> Result<MqttOptions, BridgeError> {
     let mut options = MqttOptions::new(format!("cermd-{id}"), (broker.host.as_str(), broker.port));
     options.set_keep_alive(KEEP_ALIVE_S).set_clean_session(true);
     options.set_max_packet_size(PACKET_BYTES, PACKET_BYTES);

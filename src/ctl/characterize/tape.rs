@@ -8,7 +8,7 @@ use crate::characterize::figures::{blocks, filled};
 use crate::characterize::folder::Folder;
 use crate::characterize::limits::{AVERAGES, WARM};
 use crate::characterize::table::{Row, Source};
-use crate::characterize::watch::{Found, told};
+use crate::characterize::watch::{Found, observed};
 use crate::ctl::CtlError;
 use crate::ctl::cli::Characterize;
 use crate::ctl::replay::Replay;
@@ -96,7 +96,9 @@ fn replayed(
         // Where d is needed and the tape does not tell it, this method has nothing to say.
         let Ok(reading) = replay.read(entry) else { return Ok(Found::default()) };
         found.told.extend(
-            reading.filter(|reading| reading.channel == channel).map(|reading| told(&reading, r_ohm, None)),
+            reading
+                .filter(|reading| reading.channel == channel)
+                .map(|reading| observed(&reading, r_ohm, None)),
         );
     }
     // As an instrument is watched, where the tape is long enough.

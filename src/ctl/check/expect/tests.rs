@@ -80,7 +80,8 @@ fn rms(values: &[f64]) -> f64 {
 #[test]
 fn errors_count_where_they_refute_what_is_stated_by_more_than_chance() {
     let refuted = |squares: &[f64]| {
-        let board = |square: &f64| Rehearsed { numbers: 10, errors: 10.0 * square, ..Rehearsed::default() };
+        let board =
+            |square: &f64| RehearsalSum { numbers: 10, errors: 10.0 * square, ..RehearsalSum::default() };
         refuted_by(&squares.iter().map(board).collect::<Vec<_>>(), 1.0)
     };
     assert_eq!(refuted(&[4.0, 5.0, 4.0, 3.0]), Some(4.0));

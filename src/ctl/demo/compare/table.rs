@@ -11,7 +11,7 @@ const WIDE: usize = 70;
 const RATE_WINDOW: Nanos = Nanos(2_000_000_000);
 
 /// One method.
-pub struct Row {
+pub struct MethodRow {
     method: Method,
     last: Option<(Status, Option<f64>)>,
     times: VecDeque<Nanos>,
@@ -27,9 +27,9 @@ pub fn head(width: usize) -> String {
     style(head).dim().to_string()
 }
 
-impl Row {
-    pub fn new(method: Method) -> Row {
-        Row { method, last: None, times: VecDeque::new() }
+impl MethodRow {
+    pub fn new(method: Method) -> MethodRow {
+        MethodRow { method, last: None, times: VecDeque::new() }
     }
 
     /// One more; `truth`: R_x at its time, ohm.
