@@ -53,8 +53,7 @@ impl Replay {
             let others = others.join(", ");
             return Err(format!("{method} does not work on a {kind} tape; take {others} or {last}"));
         }
-        let tracked =
-            method.is_tracked() || (header.tracked && !Method::Qerm.rules().circuits.contains(&kind));
+        let tracked = method.is_tracked() || (header.tracked && Method::can_be_tracked(kind));
         let is_auto = offset == Some(OffsetSource::Auto);
         let offset = match (offset, header.offset.offset_ns) {
             (Some(OffsetSource::Given(d_ns)), _) => Some(Offset::given(d_ns)),

@@ -30,7 +30,7 @@ pub(super) const RULES: Rules = Rules {
     switching: Switching::WhereBest,
     ratio: |times, _| tcdic::ratio(times).or_else(|| tpcm::ratio(times, Node::A)),
     evidence: |times, _, scale| tcdic::evidence(times, scale).or_else(|| tpcm::evidence(times)),
-    ..Rules::USUAL
+    ..Rules::usual('T')
 };
 
 /// An x discharge as it is used.
