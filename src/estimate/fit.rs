@@ -2,6 +2,7 @@
 //!
 //! The force is taken as exact, the scatter as that of the resistance.
 
+use crate::estimate::limits::BLOCKS_OF_A_MEAN;
 use crate::estimate::scatter;
 use crate::reading::Measured;
 use crate::sensor::table::PairsError;
@@ -148,13 +149,12 @@ impl Fit {
 /// Readings that share a calibration are not independent. The means of blocks longer than that scatter by what is
 /// shared, too, so the greater of both scatters counts.
 pub fn mean(readings: &[f64]) -> Option<Measured> {
-    const BLOCKS: usize = 10;
     let Measured { value, u } = scatter::mean(readings.iter().copied())?;
-    let length = readings.len() / BLOCKS;
+    let length = readings.len() / BLOCKS_OF_A_MEAN;
     if length < 2 {
         return Some(Measured { value, u });
     }
-    let blocks = readings.chunks_exact(length).take(BLOCKS);
+    let blocks = readings.chunks_exact(length).take(BLOCKS_OF_A_MEAN);
     let of_blocks = scatter::mean(blocks.filter_map(sample::mean)).and_then(|mean| mean.u);
     Some(Measured { value, u: u.zip(of_blocks).map(|(a, b)| a.max(b)) })
 }

@@ -1,16 +1,12 @@
 //! The front: error against time for each published reading, beside the bound of each circuit and what one would take instead.
 
 use super::axis::{Axis, ohms, percent, seconds};
+use super::limits::{SHOWN, TIMES};
 use super::plot::{Mark, Plot, Point, Series};
 use super::rivals::RIVALS;
 use super::setting::{Setting, resistances};
 use super::{Drawing, Figure};
 use crate::characterize::table::{Row, Vary};
-
-/// The time axis goes at least this far, s.
-const TIMES: [f64; 2] = [1e-3, 10.0];
-/// Resistances of which there is a figure: the measured ones next to these, ohm.
-const SHOWN: [f64; 3] = [100.0, 1000.0, 16_200.0];
 
 /// A row with what a front needs: seconds for each reading that it counts, and ohm.
 #[derive(Debug, Clone, Copy)]

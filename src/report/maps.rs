@@ -3,15 +3,9 @@
 use super::Figure;
 use super::axis::{Writer, digits, ohms, percent, plain, seconds};
 use super::heat::{Grid, Heat, Ramp, Tile, cells};
+use super::limits::{COARSE, HONEST, SILENT};
 use super::setting::{Setting, resistances};
 use crate::characterize::table::{Row, Vary};
-
-/// Half of the readings without a number.
-const SILENT: f64 = 0.5;
-/// Within 2u there should be 95 % of the readings.
-const HONEST: f64 = 0.9;
-/// Of the resistance.
-const COARSE: f64 = 0.1;
 
 /// What is varied, what it is called, and how its amount is written.
 type Map = (Vary, &'static str, Writer);

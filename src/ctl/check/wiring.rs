@@ -6,6 +6,7 @@
 use crate::circuit::{Kind, Node};
 use crate::config::{Config, Findings, Severity};
 use crate::ctl::check::full_plan;
+use crate::ctl::limits::{NO_PULL, PATIENCE, PLAUSIBLE, PLAUSIBLE_RATIO, SMALLEST_LEAK};
 use crate::estimate::leak::LeakTest;
 use crate::estimate::limits::{LEAK_FIRST, LEAK_HELD_AT, LEAK_HOLD};
 use crate::estimate::scatter;
@@ -16,18 +17,6 @@ use crate::reading::{Fault, Suspect};
 use crate::record::{Record, Through};
 use crate::units::{Nanos, Ohm, Seconds};
 
-/// A charged node that holds its level as long as a discharge through this resistance takes has no pull beside it: those
-/// of processors are 30 to 100 kohm.
-const NO_PULL: Ohm = Ohm(200e3);
-/// Printed capacitors are within 20 %, thresholds between a quarter and a half of the supply: times beyond this factor
-/// have another cause.
-const PLAUSIBLE: f64 = 2.0;
-/// Resistors are known better than capacitors: the ratio of their times may differ by this factor.
-const PLAUSIBLE_RATIO: f64 = 1.2;
-/// The smallest leak that is told, siemens: a smaller one is that of the capacitors.
-const SMALLEST_LEAK: f64 = 1e-7;
-/// How many predicted discharges to wait for the real one.
-const PATIENCE: f64 = 5.0;
 /// What to try after a fault of a discharge.
 const AGAIN: &str = "the same again; the kernel's log (dmesg)";
 

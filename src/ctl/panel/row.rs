@@ -1,7 +1,7 @@
 //! One channel: its last reading in words, and what it did before.
 
 use super::bar::Ends;
-use crate::ctl::limits::{BAR_OHM, FULL_N, HISTORY, RATE_WINDOW_NS, SILENT_READINGS, SILENT_S};
+use crate::ctl::limits::{BAR_OHM, FULL_N, HISTORY, RATE_WINDOW, SILENT_READINGS, SILENT_S};
 use crate::stream::wire::{ChannelInfo, ReadingLine, StateLine, StatusName, Unit};
 use crate::units::{ForceUnit, Nanos, Ohm, measured, rough, rounded};
 use console::Style;
@@ -131,7 +131,7 @@ impl ChannelRow {
     /// Readings per second.
     pub fn rate(&self) -> Option<f64> {
         let (newest, _) = *self.history.back()?;
-        let since = self.history.partition_point(|(at, _)| newest - at > RATE_WINDOW_NS);
+        let since = self.history.partition_point(|(at, _)| newest - at > RATE_WINDOW.0);
         let (oldest, _) = *self.history.get(since)?;
         let intervals = self.history.len() - since - 1;
         (intervals > 0 && newest > oldest).then(|| intervals as f64 * 1e9 / (newest - oldest) as f64)

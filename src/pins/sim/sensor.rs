@@ -1,9 +1,10 @@
 //! What is connected in a sensor's place: R_x as a function of time.
 
 use crate::pins::limits::{
-    FSR_402_NEWTON_OHM, PEAK_NEWTON, PERIOD_SECONDS, PRESS_BEGINS, PRESS_FORCE, PRESS_HOLDS, PRESS_RISES,
-    TREMOR_HZ, TREMOR_SHARE, UNTOUCHED_OHM,
+    PEAK_NEWTON, PERIOD_SECONDS, PRESS_BEGINS, PRESS_FORCE, PRESS_HOLDS, PRESS_RISES, TREMOR_HZ,
+    TREMOR_SHARE, UNTOUCHED_OHM,
 };
+use crate::sensor::FSR_402;
 use crate::units::{Hertz, Newton, NewtonOhm, Ohm, Seconds};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
@@ -76,7 +77,7 @@ impl Sensor {
 }
 
 fn fsr_402() -> NewtonOhm {
-    NewtonOhm(FSR_402_NEWTON_OHM)
+    FSR_402
 }
 
 fn firm() -> Newton {
@@ -193,7 +194,7 @@ mod tests {
         let strongest: Vec<f64> = (0..20)
             .map(|press| {
                 let r = (0..200).map(|i| source.r_x(f64::from(press) * 2.0 + f64::from(i) * 0.01));
-                13_346.46 / r.fold(f64::INFINITY, f64::min)
+                FSR_402.0 / r.fold(f64::INFINITY, f64::min)
             })
             .collect();
         assert!(strongest.iter().all(|force| (0.9..10.3).contains(force)), "{strongest:?}");

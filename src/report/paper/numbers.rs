@@ -1,8 +1,10 @@
 //! Every number of section V: the paper's, ours, their ratio, and what is to be said of it.
 
-use super::{ALPHA, METHODS};
+use super::METHODS;
 use crate::characterize::table::Row;
 use crate::reading::Method;
+use crate::report::limits::SAME;
+use crate::sensor::FSR_402;
 use crate::units::markup::escaped;
 use crate::units::rounded;
 
@@ -15,7 +17,7 @@ struct Claim {
 }
 
 fn at(rows: &[&Row], method: Method, r_ohm: f64) -> Option<Row> {
-    let own = rows.iter().filter(|row| row.method == method && (row.r_ohm / r_ohm - 1.0).abs() < 0.005);
+    let own = rows.iter().filter(|row| row.method == method && (row.r_ohm / r_ohm - 1.0).abs() < SAME);
     own.map(|row| (*row).clone()).next()
 }
 
@@ -130,19 +132,19 @@ const NUMBERS: [Claim; 20] = [
     Claim {
         what: "F_c1, N",
         paper: 5.75,
-        ours: |rows| Some(ALPHA / rows.first()?.r_c1_ohm),
+        ours: |rows| Some(FSR_402.0 / rows.first()?.r_c1_ohm),
         remark: "computed: 13346.46 N ohm, the paper's fit, over Rc1; its 17 pairs are not printed",
     },
     Claim {
         what: "F_c2, N",
         paper: 1.05,
-        ours: |rows| Some(ALPHA / rows.first()?.r_c2_ohm),
+        ours: |rows| Some(FSR_402.0 / rows.first()?.r_c2_ohm),
         remark: "computed, the same",
     },
     Claim {
         what: "largest force, N",
         paper: 133.0,
-        ours: |rows| Some(ALPHA / at(rows, Method::Cerm, 100.0)?.r_ohm),
+        ours: |rows| Some(FSR_402.0 / at(rows, Method::Cerm, 100.0)?.r_ohm),
         remark: "computed, the same, at 100 ohm",
     },
     Claim {

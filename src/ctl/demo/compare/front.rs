@@ -2,20 +2,14 @@
 //! drawn with letters.
 
 use super::super::board::Board;
+use crate::ctl::limits::{COUNTED_S, MEANS_S, REST, WARM};
 use crate::instrument::{Instrument, Message};
 use crate::pins::Pins;
 use crate::reading::{Method, Status};
 use crate::units::sample::{mean, rms};
-use crate::units::{Nanos, Ohm, Seconds, rounded};
+use crate::units::{Nanos, Seconds, rounded};
 use console::style;
 
-/// Where the sensor rests.
-const REST: Ohm = Ohm(1000.0);
-/// From when on readings count, and for how long.
-const WARM: Nanos = Nanos(4_000_000_000);
-const COUNTED_S: f64 = 30.0;
-/// Means over so long, where they are means at all.
-const MEANS_S: [f64; 3] = [0.01, 0.1, 1.0];
 /// The chart, in columns and rows without its margins.
 const COLUMNS: usize = 54;
 const ROWS: usize = 11;

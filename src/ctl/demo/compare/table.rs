@@ -1,5 +1,6 @@
 //! What each method reads now, a line each: value with its uncertainty, how far it is off, how many a second.
 
+use crate::ctl::limits::RATE_WINDOW;
 use crate::reading::{Measured, Method, Reading, Status};
 use crate::units::{Nanos, measured, rough, rounded};
 use console::{Style, style};
@@ -7,8 +8,6 @@ use std::collections::VecDeque;
 
 /// From this width on there are units and a status.
 const WIDE: usize = 70;
-/// Readings per second are counted over so long.
-const RATE_WINDOW: Nanos = Nanos(2_000_000_000);
 
 /// One method.
 pub struct MethodRow {
