@@ -67,18 +67,19 @@ fn figure(all: &[Priced], r_ohm: f64, board: &str) -> Option<Figure> {
     let best = front(&here);
     let last = here.iter().map(|priced| priced.seconds).fold(TIMES[1], f64::max);
     let mut series = vec![stairs(&best, last)];
-    series.extend(RIVALS.iter().map(|rival| of_rival(rival, r_ohm, last)).filter(|it| !it.points.is_empty()));
+    let rivals = RIVALS.iter().map(|rival| of_rival(rival, r_ohm, last));
+    series.extend(rivals.filter(|it| !it.points.is_empty()));
+    let ours = series.len();
     series.extend(bounds(&here, last));
     series.extend(settings.iter().filter_map(|setting| sizes(setting, &settings, &resized)));
     series.extend(settings.iter().map(|setting| measured(setting, &settings, &plain)));
     // What a rival's averages come to may leave the figure, its single sample may not.
-    let seen = series
-        .iter()
-        .flat_map(|series| if series.line.starts_with("i5") { &series.points[..1] } else { &series.points });
-    let errors: Vec<f64> = seen.map(|point| point.y).collect();
+    let single = series[1..ours].iter().map(|rival| &rival.points[0]);
+    let all = series[..1].iter().chain(&series[ours..]).flat_map(|series| &series.points);
+    let errors = all.chain(single).map(|point| point.y);
     let times = here.iter().map(|priced| priced.seconds).chain(TIMES);
     let x = Axis::decades("time per published reading", seconds, times)?;
-    let y = Axis::decades("error of a published reading, 1 sigma", ohms, errors.into_iter())?;
+    let y = Axis::decades("error of a published reading, 1 sigma", ohms, errors)?;
     let title = format!("Error against time at {}, board {board}", ohms(r_ohm));
     Some(Figure {
         name: format!("front-{r_ohm}-ohm"),

@@ -6,9 +6,10 @@ use crate::bridge::limits::{
     SEND_BYTES, TAKEOVER,
 };
 use crate::files::{SETTINGS_BYTES, read_text};
+use rumqttc::tokio_rustls::rustls::{self, CertificateError};
 use rumqttc::{
     Client, ConnectReturnCode, ConnectionError, Event, LastWill, MqttOptions, Outgoing, Packet, QoS,
-    Transport,
+    TlsError, Transport,
 };
 use std::path::{Path, PathBuf};
 use std::sync::mpsc::{Receiver, Sender, channel};
@@ -213,22 +214,21 @@ impl Talker {
         let text = error.to_string();
         if self.said.as_ref() != Some(&text) {
             let Broker { host, port, .. } = &self.broker;
-            let hint = hint(error, &text, since.elapsed() < TAKEOVER);
+            let hint = hint(error, since.elapsed() < TAKEOVER);
             log::warn!("broker {host}:{port}: {text}{hint}; trying again every {BROKER_RETRY_AFTER:?}");
             self.said = Some(text);
         }
     }
 }
 
-fn hint(error: &ConnectionError, text: &str, was_short: bool) -> &'static str {
+fn hint(error: &ConnectionError, was_short: bool) -> &'static str {
     use ConnectReturnCode::{BadClientId, BadUserNamePassword, NotAuthorized};
     match error {
         ConnectionError::ConnectionRefused(BadUserNamePassword | NotAuthorized) => {
             ": look at --user and --password-file"
         }
         ConnectionError::ConnectionRefused(BadClientId) => ": the broker does not like --id",
-        _ if text.contains("invalid peer certificate") => certificate(text),
-        ConnectionError::Tls(_) => ": is this its port for TLS?",
+        ConnectionError::Tls(error) => of_tls(error),
         ConnectionError::MqttState(_) if was_short => {
             ": does it want TLS, or is there another client of the same --id?"
         }
@@ -236,17 +236,24 @@ fn hint(error: &ConnectionError, text: &str, was_short: bool) -> &'static str {
     }
 }
 
-/// What is inside of an error of TLS has no type here, but the words of rustls.
-fn certificate(text: &str) -> &'static str {
-    let says = |words: &[&str]| words.iter().any(|word| text.contains(word));
-    if says(&["UnknownIssuer"]) {
-        ": the file of --ca does not vouch for this broker"
-    } else if says(&["NotValidForName", "not valid for name"]) {
-        ": its certificate is for another name; write that into --broker"
-    } else if says(&["Expired", "NotValidYet", "certificate expired", "not valid yet"]) {
-        ": its certificate is not valid at the time of this machine's clock; is that set? (timedatectl)"
-    } else {
-        ""
+/// What rustls has against the certificate of the broker, if that is it.
+fn of_tls(error: &TlsError) -> &'static str {
+    let inner = if let TlsError::Io(error) = error { error.get_ref() } else { None };
+    match inner.and_then(|error| error.downcast_ref()) {
+        Some(rustls::Error::InvalidCertificate(error)) => match error {
+            CertificateError::UnknownIssuer => ": the file of --ca does not vouch for this broker",
+            CertificateError::NotValidForName | CertificateError::NotValidForNameContext { .. } => {
+                ": its certificate is for another name; write that into --broker"
+            }
+            CertificateError::Expired
+            | CertificateError::ExpiredContext { .. }
+            | CertificateError::NotValidYet
+            | CertificateError::NotValidYetContext { .. } => {
+                ": its certificate is not valid at the time of this machine's clock; is that set? (timedatectl)"
+            }
+            _ => "",
+        },
+        _ => ": is this its port for TLS?",
     }
 }
 
@@ -274,32 +281,25 @@ fn read(path: &Path) -> Result<String, BridgeError> {
 
 #[cfg(test)]
 mod tests {
-    use super::certificate;
+    use super::*;
+    use std::io;
 
-    /// As rustls 0.23 writes them.
+    fn hint_of(error: rustls::Error) -> &'static str {
+        hint(&ConnectionError::Tls(TlsError::Io(io::Error::new(io::ErrorKind::InvalidData, error))), false)
+    }
+
     #[test]
     fn what_is_wrong_with_a_certificate_is_told_apart() {
         for (error, wanted) in [
-            ("UnknownIssuer", "does not vouch"),
-            (
-                "certificate not valid for name \"127.0.0.1\"; certificate is only valid for DnsName(\"localhost\")",
-                "another name",
-            ),
-            ("NotValidForName", "another name"),
-            (
-                "certificate expired: verification time 1766000000 (UNIX), but certificate is not valid after 1765000000 \
-                 (1000000 seconds ago)",
-                "timedatectl",
-            ),
-            (
-                "certificate not valid yet: verification time 1000 (UNIX), but certificate is not valid before 1765000000 \
-                 (1764999000 seconds in future)",
-                "timedatectl",
-            ),
+            (CertificateError::UnknownIssuer, "does not vouch"),
+            (CertificateError::NotValidForName, "another name"),
+            (CertificateError::Expired, "timedatectl"),
+            (CertificateError::NotValidYet, "timedatectl"),
         ] {
-            let hint = certificate(&format!("TLS: invalid peer certificate: {error}"));
+            let hint = hint_of(rustls::Error::InvalidCertificate(error.clone()));
             assert!(hint.contains(wanted), "{error}: {hint}");
         }
-        assert_eq!(certificate("TLS: invalid peer certificate: BadEncoding"), "");
+        assert_eq!(hint_of(rustls::Error::InvalidCertificate(CertificateError::BadEncoding)), "");
+        assert!(hint_of(rustls::Error::DecryptError).contains("port for TLS"));
     }
 }
