@@ -69,12 +69,6 @@ impl Spent {
     }
 }
 
-/// Time for each published reading of these instruments, s.
-pub fn published_s(found: &[Found]) -> f64 {
-    let readings = found.iter().map(|found| found.told.len()).sum::<usize>();
-    found.iter().map(|found| found.times.whole_s()).sum::<f64>() / readings as f64
-}
-
 /// What came of it.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Found {

@@ -37,6 +37,12 @@ pub fn name_of(status: &Status) -> &'static str {
     }
 }
 
+/// Time for each published reading of these instruments, s.
+pub fn published_s(found: &[Found]) -> f64 {
+    let readings = found.iter().map(|found| found.told.len()).sum::<usize>();
+    found.iter().map(|found| found.times.whole_s()).sum::<f64>() / readings as f64
+}
+
 pub fn kind_of(method: Method) -> Kind {
     match method {
         Method::Qerm => Kind::SeriesCalibration,

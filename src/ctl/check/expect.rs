@@ -135,20 +135,36 @@ impl RehearsalSum {
     }
 }
 
+/// Lets an instrument find its state and its offset; when it has them, `None` if that takes too long.
+pub(super) fn warm_up<P: Pins>(instrument: &mut Instrument<P>, settings: &Settings) -> Option<Nanos> {
+    let cold = COLD.max(Nanos(2 * longest(settings).0));
+    loop {
+        let now = instrument.pins().now();
+        if now > WARM && instrument.cycle().offset_is_known() {
+            return Some(now);
+        }
+        if now > cold {
+            return None;
+        }
+        instrument.step(&mut |_| {}).ok()?;
+    }
+}
+
+/// The longest that readings may have to be waited for.
+pub(super) fn longest(settings: &Settings) -> Nanos {
+    settings.average.unwrap_or_default().max(settings.period.unwrap_or_default())
+}
+
 /// `None` if it has no offset or state in time.
 fn rehearse_board(settings: &Settings, scene: &Scene, r_ohm: f64) -> Option<RehearsalSum> {
     let mut instrument = Instrument::new(SimPins::new(scene, None), settings.clone());
-    let (mut began, mut now, mut last) = (None, Nanos::ZERO, Nanos::ZERO);
+    // What is settling, with the offset or the state still to be found, is not what comes after it.
+    let mut now = warm_up(&mut instrument, settings)?;
+    let (mut began, mut last) = (None, Nanos::ZERO);
     let mut found = RehearsalSum::default();
-    let least = settings.average.unwrap_or_default().max(settings.period.unwrap_or_default());
-    let end = |began: Nanos| began + REHEARSED.max(Nanos(3 * least.0));
+    let end = |began: Nanos| began + REHEARSED.max(Nanos(3 * longest(settings).0));
     let enough = REHEARSED_READINGS * settings.channels.len();
     while found.readings < enough && began.is_none_or(|began| now < end(began)) {
-        // What is settling, with the offset or the state still to be found, is not what comes after it.
-        let is_warm = began.is_some() || now > WARM && instrument.cycle().offset_is_known();
-        if !is_warm && now > COLD.max(Nanos(2 * least.0)) {
-            return None;
-        }
         let step = instrument.step(&mut |message| match message {
             Message::Reading(reading) if began.is_some() => {
                 found.readings += 1;
@@ -159,7 +175,7 @@ fn rehearse_board(settings: &Settings, scene: &Scene, r_ohm: f64) -> Option<Rehe
                     found.numbers += 1;
                 }
             }
-            Message::Reading(_) if is_warm => began = Some(now),
+            Message::Reading(_) => began = Some(now),
             Message::Discharge { .. } if began.is_some() => found.discharges += 1,
             _ => {}
         });
