@@ -91,7 +91,7 @@ pub struct Settings {
     pub t_l: Option<Nanos>,
     /// The planned switch comes at this fraction of the predicted T_xA.
     pub switch_fraction: f64,
-    /// In every so manieth cycle each of them is read.
+    /// Of so many cycles each of them is read in one.
     pub every: Vec<u32>,
     /// The sensors.
     pub channels: Vec<Channel>,
