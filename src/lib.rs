@@ -76,6 +76,7 @@ pub mod daemon;
 #[allow(dead_code, reason = "shared with all other tests")]
 pub(crate) mod decorated;
 #[cfg(feature = "programs")]
+#[doc(hidden)]
 pub mod estimate;
 #[cfg(feature = "programs")]
 #[doc(hidden)]
@@ -87,6 +88,7 @@ pub mod pins;
 pub mod reading;
 pub mod record;
 #[cfg(feature = "programs")]
+#[doc(hidden)]
 pub mod report;
 #[cfg(test)]
 #[path = "../tests/common/seed.rs"]

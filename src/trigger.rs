@@ -16,7 +16,7 @@ const SIGMAS: f64 = 2.0;
 
 /// What is compared. The one place that knows where it stands in a reading.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Quantity {
+pub enum Compared {
     /// What the channel shows, in its unit: a force, or what its law says. The uncertainty is that of the readout: what the sensor
     /// is off its law by is the same each time.
     Shown,
@@ -24,33 +24,33 @@ pub enum Quantity {
     Resistance,
 }
 
-impl Quantity {
+impl Compared {
     /// From where to where the truth is, as far as a reading knows; an end may be infinite. `None`: nothing is known.
     fn span(self, status: &Status) -> Option<[f64; 2]> {
         let around = |value: f64, u: Option<f64>| u.map(|u| [value - SIGMAS * u, value + SIGMAS * u]);
         match (self, *status) {
             (_, Status::Fault(_)) => None,
-            (Quantity::Shown, Status::Ok { shown, .. }) => {
+            (Compared::Shown, Status::Ok { shown, .. }) => {
                 shown.and_then(|MeasuredValue { value, repeat_u, .. }| around(value, repeat_u))
             }
-            (Quantity::Shown, Status::Open { shown, .. } | Status::Short { shown, .. }) => {
+            (Compared::Shown, Status::Open { shown, .. } | Status::Short { shown, .. }) => {
                 shown.map(|bound| match bound {
                     Bound::AtMost(most) => [f64::NEG_INFINITY, most],
                     Bound::AtLeast(least) => [least, f64::INFINITY],
                 })
             }
-            (Quantity::Resistance, Status::Ok { r_ohm: Measured { value, u }, .. }) => around(value, u),
-            (Quantity::Resistance, Status::Open { r_min_ohm, .. }) => Some([r_min_ohm, f64::INFINITY]),
-            (Quantity::Resistance, Status::Short { r_max_ohm, .. }) => Some([0.0, r_max_ohm]),
+            (Compared::Resistance, Status::Ok { r_ohm: Measured { value, u }, .. }) => around(value, u),
+            (Compared::Resistance, Status::Open { r_min_ohm, .. }) => Some([r_min_ohm, f64::INFINITY]),
+            (Compared::Resistance, Status::Short { r_max_ohm, .. }) => Some([0.0, r_max_ohm]),
         }
     }
 }
 
 /// What makes a channel pressed or released.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Rules {
+pub struct TriggerRules {
     /// What is compared.
-    pub quantity: Quantity,
+    pub quantity: Compared,
     /// Pressed from here on, upwards or downwards: away from `off`. In the unit of the quantity.
     pub on: f64,
     /// Released from here on, the other way.
@@ -61,7 +61,7 @@ pub struct Rules {
     pub stale: Nanos,
 }
 
-impl Rules {
+impl TriggerRules {
     /// What a number says by itself. Between the thresholds everything stays as it is; where nothing is known yet, what is
     /// surely below `on` is released.
     fn state_at(&self, [low, high]: [f64; 2], before: State) -> State {
@@ -111,7 +111,7 @@ pub struct Event {
 /// The state of one channel.
 #[derive(Debug, Clone)]
 pub struct Trigger {
-    rules: Rules,
+    rules: TriggerRules,
     state: State,
     /// When the last number was taken.
     known_at: Option<Nanos>,
@@ -123,7 +123,7 @@ pub struct Trigger {
 
 impl Trigger {
     /// Nothing is known yet.
-    pub fn new(rules: Rules) -> Trigger {
+    pub fn new(rules: TriggerRules) -> Trigger {
         let state = State::Unknown(Why::Stale);
         Trigger { rules, state, known_at: None, is_fault: false, asked: None }
     }

@@ -9,11 +9,11 @@ mod context;
 mod rows;
 mod session;
 
-use super::board::{Board, now};
 use super::feed::{Feed, Heard};
+use super::latest::{Latest, now};
 use super::limits::{IIO_CLIENTS, IIO_IDLE, IIO_READINGS, PAGE_PATIENCE};
 use super::server::{self, Place, Places};
-use super::{BridgeError, Source, Wish};
+use super::{BridgeError, Upstream, Wish};
 use crate::stream::wire::ReadingLine;
 use crate::units::Nanos;
 use nix::sys::socket::{setsockopt, sockopt};
@@ -26,28 +26,28 @@ use std::time::Duration;
 
 /// What the sessions share.
 #[derive(Debug)]
-pub struct Shared {
-    board: Board,
+pub struct Buffers {
+    latest: Latest,
     /// A reading that is older is no row.
     patience: Nanos,
     /// Buffers that are open. A slow one loses readings, which its timestamps show.
     buffers: Vec<SyncSender<Arc<ReadingLine>>>,
 }
 
-type Hub = Arc<Mutex<Shared>>;
+type SharedBuffers = Arc<Mutex<Buffers>>;
 
-fn lock(hub: &Mutex<Shared>) -> MutexGuard<'_, Shared> {
+fn lock(hub: &Mutex<Buffers>) -> MutexGuard<'_, Buffers> {
     hub.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-impl Shared {
-    fn new(patience: Duration) -> Shared {
-        let board = Board::new(patience);
-        Shared { board, patience: Nanos::from_seconds(patience.as_secs_f64()), buffers: Vec::new() }
+impl Buffers {
+    fn new(patience: Duration) -> Buffers {
+        let latest = Latest::new(patience);
+        Buffers { latest, patience: Nanos::from_seconds(patience.as_secs_f64()), buffers: Vec::new() }
     }
 
     fn hear(&mut self, heard: &Heard) {
-        self.board.hear(heard);
+        self.latest.hear(heard);
         if let Heard::Reading(reading, _) = heard {
             // A daemon that was asleep may say first what it had measured before.
             if now() - Nanos(reading.t_mono_ns) > self.patience {
@@ -71,10 +71,10 @@ impl Shared {
 ///
 /// # Errors
 /// The address is not to be had.
-pub fn run(source: Source, address: SocketAddr, wish: Wish<'_>) -> Result<(), BridgeError> {
+pub fn run(source: Upstream, address: SocketAddr, wish: Wish<'_>) -> Result<(), BridgeError> {
     let (listener, bound) = server::listen(address)?;
     log::info!("serving ip:{bound}");
-    let hub: Hub = Arc::new(Mutex::new(Shared::new(source.patience)));
+    let hub: SharedBuffers = Arc::new(Mutex::new(Buffers::new(source.patience)));
     std::thread::scope(|scope| {
         scope.spawn(|| {
             let mut feed = Feed::new(source.socket, None);
@@ -90,7 +90,7 @@ pub fn run(source: Source, address: SocketAddr, wish: Wish<'_>) -> Result<(), Br
     Ok(())
 }
 
-fn converse(socket: TcpStream, hub: &Hub, place: &Place) -> io::Result<()> {
+fn converse(socket: TcpStream, hub: &SharedBuffers, place: &Place) -> io::Result<()> {
     socket.set_nodelay(true)?;
     socket.set_write_timeout(Some(PAGE_PATIENCE))?;
     // A client may be silent for hours; one whose machine is gone must not keep its place.
@@ -101,11 +101,11 @@ fn converse(socket: TcpStream, hub: &Hub, place: &Place) -> io::Result<()> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::bridge::board::tests::{ok, reading, up};
+    use crate::bridge::latest::tests::{ok, reading, up};
 
     #[test]
     fn a_buffer_gets_what_is_fresh() {
-        let mut shared = Shared::new(Duration::from_secs(10));
+        let mut shared = Buffers::new(Duration::from_secs(10));
         shared.hear(&up(&["thumb"]));
         let buffer = shared.open();
         shared.hear(&reading("thumb", now().0 - 11_000_000_000, ok(1.0)));

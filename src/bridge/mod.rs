@@ -7,10 +7,10 @@
 //! is told no more, and none of an outage is told afterwards. And a state stays a state: where there is no number, none is
 //! made up.
 
-mod board;
 mod feed;
 pub mod http;
 pub mod iio;
+mod latest;
 mod limits;
 pub mod mqtt;
 pub mod prometheus;
@@ -24,7 +24,7 @@ use std::time::Duration;
 
 /// What all bridges need to know.
 #[derive(Debug, Clone)]
-pub struct Source {
+pub struct Upstream {
     /// The socket of the daemon.
     pub socket: PathBuf,
     /// A reading that is older is told no more.

@@ -11,14 +11,14 @@ mod report;
 
 pub use link::{Broker, Login};
 
-use super::board::now;
 use super::feed::{Feed, Heard};
+use super::latest::now;
 use super::limits::MAX_HZ;
-use super::{BridgeError, Source, Wish};
+use super::{BridgeError, Upstream, Wish};
 use crate::stream::wire::{EventLine, EventName, ReadingLine, StateLine, StatsLine, VersionLine};
 use crate::units::Nanos;
-use link::{Link, Message, State};
-use report::{Reporter, Rules};
+use link::{BrokerState, Link, Publication};
+use report::{Pacing, Reporter};
 use serde::Serialize;
 use std::collections::BTreeMap;
 use std::time::Duration;
@@ -42,16 +42,16 @@ pub struct Options {
 ///
 /// # Errors
 /// The file of a certificate or a password cannot be read, or the system refuses a thread.
-pub fn run(source: Source, broker: Broker, options: Options, wish: Wish<'_>) -> Result<(), BridgeError> {
+pub fn run(source: Upstream, broker: Broker, options: Options, wish: Wish<'_>) -> Result<(), BridgeError> {
     let patience = Nanos::from_seconds(source.patience.as_secs_f64());
     let mut feed = Feed::new(source.socket, Some(MAX_HZ));
     let mut teller = Teller::new(options, patience);
-    let will = Message::retained(teller.topics.availability(), OFFLINE);
+    let will = Publication::retained(teller.topics.availability(), OFFLINE);
     let mut link = Link::start(broker, &teller.options.id, will, teller.topics.births())?;
     while !wish() {
         let heard = feed.next();
         match link.state() {
-            State::Up { is_new } => {
+            BrokerState::Up { is_new } => {
                 if is_new {
                     link.publish_all(teller.introduction());
                 }
@@ -67,10 +67,10 @@ pub fn run(source: Source, broker: Broker, options: Options, wish: Wish<'_>) -> 
                     }
                 }
             }
-            State::Down => teller.note(&heard),
+            BrokerState::Down => teller.note(&heard),
         }
     }
-    link.end(Message::retained(teller.topics.availability(), OFFLINE));
+    link.end(Publication::retained(teller.topics.availability(), OFFLINE));
     Ok(())
 }
 
@@ -146,18 +146,21 @@ impl Teller {
     }
 
     /// What somebody must hear who has heard nothing yet. From now on everything is news.
-    fn introduction(&mut self) -> Vec<Message> {
+    fn introduction(&mut self) -> Vec<Publication> {
         self.reporters.clear();
         let gone = self.version.as_ref().and_then(|version| self.gone(version));
         self.announced = self.version.clone().or_else(|| self.announced.take());
         let state = if self.version.is_some() { ONLINE } else { OFFLINE };
         let device = self.topics.device().zip(self.version.as_ref()).map(|(topic, version)| {
-            Message::retained(
+            Publication::retained(
                 topic,
                 &discovery::device(&self.topics, version, self.options.every).to_string(),
             )
         });
-        gone.into_iter().chain(device).chain([Message::retained(self.topics.availability(), state)]).collect()
+        gone.into_iter()
+            .chain(device)
+            .chain([Publication::retained(self.topics.availability(), state)])
+            .collect()
     }
 
     /// Remembers who is there, while there is nobody to tell.
@@ -179,7 +182,7 @@ impl Teller {
     }
 
     /// What there is to tell of what was heard.
-    fn tell(&mut self, heard: &Heard, now: Nanos) -> Vec<Message> {
+    fn tell(&mut self, heard: &Heard, now: Nanos) -> Vec<Publication> {
         self.note(heard);
         match heard {
             Heard::Up(_) => self.introduction(),
@@ -197,10 +200,10 @@ impl Teller {
     }
 
     /// The entities of channels that are no more, taken back.
-    fn gone(&self, version: &VersionLine) -> Option<Message> {
+    fn gone(&self, version: &VersionLine) -> Option<Publication> {
         let (topic, before) = self.topics.device().zip(self.announced.as_ref())?;
         let device = discovery::device_without(&self.topics, version, before, self.options.every)?;
-        Some(Message::retained(topic, &device.to_string()))
+        Some(Publication::retained(topic, &device.to_string()))
     }
 
     /// Of no other channels, however many ids a daemon may send.
@@ -208,23 +211,23 @@ impl Teller {
         self.version.iter().any(|version| version.channels.iter().any(|channel| channel.id == id))
     }
 
-    fn trigger(&self, event: &EventLine) -> Message {
+    fn trigger(&self, event: &EventLine) -> Publication {
         let payload = TriggerPayload { time: &event.time, event: event.event, reason: &event.reason };
-        Message::passing(self.topics.trigger(&event.channel), &json(&payload))
+        Publication::passing(self.topics.trigger(&event.channel), &json(&payload))
     }
 
-    fn report(&mut self, reading: &ReadingLine, now: Nanos) -> Option<Message> {
+    fn report(&mut self, reading: &ReadingLine, now: Nanos) -> Option<Publication> {
         if now - Nanos(reading.t_mono_ns) > self.patience || !self.has(&reading.channel) {
             return None;
         }
         let Options { change, every, at_least, .. } = self.options;
         let [every, at_least] = [every, at_least].map(|time| Nanos::from_seconds(time.as_secs_f64()));
-        let rules = Rules { change, every, at_least };
+        let rules = Pacing { change, every, at_least };
         let reporter = self.reporters.entry(reading.channel.clone()).or_default();
         reporter.is_news(&reading.state, Nanos(reading.t_mono_ns), &rules).then(|| {
             let payload = json(&Payload { time: &reading.time, state: &reading.state, hint: &reading.hint });
             let topic = self.topics.channel(&reading.channel);
-            Message { channel: Some(reading.channel.clone()), ..Message::passing(topic, &payload) }
+            Publication { channel: Some(reading.channel.clone()), ..Publication::passing(topic, &payload) }
         })
     }
 
@@ -232,7 +235,7 @@ impl Teller {
         self.reporters.remove(channel);
     }
 
-    fn figures(&mut self, stats: &StatsLine) -> Message {
+    fn figures(&mut self, stats: &StatsLine) -> Publication {
         let of = &stats.instrument;
         let before = self.counted.replace((of.readings, of.uptime_s));
         let rate_hz = before.and_then(|(readings, uptime_s)| {
@@ -247,7 +250,7 @@ impl Teller {
             pin_ohm: of.r_o_ohm,
             hint: of.hint.as_deref(),
         };
-        Message::passing(self.topics.instrument(), &json(&figures))
+        Publication::passing(self.topics.instrument(), &json(&figures))
     }
 }
 

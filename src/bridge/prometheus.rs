@@ -2,11 +2,11 @@
 
 mod page;
 
-use super::board::{Board, now};
 use super::feed::Feed;
 use super::http::{self, Answer, Body, Handler, Request};
+use super::latest::{Latest, now};
 use super::limits::MAX_HZ;
-use super::{BridgeError, Source, Wish};
+use super::{BridgeError, Upstream, Wish};
 use page::Format;
 use std::net::SocketAddr;
 use std::sync::{Arc, Mutex, PoisonError};
@@ -18,10 +18,15 @@ const PATH: &str = "/metrics";
 ///
 /// # Errors
 /// The address is not to be had.
-pub fn run(source: Source, address: SocketAddr, names: &[String], wish: Wish<'_>) -> Result<(), BridgeError> {
+pub fn run(
+    source: Upstream,
+    address: SocketAddr,
+    names: &[String],
+    wish: Wish<'_>,
+) -> Result<(), BridgeError> {
     let listener = http::listen(address)?;
-    let board = Arc::new(Mutex::new(Board::new(source.patience)));
-    let told = Arc::clone(&board);
+    let latest = Arc::new(Mutex::new(Latest::new(source.patience)));
+    let told = Arc::clone(&latest);
     let handler: Handler = Box::new(move |request: &Request| match &*request.path {
         PATH => answer(&told.lock().unwrap_or_else(PoisonError::into_inner), Format::of(&request.accept)),
         _ => Answer::not_found(PATH),
@@ -31,7 +36,7 @@ pub fn run(source: Source, address: SocketAddr, names: &[String], wish: Wish<'_>
             let mut feed = Feed::new(source.socket, Some(MAX_HZ));
             while !wish() {
                 let heard = feed.next();
-                board.lock().unwrap_or_else(PoisonError::into_inner).hear(&heard);
+                latest.lock().unwrap_or_else(PoisonError::into_inner).hear(&heard);
             }
         });
         http::serve(&listener, names, handler, wish);
@@ -39,7 +44,7 @@ pub fn run(source: Source, address: SocketAddr, names: &[String], wish: Wish<'_>
     Ok(())
 }
 
-fn answer(board: &Board, format: Format) -> Answer {
-    let body = Body::Whole(page::render(board, now(), format).into_bytes());
+fn answer(latest: &Latest, format: Format) -> Answer {
+    let body = Body::Whole(page::render(latest, now(), format).into_bytes());
     Answer { status: "200 OK", content_type: format.content_type(), headers: "", body }
 }

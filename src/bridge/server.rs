@@ -71,10 +71,10 @@ pub struct Places {
 struct Taken {
     next: u64,
     /// Those that have been silent for the longest first.
-    clients: VecDeque<Client>,
+    clients: VecDeque<Occupant>,
 }
 
-struct Client {
+struct Occupant {
     number: u64,
     heard_at: Instant,
     socket: TcpStream,
@@ -111,7 +111,7 @@ impl Places {
         }
         let number = taken.next;
         taken.next += 1;
-        taken.clients.push_back(Client { number, heard_at: Instant::now(), socket });
+        taken.clients.push_back(Occupant { number, heard_at: Instant::now(), socket });
         Some(Place { places: self.clone(), number })
     }
 }

@@ -3,12 +3,12 @@
 
 mod hub;
 
-use super::board::now;
 use super::feed::Feed;
 use super::http::{self, Answer, Body, Handler, Request};
+use super::latest::now;
 use super::limits::MAX_HZ;
-use super::{BridgeError, Source, Wish};
-use hub::Hub;
+use super::{BridgeError, Upstream, Wish};
+use hub::Pages;
 use std::net::SocketAddr;
 use std::sync::{Arc, Mutex, PoisonError};
 
@@ -21,9 +21,14 @@ const POLICY: &str = "Content-Security-Policy: default-src 'none'; script-src 's
 ///
 /// # Errors
 /// The address is not to be had.
-pub fn run(source: Source, address: SocketAddr, names: &[String], wish: Wish<'_>) -> Result<(), BridgeError> {
+pub fn run(
+    source: Upstream,
+    address: SocketAddr,
+    names: &[String],
+    wish: Wish<'_>,
+) -> Result<(), BridgeError> {
     let listener = http::listen(address)?;
-    let hub = Arc::new(Mutex::new(Hub::new(source.patience)));
+    let hub = Arc::new(Mutex::new(Pages::new(source.patience)));
     let handler: Handler = {
         let hub = Arc::clone(&hub);
         Box::new(move |request| answer(request, &hub))
@@ -41,7 +46,7 @@ pub fn run(source: Source, address: SocketAddr, names: &[String], wish: Wish<'_>
     Ok(())
 }
 
-fn answer(request: &Request, hub: &Mutex<Hub>) -> Answer {
+fn answer(request: &Request, hub: &Mutex<Pages>) -> Answer {
     match &*request.path {
         "/" => page("text/html; charset=utf-8", include_str!("web/page.html")),
         "/page.css" => page("text/css; charset=utf-8", include_str!("web/page.css")),
@@ -55,7 +60,7 @@ fn page(content_type: &'static str, text: &'static str) -> Answer {
     Answer { status: "200 OK", content_type, headers: POLICY, body: Body::Whole(text.into()) }
 }
 
-fn events(hub: &Mutex<Hub>) -> Answer {
+fn events(hub: &Mutex<Pages>) -> Answer {
     let Some(listener) = hub.lock().unwrap_or_else(PoisonError::into_inner).join() else {
         return Answer::text("503 Service Unavailable", "too many pages are open: close some");
     };

@@ -2,7 +2,7 @@
 
 use super::change::Change;
 use super::limits::{COLD, LEAST_WARM, SINCE_START, SWING, TOLERANCE, WARM, WARM_CYCLES};
-use super::watch::{Found, Watch, watch};
+use super::watch::{Found, WatchSpan, watch};
 use crate::config::{Config, SettingsError};
 use crate::instrument::Instrument;
 use crate::instrument::settings::Settings;
@@ -89,13 +89,13 @@ impl Cell {
         (0..=steps).map(turn).collect()
     }
 
-    fn watch(&self, channel: &Channel) -> Watch {
+    fn watch(&self, channel: &Channel) -> WatchSpan {
         let (from, until) = match self.change {
             Some(Change::SinceStart) => (None, Nanos::from_seconds(SINCE_START[SINCE_START.len() - 1])),
             _ => (Some(self.warm()), Nanos::MAX),
         };
         let channel = channel.clone();
-        Watch { channel, start: Nanos::ZERO, from, until, readings: self.readings }
+        WatchSpan { channel, start: Nanos::ZERO, from, until, readings: self.readings }
     }
 
     /// Measures, one instrument after the other; `None` if it was stopped.

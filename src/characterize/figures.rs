@@ -4,7 +4,7 @@ use super::cell::Cell;
 use super::change::Change;
 use super::limits::{DIGITS, SINCE_START};
 use super::table::{Row, Source, Vary};
-use super::watch::{Found, Number, Told};
+use super::watch::{Deviation, Found, Observation};
 use crate::config::Config;
 use crate::units::sample::{mean, rms};
 use crate::units::{Nanos, rounded};
@@ -55,7 +55,7 @@ impl Cell {
         let mut from = Nanos::ZERO;
         let within = |row: Row| {
             let until = Nanos::from_seconds(row.vary_value.unwrap_or_default());
-            let stretch = |told: &&Told| (from..until).contains(&told.at);
+            let stretch = |told: &&Observation| (from..until).contains(&told.at);
             let part = |found: &Found| Found {
                 told: found.told.iter().filter(stretch).copied().collect(),
                 ..Found::default()
@@ -72,21 +72,21 @@ impl Cell {
 /// as that, and not among the errors.
 pub fn filled(row: Row, found: &[Found], is_moving: bool) -> Row {
     let told = || found.iter().flat_map(|found| &found.told);
-    let counts = |number: &&Number| is_moving || !number.is_moving;
-    let of = |found: &Found| -> Vec<Number> {
+    let counts = |number: &&Deviation| is_moving || !number.is_moving;
+    let of = |found: &Found| -> Vec<Deviation> {
         found.told.iter().filter_map(|told| told.what.as_ref().ok()).filter(counts).copied().collect()
     };
-    let by_instrument: Vec<Vec<Number>> = found.iter().map(of).collect();
+    let by_instrument: Vec<Vec<Deviation>> = found.iter().map(of).collect();
     let numbers = by_instrument.concat();
     let readings = told().count();
-    let share = |is: &dyn Fn(&Number) -> bool| {
+    let share = |is: &dyn Fn(&Deviation) -> bool| {
         let count = told().filter(|told| told.what.as_ref().is_ok_and(is)).count();
         rounded(count as f64 / readings.max(1) as f64, DIGITS)
     };
     let errors: Vec<f64> = numbers.iter().map(|number| number.error_ohm).collect();
     let bias = mean(&errors);
     let largest =
-        |numbers: &Vec<Number>| numbers.iter().map(|number| number.error_ohm.abs()).reduce(f64::max);
+        |numbers: &Vec<Deviation>| numbers.iter().map(|number| number.error_ohm.abs()).reduce(f64::max);
     let mae = mean(&by_instrument.iter().filter_map(largest).collect::<Vec<_>>());
     let stated: Vec<(f64, f64)> =
         numbers.iter().filter_map(|number| Some((number.error_ohm, number.u_ohm?))).collect();
@@ -142,18 +142,18 @@ fn timed(row: Row, found: &[Found]) -> Row {
 /// The means of blocks of this length, from the readings as they came; of their u nothing is known.
 pub fn blocks(found: &Found, length: Nanos) -> Found {
     let first = found.told.first().map_or(Nanos::ZERO, |told| told.at);
-    let block = |told: &Told| (told.at - first).0 / length.0.max(1);
+    let block = |told: &Observation| (told.at - first).0 / length.0.max(1);
     let last = found.told.last().map_or(0, block);
-    let mean_of = |told: &[Told]| {
+    let mean_of = |told: &[Observation]| {
         let numbers = || told.iter().filter_map(|told| told.what.as_ref().ok());
         // As in a row, what says of a resting sensor that it moves is not among the others.
         let number = |is_moving: bool| {
             let own = numbers().filter(|number| number.is_moving == is_moving);
             let error_ohm = mean(&own.map(|number| number.error_ohm).collect::<Vec<_>>())?;
-            Some(Number { error_ohm, is_moving, ..Number::default() })
+            Some(Deviation { error_ohm, is_moving, ..Deviation::default() })
         };
         let reason = || most_frequent(told.iter().filter_map(|told| told.what.err())).unwrap_or_default();
-        Told { at: told[0].at, what: number(false).or_else(|| number(true)).ok_or_else(reason) }
+        Observation { at: told[0].at, what: number(false).or_else(|| number(true)).ok_or_else(reason) }
     };
     let blocks = found.told.chunk_by(|one, next| block(one) == block(next));
     // The last one is not whole.
@@ -180,7 +180,7 @@ mod tests {
     #[test]
     fn a_block_is_the_mean_of_what_rests_or_says_why_it_is_none() {
         let number = |error_ohm: f64, is_moving: bool| {
-            Ok(Number { error_ohm, is_moving, u_ohm: Some(1.0), ..Number::default() })
+            Ok(Deviation { error_ohm, is_moving, u_ohm: Some(1.0), ..Deviation::default() })
         };
         let what = [
             [number(1.0, false), number(3.0, false), number(90.0, true)],
@@ -190,10 +190,11 @@ mod tests {
             [number(5.0, false); 3],
         ];
         let at = |index: usize| Nanos(index as i64);
-        let told = what.concat().into_iter().enumerate().map(|(index, what)| Told { at: at(index), what });
+        let told =
+            what.concat().into_iter().enumerate().map(|(index, what)| Observation { at: at(index), what });
         let found = blocks(&Found { told: told.collect(), ..Found::default() }, Nanos(3));
         let moving =
-            |error_ohm: f64, is_moving: bool| Ok(Number { error_ohm, is_moving, ..Number::default() });
+            |error_ohm: f64, is_moving: bool| Ok(Deviation { error_ohm, is_moving, ..Deviation::default() });
         let blocks: Vec<_> = found.told.iter().map(|told| told.what).collect();
         assert_eq!(blocks, [moving(2.0, false), moving(80.0, true), Err("leakage")]);
     }

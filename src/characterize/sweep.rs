@@ -47,7 +47,7 @@ pub struct Sweep {
 }
 
 /// How many instruments, and readings of each.
-type Counts = (u64, usize);
+type Extent = (u64, usize);
 
 impl Sweep {
     /// Error against time: methods, wirings, resistances and means.
@@ -87,7 +87,7 @@ impl Sweep {
         let offsets = each(&OFFSET_ERRORS_S, |s| Change::OffsetError(Seconds(s)));
         let effects: Vec<Change> = Effect::of(&self.scene).map(Change::Without).collect();
         for (kind, method) in self.ways() {
-            let mut add = |changes: &[Change], usual: &[f64], counts: Counts| {
+            let mut add = |changes: &[Change], usual: &[f64], counts: Extent| {
                 for (change, r_ohm) in
                     changes.iter().flat_map(|change| self.resistances(usual).map(move |r| (change, r)))
                 {
@@ -174,7 +174,7 @@ impl Sweep {
         average: Nanos,
         r_ohm: f64,
         change: Option<Change>,
-        (instruments, readings): Counts,
+        (instruments, readings): Extent,
     ) -> Result<Cell, SceneError> {
         let scene = self.scene.clone().with_kind(kind)?;
         let mut config = self.config.clone().unwrap_or_else(|| config_of(&self.name, &scene));
@@ -199,7 +199,7 @@ fn is_worthwhile(cell: &Cell) -> bool {
 }
 
 /// The longer a mean, the fewer there is time for.
-fn counts(average: Nanos) -> Counts {
+fn counts(average: Nanos) -> Extent {
     match average.as_seconds() {
         s if s <= 0.0 => (30, 40),
         s if s <= 0.02 => (20, 30),

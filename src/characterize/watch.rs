@@ -12,7 +12,7 @@ use crate::units::Nanos;
 
 /// How long an instrument is watched. Instants are those of its pins.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Watch {
+pub struct WatchSpan {
     /// The channel that is watched.
     pub channel: Channel,
     /// When the instrument started.
@@ -27,16 +27,16 @@ pub struct Watch {
 
 /// A published reading against the truth.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Told {
+pub struct Observation {
     /// When R_x was what it says.
     pub at: Nanos,
     /// Its number, or why there is none: `open`, `short`, or the name of a fault.
-    pub what: Result<Number, &'static str>,
+    pub what: Result<Deviation, &'static str>,
 }
 
 /// The number of a reading.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub struct Number {
+pub struct Deviation {
     /// What it is off by, ohm.
     pub error_ohm: f64,
     /// What it says of that, 1 sigma, ohm; `None`: nothing yet.
@@ -51,7 +51,7 @@ pub struct Number {
 
 /// Where time goes, from the first instant that counts to the last reading, s.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub struct Times {
+pub struct Spent {
     /// What goes before discharges of the sensor.
     pub charge_s: f64,
     /// Discharges of the sensor until their last crossing.
@@ -62,34 +62,28 @@ pub struct Times {
     pub overhead_s: f64,
 }
 
-impl Times {
+impl Spent {
     /// All of it, s.
     pub fn whole_s(&self) -> f64 {
         self.charge_s + self.discharge_s + self.calibration_s + self.overhead_s
     }
 }
 
-/// Time for each published reading of these instruments, s.
-pub fn published_s(found: &[Found]) -> f64 {
-    let readings = found.iter().map(|found| found.told.len()).sum::<usize>();
-    found.iter().map(|found| found.times.whole_s()).sum::<f64>() / readings as f64
-}
-
 /// What came of it.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Found {
     /// Published readings, in order.
-    pub told: Vec<Told>,
+    pub told: Vec<Observation>,
     /// The time in which they were.
-    pub times: Times,
+    pub times: Spent,
     /// Of each discharge of the sensor that was switched to R_2: T_i,xA (16), T_i,xB (18), and T_c2A that they were inferred with, ns.
     pub inferred_ns: Vec<[f64; 3]>,
 }
 
-/// The clock of [`Times`]: up to where time is accounted for.
+/// The clock of [`Spent`]: up to where time is accounted for.
 struct Account {
     at: Option<Nanos>,
-    times: Times,
+    times: Spent,
 }
 
 impl Account {
@@ -116,12 +110,12 @@ impl Account {
 /// Those of the pins.
 pub fn watch<P: Pins>(
     instrument: &mut Instrument<P>,
-    watch: &Watch,
+    watch: &WatchSpan,
     truth: impl Fn(&P, Nanos) -> f64,
     mut goes_on: impl FnMut() -> bool,
 ) -> Result<Found, PinsError> {
     let (mut found, mut information) = (Found::default(), Some(0.0));
-    let mut account = Account { at: watch.from.is_none().then_some(watch.start), times: Times::default() };
+    let mut account = Account { at: watch.from.is_none().then_some(watch.start), times: Spent::default() };
     let mut second = None;
     while found.told.len() < watch.readings && goes_on() {
         let (mut discharged, mut read) = (None, None);
@@ -152,7 +146,7 @@ pub fn watch<P: Pins>(
         if watch.from.is_none_or(|from| reading.at >= from && is_known()) {
             if account.at.is_some() {
                 let r_ohm = truth(instrument.pins(), reading.at);
-                found.told.push(told(&reading, r_ohm, information));
+                found.told.push(observed(&reading, r_ohm, information));
             } else {
                 account.at = Some(discharged.map_or(reading.at, |(_, record)| end_of(&record)));
             }
@@ -194,9 +188,9 @@ fn bound<P: Pins>(instrument: &Instrument<P>, record: &Record, r_ohm: f64) -> Op
 }
 
 /// A reading against the truth, ohm. `information`: of the discharges that it is made of, 1/ohm², if it is known.
-pub fn told(reading: &Reading, truth_ohm: f64, information: Option<f64>) -> Told {
+pub fn observed(reading: &Reading, truth_ohm: f64, information: Option<f64>) -> Observation {
     let what = match reading.status {
-        Status::Ok { r_ohm, is_moving, is_settling, .. } => Ok(Number {
+        Status::Ok { r_ohm, is_moving, is_settling, .. } => Ok(Deviation {
             error_ohm: r_ohm.value - truth_ohm,
             u_ohm: r_ohm.u,
             bound_ohm: information.filter(|sum| *sum > 0.0).map(|sum| sum.sqrt().recip()),
@@ -207,5 +201,5 @@ pub fn told(reading: &Reading, truth_ohm: f64, information: Option<f64>) -> Told
         Status::Short { .. } => Err("short"),
         Status::Fault(fault) => Err(fault.as_str()),
     };
-    Told { at: reading.at, what }
+    Observation { at: reading.at, what }
 }

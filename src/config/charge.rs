@@ -77,7 +77,7 @@ struct Budget {
 }
 
 /// How an equation sees the charges before the sensor, R_1 and R_2 (s/s x ohm), and its variance, ohm².
-struct Equation {
+struct Sensitivity {
     by_depth: [f64; 3],
     variance: f64,
 }
@@ -116,7 +116,7 @@ impl Budget {
     }
 
     /// The equation that a reading of `r` is likely to come from.
-    fn equation(&self, r: Ohm) -> Equation {
+    fn equation(&self, r: Ohm) -> Sensitivity {
         let r = r.0 + self.r_o;
         let (rules, theta) = (self.method.rules(), self.fraction * self.g[0]);
         match rules.switching {
@@ -165,23 +165,23 @@ impl Budget {
         [sensor, first, -sensor - first]
     }
 
-    fn plain(&self, r: f64) -> Equation {
+    fn plain(&self, r: f64) -> Sensitivity {
         let by_depth = self.depths(r, self.mean_memory() * r);
-        Equation { by_depth, variance: self.variance_of_sum(r) + self.calibration(r) }
+        Sensitivity { by_depth, variance: self.variance_of_sum(r) + self.calibration(r) }
     }
 
     /// Two discharges end through R_2: the sensor's and that of R_2; a tracked calibration knows the latter.
-    fn finished(&self, r: f64, theta: f64) -> Equation {
+    fn finished(&self, r: f64, theta: f64) -> Sensitivity {
         let (last, r2) = (self.nodes - 1, self.known[1]);
         let crossings = if self.is_tracked { 1.0 } else { 2.0 } * self.variance(last, r2) / (r2 * r2);
         let variance = (r / theta).powi(2) * crossings + (self.switch / theta).powi(2);
         let by_depth = self.depths(r, r * self.memory[last] * self.g[last] / theta);
-        Equation { by_depth, variance: variance + self.calibration(r) }
+        Sensitivity { by_depth, variance: variance + self.calibration(r) }
     }
 
     /// Nodes by inverse variance; `theta`: where the discharge is switched. Their memories may have different signs; that they
     /// cancel is not counted on.
-    fn weighted(&self, r: f64, theta: Option<f64>) -> Equation {
+    fn weighted(&self, r: f64, theta: Option<f64>) -> Sensitivity {
         let r2 = self.known[1];
         let (mut weights, mut sensor) = (0.0, 0.0);
         for node in 0..self.nodes {
@@ -194,13 +194,13 @@ impl Budget {
             sensor += weight * memory;
         }
         let scatter = theta.map_or(0.0, |theta| (self.switch / theta).powi(2));
-        Equation { by_depth: self.depths(r, r * sensor / weights), variance: 1.0 / weights + scatter }
+        Sensitivity { by_depth: self.depths(r, r * sensor / weights), variance: 1.0 / weights + scatter }
     }
 }
 
-impl Equation {
+impl Sensitivity {
     /// Whichever promises less variance.
-    fn or(self, other: Equation) -> Equation {
+    fn or(self, other: Sensitivity) -> Sensitivity {
         if other.variance < self.variance { other } else { self }
     }
 }

@@ -8,7 +8,7 @@ use serde::de::{Deserializer, Error};
 /// The table as it is written.
 #[derive(Deserialize)]
 #[serde(rename_all = "kebab-case", deny_unknown_fields)]
-struct Table {
+struct Written {
     /// Which circuit. Required.
     kind: Kind,
     /// C_A between nodes A and B, 10 pF to 1 mF. Required for `two-capacitor`. Nominal: never enters an estimate.
@@ -31,8 +31,8 @@ struct Table {
 
 /// Reads the table; a capacitor that is missing or does not belong to the kind is refused.
 pub fn deserialize<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Circuit, D::Error> {
-    let table = Table::deserialize(deserializer)?;
-    let Table { kind, c_a, c_b, c, .. } = table;
+    let table = Written::deserialize(deserializer)?;
+    let Written { kind, c_a, c_b, c, .. } = table;
     let is_mixed = c.is_some() && (c_a.is_some() || c_b.is_some());
     let network = Network::new(kind, c_a, c_b, c).filter(|_| !is_mixed);
     let network = network.ok_or_else(|| {

@@ -15,7 +15,7 @@ use std::path::PathBuf;
 #[serde(try_from = "Written")]
 pub struct Characteristic {
     /// How force follows from resistance.
-    pub law: Source,
+    pub law: ForceSource,
     /// How far the sensor is off that, relative.
     pub u: Option<f64>,
     /// The forces that it was found with, newton.
@@ -26,7 +26,7 @@ pub struct Characteristic {
 
 /// Where a characteristic is.
 #[derive(Debug, Clone, PartialEq)]
-pub enum Source {
+pub enum ForceSource {
     /// Here, with all of its numbers.
     Given(Law),
     /// In the file of its table.
@@ -58,13 +58,15 @@ impl TryFrom<Written> for Characteristic {
         let Written { fc1, fc2, alpha, at_1_kohm, exponent, table, u, range, tare } = written;
         let law = match (fc1, fc2, alpha, at_1_kohm, exponent, table) {
             (Some(fc1), Some(fc2), None, None, None, None) => {
-                Source::Given(Law::Calibrated { fc1_n: fc1.0, fc2_n: fc2.0 })
+                ForceSource::Given(Law::Calibrated { fc1_n: fc1.0, fc2_n: fc2.0 })
             }
-            (None, None, Some(alpha), None, None, None) => Source::Given(Law::Alpha { alpha_n_ohm: alpha.0 }),
+            (None, None, Some(alpha), None, None, None) => {
+                ForceSource::Given(Law::Alpha { alpha_n_ohm: alpha.0 })
+            }
             (None, None, None, Some(at_1_kohm), Some(exponent), None) => {
-                Source::Given(Law::Power { at_1_kohm_n: at_1_kohm.0, exponent })
+                ForceSource::Given(Law::Power { at_1_kohm_n: at_1_kohm.0, exponent })
             }
-            (None, None, None, None, None, Some(table)) => Source::File(table),
+            (None, None, None, None, None, Some(table)) => ForceSource::File(table),
             _ => {
                 return Err("force takes one of { fc1, fc2 }, { alpha }, { at-1-kohm, exponent }, { table }");
             }
@@ -77,6 +79,6 @@ impl TryFrom<Written> for Characteristic {
 #[cfg(test)]
 impl From<Law> for Characteristic {
     fn from(law: Law) -> Characteristic {
-        Characteristic { law: Source::Given(law), u: None, range_n: None, tare_n: None }
+        Characteristic { law: ForceSource::Given(law), u: None, range_n: None, tare_n: None }
     }
 }

@@ -5,6 +5,19 @@
 //!
 //! Unknown keys, wrong units and wrong types are refused while parsing, with line and caret; values that parse but
 //! cannot work are [findings](Finding).
+//!
+//! ```
+//! use cermd::config::Config;
+//!
+//! let text = r#"
+//!     circuit = { kind = "one-capacitor", c = "470 nF", r-c1 = "12.7 kohm", r-c2 = "470 ohm" }
+//!     channel = [{ id = "thumb" }]
+//! "#;
+//! let findings = Config::parse(text, "example")?.check();
+//! assert_eq!(findings.0[0].key, "circuit.r-c1");
+//! assert!(findings.has_errors());
+//! # Ok::<(), cermd::config::ConfigError>(())
+//! ```
 
 pub mod backend;
 mod charge;
@@ -23,7 +36,7 @@ mod settings;
 mod trigger;
 
 pub use finding::{Finding, Findings, Severity};
-pub use force::{Characteristic, Source};
+pub use force::{Characteristic, ForceSource};
 pub use gpio::{Backend, Gpio, LineName};
 pub use law::LawSource;
 pub use limits::{LARGEST_ZERO_OHM, LONGEST_WAIT};
@@ -149,7 +162,7 @@ pub struct ChannelTable {
     /// zero.
     #[serde(default, deserialize_with = "number::optional")]
     pub scale: Option<f64>,
-    /// It is read in every so manieth cycle, 1 to 1000. Default: in each.
+    /// Of so many cycles, 1 to 1000, it is read in one. Default: 1, in each.
     #[serde(default = "each")]
     pub every: u32,
     /// How resistance becomes force. Default: not at all, the channel gives ohm only.

@@ -5,13 +5,13 @@ use serde::de::Deserializer;
 
 #[derive(Deserialize)]
 #[serde(untagged, expecting = "expected a number, without a unit")]
-enum Number {
+enum Bare {
     Alone(f64),
 }
 
 /// Reads a number; its error says that no unit belongs there.
 pub fn number<'de, D: Deserializer<'de>>(deserializer: D) -> Result<f64, D::Error> {
-    Number::deserialize(deserializer).map(|Number::Alone(number)| number)
+    Bare::deserialize(deserializer).map(|Bare::Alone(number)| number)
 }
 
 /// The same for a key that may be missing.

@@ -2,7 +2,7 @@
 //! and resistance: `25,10000`, `25, 10 kohm`.
 
 use super::limits::{UNDER_WEIGHTS_OHM, WEIGHTS_N};
-use crate::estimate::fit::Pair;
+use crate::estimate::fit::Weighing;
 use crate::files;
 use crate::sensor::Table;
 use crate::sensor::table::Pairs;
@@ -49,10 +49,10 @@ fn read(path: &Path, what: &str) -> Result<String, String> {
 ///
 /// # Errors
 /// Which line is wrong, what of it, and how it is written.
-pub fn of_csv(text: &str, origin: &str) -> Result<Vec<Pair>, String> {
+pub fn of_csv(text: &str, origin: &str) -> Result<Vec<Weighing>, String> {
     lines(text, origin, |line| {
         parse(line).and_then(|(f_n, r_ohm)| match r_ohm {
-            Some(r_ohm) => Ok(Pair { f_n, r_ohm }),
+            Some(r_ohm) => Ok(Weighing { f_n, r_ohm }),
             None => Err(format!("{line:?} has no resistance: {EXAMPLE}")),
         })
     })

@@ -1,7 +1,7 @@
 //! From a checked configuration to what the instrument runs with.
 
 use super::pairs;
-use super::{ChannelTable, Characteristic, Config, LawSource, Source};
+use super::{ChannelTable, Characteristic, Config, ForceSource, LawSource};
 use crate::circuit::Node;
 use crate::estimate::offset::Offset;
 use crate::instrument::settings::{OffsetSource, Settings};
@@ -67,8 +67,8 @@ impl Config {
 
     fn force(&self, Characteristic { law, u, range_n, tare_n }: &Characteristic) -> Result<Force, String> {
         let law = match law {
-            Source::Given(law) => law.clone(),
-            Source::File(file) => Law::Table { table: pairs::load_table(&self.base.join(file))? },
+            ForceSource::Given(law) => law.clone(),
+            ForceSource::File(file) => Law::Table { table: pairs::load_table(&self.base.join(file))? },
         };
         Ok(Force { law, u: *u, range_n: *range_n, tare_n: *tare_n })
     }

@@ -51,7 +51,7 @@ fn everything_can_be_said() {
     assert_eq!(
         config.channels[1].force,
         Some(Characteristic {
-            law: Source::File(PathBuf::from("index.csv")),
+            law: ForceSource::File(PathBuf::from("index.csv")),
             u: None,
             range_n: None,
             tare_n: None

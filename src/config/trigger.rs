@@ -5,7 +5,7 @@ use super::backend::{CONSUMER, OpenError};
 use super::limits::{HYSTERESIS, SHORTEST_STALE, STALE_READINGS};
 use super::{Backend, ChannelTable, Config, LawSource, LineName};
 use crate::pins::output::OutputLine;
-use crate::trigger::{Quantity, Rules, State};
+use crate::trigger::{Compared, State, TriggerRules};
 use crate::units::{Celsius, Degree, Lux, Metre, Nanos, Newton, Ohm, Seconds, named};
 use serde::{Deserialize, Serialize};
 use std::fmt;
@@ -36,8 +36,8 @@ impl<'a> Level<'a> {
         shown.map(|value| Level { value, unit }).or_else(resistance)
     }
 
-    fn quantity(self) -> Quantity {
-        if self.unit == "ohm" { Quantity::Resistance } else { Quantity::Shown }
+    fn quantity(self) -> Compared {
+        if self.unit == "ohm" { Compared::Resistance } else { Compared::Shown }
     }
 
     /// Whether a part of it means something: 0 is none of it. Of what a law shows, nobody has said that.
@@ -58,7 +58,7 @@ impl fmt::Display for Level<'_> {
 
 /// Where a channel becomes pressed, and where released.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Levels<'a> {
+pub struct Thresholds<'a> {
     /// The names of their keys.
     pub keys: [&'static str; 2],
     /// Pressed from here on.
@@ -117,7 +117,7 @@ pub struct TriggerSettings {
     /// Its name.
     pub id: String,
     /// When it is what.
-    pub rules: Rules,
+    pub rules: TriggerRules,
     /// The line that follows it, and when that is active.
     pub output: Option<(OutputLine, When)>,
 }
@@ -127,7 +127,7 @@ impl ChannelTable {
     ///
     /// # Errors
     /// One is in no unit of this channel, or is missing where it has no default.
-    pub fn levels(&self) -> Option<Result<Levels<'_>, NoLevel>> {
+    pub fn levels(&self) -> Option<Result<Thresholds<'_>, NoLevel>> {
         let (keys, on, off, default) = match (&self.on_above, &self.on_below) {
             (Some(on), _) => (["on-above", "off-below"], on, &self.off_below, HYSTERESIS),
             (None, Some(on)) => (["on-below", "off-above"], on, &self.off_above, 1.0 / HYSTERESIS),
@@ -146,7 +146,7 @@ impl ChannelTable {
                 format!("what differs from {} = {on} by more than that wanders", keys[0]),
             )),
         };
-        Some(off.map(|off| Levels { keys, on, off }))
+        Some(off.map(|off| Thresholds { keys, on, off }))
     }
 
     fn level(&self, key: &'static str, text: &str) -> Result<Level<'_>, NoLevel> {
@@ -193,11 +193,11 @@ impl Config {
     pub fn triggers(&self) -> Result<Vec<TriggerSettings>, OpenError> {
         let channels = self.channels.iter().enumerate();
         let of = |(index, channel): (usize, &ChannelTable)| {
-            let Levels { on, off, .. } = channel.levels()?.ok()?;
+            let Thresholds { on, off, .. } = channel.levels()?.ok()?;
             let hold = channel.hold.unwrap_or(Nanos::ZERO);
             let planned = Nanos(STALE_READINGS * self.longest_interval(channel).0);
             let stale = channel.stale.unwrap_or(planned.max(SHORTEST_STALE));
-            let rules = Rules { quantity: on.quantity(), on: on.value, off: off.value, hold, stale };
+            let rules = TriggerRules { quantity: on.quantity(), on: on.value, off: off.value, hold, stale };
             let output = channel
                 .output
                 .as_ref()

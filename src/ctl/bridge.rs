@@ -3,7 +3,7 @@
 use super::CtlError;
 use super::interrupt::Interrupt;
 use crate::bridge::mqtt::{self, Broker, Login};
-use crate::bridge::{Source, iio, prometheus, web};
+use crate::bridge::{Upstream, iio, prometheus, web};
 use crate::ctl::{cli, log};
 use std::time::Duration;
 
@@ -64,7 +64,7 @@ fn host_id() -> String {
     if id.is_empty() { "cermd".to_owned() } else { id }
 }
 
-fn source(feeding: cli::Feeding) -> Source {
+fn source(feeding: cli::Feeding) -> Upstream {
     let patience = Duration::from_secs_f64(feeding.stale.0);
-    Source { socket: feeding.connection.socket, patience }
+    Upstream { socket: feeding.connection.socket, patience }
 }

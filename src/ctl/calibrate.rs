@@ -124,13 +124,13 @@ impl<'a> Target<'a> {
         if !self.update.json {
             return Ok(());
         }
-        print(&line(&Outcome { result, updated: is_wanted, kept }))
+        print(&line(&CalibrationLine { result, updated: is_wanted, kept }))
     }
 }
 
 /// A result, and what became of the configuration.
 #[derive(Serialize)]
-struct Outcome<T> {
+struct CalibrationLine<T> {
     #[serde(flatten)]
     result: T,
     updated: bool,

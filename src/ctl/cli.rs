@@ -148,12 +148,12 @@ pub struct Demo {
     #[arg(long, conflicts_with = "method")]
     pub compare: bool,
     #[command(flatten)]
-    pub shown: Shown,
+    pub shown: ForceUnitArg,
 }
 
 /// What forces are shown in; lines for machines are always in newton.
 #[derive(Debug, Clone, Args)]
-pub struct Shown {
+pub struct ForceUnitArg {
     /// What forces are shown in; a mass stands for its weight
     #[arg(long, value_enum, default_value = "N", ignore_case = true)]
     pub unit: ForceUnit,
@@ -195,7 +195,7 @@ pub struct Watch {
     #[arg(long, value_name = "HERTZ", value_parser = number_of("hertz above 0, such as 10"))]
     pub max_hz: Option<f64>,
     #[command(flatten)]
-    pub shown: Shown,
+    pub shown: ForceUnitArg,
     /// The lines of the stream as they come
     #[arg(long)]
     pub json: bool,
@@ -210,7 +210,7 @@ pub struct Get {
     #[arg(value_name = "CHANNEL")]
     pub channels: Vec<String>,
     #[command(flatten)]
-    pub shown: Shown,
+    pub shown: ForceUnitArg,
     /// The lines of the stream as they come
     #[arg(long)]
     pub json: bool,

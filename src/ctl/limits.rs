@@ -12,7 +12,7 @@
 //! | `SAY_AFTER` | 0.5 | s | the demo on anything but a terminal shows one reading in it |
 //! | `HISTORY_S` | 10 | s | how far back the sparklines go |
 //! | `HISTORY` | 10 000 | readings | that are kept for them |
-//! | `RATE_WINDOW_NS` | 2e9 | ns | readings per second are counted over it |
+//! | `RATE_WINDOW` | 2 | s | readings per second are counted over it |
 //! | `SILENT_S`, `SILENT_READINGS` | 2, 3 | s, readings | after this much silence, the longer of both, a number is no longer shown as one of now |
 //! | `FULL_N` | 10 | N | a bar is full at about so much, 10 to the something of what is shown, until a reading is beyond it |
 //! | `NAME_COLUMNS` | 11 | columns | a longer name is cut where numbers need the room |
@@ -25,7 +25,7 @@
 //! | `WAKE_UPS`, `SLEEP` | 300, 1 | , ms | sleeps that are timed by `check` |
 //! | `DISCHARGES` | 50 | | discharges that are timed by `check` |
 //! | `SHARES_OF_R_2` | 0.01 to 4 | R_2 | resistances of which `check` says what to expect: what Rc2 is chosen for |
-//! | `WARM`, `COLD` | 4, 30 | s | a rehearsal counts from the first on, where state, noise and leaks are known; without either by the second there is nothing to expect |
+//! | `WARM`, `COLD` | | s | those of [`characterize`](crate::characterize::limits); a rehearsal that has no state or offset by the second has nothing to expect |
 //! | `METERED` | 1 | s | of a rehearsal for the processor time: fifty discharges at the least, or those of the longest mean |
 //! | `REHEARSED`, `REHEARSED_READINGS` | 2, 200 | s, | how long it counts on each board at the most |
 //! | `REHEARSED_BOARDS` | 8 | | what a board states scatters by a tenth (`tcdic`, 50 kohm): a mean of so many, by 4 % |
@@ -34,9 +34,18 @@
 //! | `GOOD` | 0.95 | of the error asked for | boards of a kind differ: a few percent are left for that |
 //! | `TUNINGS`, `TOO_GOOD` | 4, 0.8 | , of the error asked for | how often the mean is made longer or shorter, and until where |
 //! | `CONFIRMING` | 4 | boards | that what is proposed is rehearsed on: the chance of one is in its state |
+//! | `TAPE_BLOCKS` | 4 | | a mean of a tape is over so many readings at least, and there are so many of it |
+//! | `REST`, `COUNTED_S`, `MEANS_S` | 1000; 30; 0.01 to 1 | ohm; s; s | of `demo --compare`: where the sensor rests, how long is counted, which means |
+//! | `NO_PULL` | 200 k | ohm | a charged node that holds its level as long as a discharge through it takes has no pull beside it: those of processors are 30 to 100 kohm |
+//! | `PLAUSIBLE` | 2 | | printed capacitors are within 20 %, thresholds between a quarter and a half of the supply: times beyond this factor have another cause |
+//! | `PLAUSIBLE_RATIO` | 1.2 | | resistors are known better than capacitors: the ratio of their times may differ by it |
+//! | `SMALLEST_LEAK` | 1e-7 | S | a smaller leak is that of the capacitors, and is not told |
+//! | `PATIENCE` | 5 | discharges | as predicted, that the wiring test waits for the real one |
 //! | `ENOUGH` | 1.1 | | of the best: a cheaper circuit that is hardly worse is better |
 
-use crate::units::Nanos;
+pub use crate::characterize::limits::{COLD, WARM};
+
+use crate::units::{Nanos, Ohm};
 use std::ops::RangeInclusive;
 use std::time::Duration;
 
@@ -50,7 +59,7 @@ pub const REDRAW_AFTER: Duration = Duration::from_millis(40);
 pub const SAY_AFTER: Duration = Duration::from_millis(500);
 pub const HISTORY_S: f64 = 10.0;
 pub const HISTORY: usize = 10_000;
-pub const RATE_WINDOW_NS: i64 = 2_000_000_000;
+pub const RATE_WINDOW: Nanos = Nanos(2_000_000_000);
 pub const SILENT_S: f64 = 2.0;
 pub const SILENT_READINGS: f64 = 3.0;
 pub const FULL_N: f64 = 10.0;
@@ -63,8 +72,6 @@ pub const WAKE_UPS: usize = 300;
 pub const SLEEP: Duration = Duration::from_millis(1);
 pub const DISCHARGES: usize = 50;
 pub const SHARES_OF_R_2: [f64; 4] = [0.01, 0.1, 1.0, 4.0];
-pub const WARM: Nanos = Nanos(4_000_000_000);
-pub const COLD: Nanos = Nanos(30_000_000_000);
 pub const METERED: Nanos = Nanos(1_000_000_000);
 pub const REHEARSED: Nanos = Nanos(2_000_000_000);
 pub const PROGRESS_COLUMNS: usize = 24;
@@ -81,3 +88,12 @@ pub const GOOD: f64 = 0.95;
 pub const TOO_GOOD: f64 = 0.8;
 pub const ENOUGH: f64 = 1.1;
 pub const CONFIRMING: usize = 4;
+pub const TAPE_BLOCKS: usize = 4;
+pub const REST: Ohm = Ohm(1000.0);
+pub const COUNTED_S: f64 = 30.0;
+pub const MEANS_S: [f64; 3] = [0.01, 0.1, 1.0];
+pub const NO_PULL: Ohm = Ohm(200e3);
+pub const PLAUSIBLE: f64 = 2.0;
+pub const PLAUSIBLE_RATIO: f64 = 1.2;
+pub const SMALLEST_LEAK: f64 = 1e-7;
+pub const PATIENCE: f64 = 5.0;

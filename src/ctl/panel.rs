@@ -11,20 +11,20 @@ use super::limits::{BAR_COLUMNS, HISTORY_COLUMNS, NAME_COLUMNS};
 use super::terminal::wrapped;
 use crate::stream::wire::{ChannelInfo, EventLine, ReadingLine, Unit};
 use crate::units::{ForceUnit, Nanos};
-use bar::Scale;
+use bar::Ends;
 use console::{Alignment, measure_text_width, pad_str, style, truncate_str};
-use row::{Row, Words};
+use row::{ChannelRow, Words};
 
 /// All channels.
 #[derive(Debug)]
 pub struct Panel {
-    rows: Vec<Row>,
+    rows: Vec<ChannelRow>,
     unicode: bool,
 }
 
 /// What the lines of a panel have in common, in columns.
 #[derive(Debug, Clone, Copy)]
-struct Layout {
+struct Columns {
     width: usize,
     name: usize,
     /// Of a force, or what a law gives; none where no channel has either.
@@ -42,7 +42,7 @@ const RATE_COLUMNS: usize = 7;
 impl Panel {
     /// Of these channels, with forces in this unit.
     pub fn new<'a>(channels: impl Iterator<Item = &'a ChannelInfo>, unit: ForceUnit, unicode: bool) -> Panel {
-        Panel { rows: channels.map(|info| Row::new(info, unit)).collect(), unicode }
+        Panel { rows: channels.map(|info| ChannelRow::new(info, unit)).collect(), unicode }
     }
 
     /// Takes a reading; one of an unknown channel is passed over.
@@ -81,14 +81,14 @@ impl Panel {
         self.rows.iter().map(|row| layout.history(row, seconds)).collect()
     }
 
-    fn layout(&self, width: usize) -> Layout {
-        let widest = |columns: fn(&Row) -> usize| self.rows.iter().map(columns).max().unwrap_or(0);
+    fn layout(&self, width: usize) -> Columns {
+        let widest = |columns: fn(&ChannelRow) -> usize| self.rows.iter().map(columns).max().unwrap_or(0);
         let has_value = self.rows.iter().any(|row| row.measures != Unit::Ohm);
         let end = |index: usize| {
             let columns = self.rows.iter().map(|row| row.scale().ends[index].len());
             columns.max().unwrap_or(0)
         };
-        Layout {
+        Columns {
             width,
             name: widest(|row| measure_text_width(&row.id)).min(NAME_COLUMNS.max(width / 6)),
             value: if has_value { VALUE_COLUMNS[0] } else { 0 },
@@ -98,9 +98,9 @@ impl Panel {
     }
 }
 
-impl Layout {
+impl Columns {
     /// Marked where it is pressed.
-    fn name(self, row: &Row) -> String {
+    fn name(self, row: &ChannelRow) -> String {
         let (tail, mark) = if self.unicode { ("…", "●") } else { (">", "*") };
         let mark = if row.is_pressed { mark } else { " " };
         let name = pad_str(&row.id, self.name, Alignment::Left, Some(tail));
@@ -112,7 +112,7 @@ impl Layout {
         " ".repeat(self.name + 2)
     }
 
-    fn lines(self, row: &Row) -> Vec<String> {
+    fn lines(self, row: &ChannelRow) -> Vec<String> {
         let words = row.words(self.unicode);
         let rate = row.rate().map_or_else(String::new, |rate| format!("{rate:.1}/s"));
         let rate = style(format!("{rate:>RATE_COLUMNS$}")).dim().to_string();
@@ -145,7 +145,7 @@ impl Layout {
     }
 
     /// Numbers first: value and status, and below them ohms and rate; or ohms and status, and no rate.
-    fn narrow(self, row: &Row, words: &Words, [status, rate]: &[String; 2]) -> Vec<String> {
+    fn narrow(self, row: &ChannelRow, words: &Words, [status, rate]: &[String; 2]) -> Vec<String> {
         let columns = VALUE_COLUMNS[0];
         let ohms = format!("{:>columns$}", words.ohms);
         match self.value {
@@ -161,14 +161,14 @@ impl Layout {
     }
 
     /// With its scale, in so many columns at the most; nothing where that is too few to show anything.
-    fn bar(self, row: &Row, room: usize) -> String {
+    fn bar(self, row: &ChannelRow, room: usize) -> String {
         let [left, right] = self.scale;
         let around = left + right + 3 + usize::from(left > 0);
         if room < around + BAR_COLUMNS.start() {
             return String::new();
         }
         let columns = (room - around).min(*BAR_COLUMNS.end());
-        let Scale { ends: [from, to], .. } = row.scale();
+        let Ends { ends: [from, to], .. } = row.scale();
         // Nothing known is not nothing.
         let Some(share) = row.share() else { return " ".repeat(columns + around) };
         let (full, empty) = bar::bar(share, columns, self.unicode);
@@ -177,7 +177,7 @@ impl Layout {
         format!("{from}{}{}{to}  ", style(full).cyan(), style(empty).dim())
     }
 
-    fn history(self, row: &Row, seconds: f64) -> String {
+    fn history(self, row: &ChannelRow, seconds: f64) -> String {
         let label = format!(" last {seconds:.0} s, {}", row.scale().in_words());
         let columns = self.width.saturating_sub(self.name + 3 + label.len()).min(HISTORY_COLUMNS);
         let slots = row.slots((seconds * 1e9) as i64, columns);

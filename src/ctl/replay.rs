@@ -15,7 +15,7 @@ use serde::Serialize;
 /// What is said about one x discharge.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[serde(tag = "class", rename = "ESTIMATE")]
-pub struct Estimate {
+pub struct EstimateLine {
     /// The number of the discharge on the tape.
     pub seq: u64,
     /// The id of the channel.
@@ -53,8 +53,7 @@ impl Replay {
             let others = others.join(", ");
             return Err(format!("{method} does not work on a {kind} tape; take {others} or {last}"));
         }
-        let tracked =
-            method.is_tracked() || (header.tracked && !Method::Qerm.rules().circuits.contains(&kind));
+        let tracked = method.is_tracked() || (header.tracked && Method::can_be_tracked(kind));
         let is_auto = offset == Some(OffsetSource::Auto);
         let offset = match (offset, header.offset.offset_ns) {
             (Some(OffsetSource::Given(d_ns)), _) => Some(Offset::given(d_ns)),
@@ -95,14 +94,14 @@ impl Replay {
     ///
     /// # Errors
     /// d is needed, and not known.
-    pub fn take(&mut self, entry: &Entry) -> Result<Option<Estimate>, String> {
+    pub fn take(&mut self, entry: &Entry) -> Result<Option<EstimateLine>, String> {
         let Some(reading) = self.read(entry)? else { return Ok(None) };
         let channel = &self.header.channels[reading.channel];
         let mut state = StateLine::new(&reading.status, self.method, &Unit::named(channel.unit()));
         state.method = Some(self.method.to_string());
         let channel = channel.id.clone();
         let t_mono_ns = entry.is_timed.then_some(reading.at.0);
-        Ok(Some(Estimate { seq: entry.seq, channel, t_mono_ns, state }))
+        Ok(Some(EstimateLine { seq: entry.seq, channel, t_mono_ns, state }))
     }
 
     /// The same as the instrument has it.

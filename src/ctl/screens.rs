@@ -1,6 +1,6 @@
 //! What `demo`, `watch`, `get`, `stats` and `check` show in narrow, usual and wide windows: the demo's board in virtual time.
 
-use super::cli::{Demo, Shown};
+use super::cli::{Demo, ForceUnitArg};
 use super::demo::board::Board;
 use super::demo::introduction;
 use super::demo::summary::Tally;
@@ -61,7 +61,7 @@ impl Run {
             method: None,
             compare: false,
             wiring: None,
-            shown: Shown { unit: ForceUnit::Newton },
+            shown: ForceUnitArg { unit: ForceUnit::Newton },
         };
         let board = Board::new(&arguments, Path::new("socket")).unwrap();
         let mut instrument = Instrument::new(board.simulation(), board.config.settings().unwrap());

@@ -149,7 +149,7 @@ fn first_reading(arguments: &Setup) -> Result<(), CtlError> {
     }
     get::run(&cli::Get {
         channels: Vec::new(),
-        shown: cli::Shown { unit: ForceUnit::Newton },
+        shown: cli::ForceUnitArg { unit: ForceUnit::Newton },
         json: false,
         connection: cli::Connection { socket: socket.clone() },
     })

@@ -20,7 +20,7 @@ pub fn run(arguments: &cli::Size) -> Result<(), CtlError> {
     let found = find(&asked)?;
     let why = reason::why_not(&asked, found.first());
     if arguments.json {
-        print(&line(&report::Line::new(&asked, &found, why.as_deref())))?;
+        print(&line(&report::SizeLine::new(&asked, &found, why.as_deref())))?;
     } else {
         print(&report::text(&asked, &found, why.as_deref()))?;
     }

@@ -3,7 +3,7 @@
 use super::Loaded;
 use super::limits::GONE_AFTER;
 use super::measuring::{Lost, Update};
-use super::triggering::Told;
+use super::triggering::ChannelEvent;
 use crate::config::Config;
 use crate::instrument::Message;
 use crate::instrument::stats::Stats;
@@ -97,7 +97,7 @@ fn time_of(at: Nanos, to_wall: Nanos) -> Timestamp {
 }
 
 /// Tells of a trigger. `to_wall`: as in [`publish`].
-pub fn publish_event(server: &mut Server, loaded: &Loaded, told: &Told, to_wall: Nanos) {
+pub fn publish_event(server: &mut Server, loaded: &Loaded, told: &ChannelEvent, to_wall: Nanos) {
     let Some(channel) = loaded.settings.channels.get(told.channel) else { return };
     let (event, reason) = match told.event.state {
         State::Pressed => (EventName::Pressed, None),

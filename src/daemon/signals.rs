@@ -18,7 +18,7 @@ pub struct Signals {
 
 /// What was asked for since the last look.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Asked {
+pub struct Signalled {
     /// To stop.
     pub end: bool,
     /// To read the configuration again.
@@ -53,10 +53,10 @@ impl Signals {
     }
 
     /// What was asked for, once.
-    pub fn take(&mut self) -> Asked {
+    pub fn take(&mut self) -> Signalled {
         let mut bytes = [0; 64];
         while matches!(self.woken.read(&mut bytes), Ok(count) if count > 0) {}
-        Asked {
+        Signalled {
             end: self.end.swap(false, Ordering::SeqCst),
             reload: self.reload.swap(false, Ordering::SeqCst),
         }

@@ -2,7 +2,7 @@
 
 use super::measuring::{Measuring, Stuck};
 use super::requested::{self, Requested};
-use super::triggering::{self, Told, Triggering};
+use super::triggering::{self, ChannelEvent, Triggering};
 use super::{DaemonError, Loaded, system};
 use crate::config::backend::{self, AnyPins, OpenError};
 use crate::pins::monotonic;
@@ -57,7 +57,7 @@ impl Threads {
     }
 
     /// The events since the last call.
-    pub fn events(&mut self) -> Vec<Told> {
+    pub fn events(&mut self) -> Vec<ChannelEvent> {
         self.triggering.as_mut().map(Triggering::take).unwrap_or_default()
     }
 

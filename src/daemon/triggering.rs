@@ -25,7 +25,7 @@ use std::time::Duration;
 
 /// An event, and the index of its channel.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Told {
+pub struct ChannelEvent {
     /// In the configuration.
     pub channel: usize,
     /// What has changed.
@@ -38,7 +38,7 @@ pub struct Tap {
     readings: Producer<Reading>,
     /// Whether each channel has a trigger.
     wanted: Vec<bool>,
-    shared: Arc<Shared>,
+    shared: Arc<TriggerControl>,
 }
 
 impl Tap {
@@ -52,7 +52,7 @@ impl Tap {
 }
 
 #[derive(Debug)]
-struct Shared {
+struct TriggerControl {
     stop: AtomicBool,
     beat: AtomicU64,
     /// There are readings.
@@ -64,8 +64,8 @@ struct Shared {
 /// A running thread. Dropping it makes every output inactive, then an input.
 #[derive(Debug)]
 pub struct Triggering {
-    shared: Arc<Shared>,
-    events: Consumer<Told>,
+    shared: Arc<TriggerControl>,
+    events: Consumer<ChannelEvent>,
     thread: Option<JoinHandle<()>>,
 }
 
@@ -84,7 +84,7 @@ impl Triggering {
         let (to, events) = RingBuffer::new(EVENT_RING);
         let wake =
             || Ok::<_, io::Error>(EventFd::from_flags(EfdFlags::EFD_CLOEXEC | EfdFlags::EFD_NONBLOCK)?);
-        let shared = Arc::new(Shared {
+        let shared = Arc::new(TriggerControl {
             stop: AtomicBool::new(false),
             beat: AtomicU64::new(0),
             heard: wake()?,
@@ -93,8 +93,10 @@ impl Triggering {
         let channels = triggers.iter().map(|trigger| trigger.channel + 1).max().unwrap_or(0);
         let has_trigger = |channel| triggers.iter().any(|trigger| trigger.channel == channel);
         let wanted = (0..channels).map(has_trigger).collect();
-        let armed =
-            triggers.into_iter().zip(opened).map(|(settings, output)| Armed::new(settings, output, way));
+        let armed = triggers
+            .into_iter()
+            .zip(opened)
+            .map(|(settings, output)| ArmedTrigger::new(settings, output, way));
         let worker = Worker { shared: Arc::clone(&shared), from, to, armed: armed.collect() };
         // Late enough to matter where it runs; not worth a processor of its own.
         let wishes = Wishes { fifo_priority: wishes.fifo_priority, ..Wishes::default() };
@@ -112,7 +114,7 @@ impl Triggering {
     }
 
     /// What has happened since the last call.
-    pub fn take(&mut self) -> Vec<Told> {
+    pub fn take(&mut self) -> Vec<ChannelEvent> {
         // Empty when nothing was written since: that is no error.
         let _ = self.shared.told.read();
         std::iter::from_fn(|| self.events.pop().ok()).collect()
@@ -156,7 +158,7 @@ pub fn open(triggers: &[TriggerSettings], way: Way) -> Result<Vec<Option<Output>
 }
 
 /// A trigger and its output.
-struct Armed {
+struct ArmedTrigger {
     channel: usize,
     id: String,
     trigger: Trigger,
@@ -176,20 +178,20 @@ struct Following {
     is_said: bool,
 }
 
-impl Armed {
-    fn new(settings: TriggerSettings, held: Option<Output>, way: Way) -> Armed {
+impl ArmedTrigger {
+    fn new(settings: TriggerSettings, held: Option<Output>, way: Way) -> ArmedTrigger {
         let TriggerSettings { channel, id, rules, output } = settings;
         let following =
             |(line, when)| Following { line, when, way, held, again_at: Nanos::ZERO, is_said: false };
-        Armed { channel, id, trigger: Trigger::new(rules), output: output.map(following) }
+        ArmedTrigger { channel, id, trigger: Trigger::new(rules), output: output.map(following) }
     }
 
     /// The line first: who listens can wait.
-    fn follow(&mut self, event: Event) -> Told {
+    fn follow(&mut self, event: Event) -> ChannelEvent {
         if let Some(output) = &mut self.output {
             output.set(event.state, &self.id);
         }
-        Told { channel: self.channel, event }
+        ChannelEvent { channel: self.channel, event }
     }
 }
 
@@ -229,10 +231,10 @@ impl Following {
 }
 
 struct Worker {
-    shared: Arc<Shared>,
+    shared: Arc<TriggerControl>,
     from: Consumer<Reading>,
-    to: Producer<Told>,
-    armed: Vec<Armed>,
+    to: Producer<ChannelEvent>,
+    armed: Vec<ArmedTrigger>,
 }
 
 impl Worker {
@@ -262,7 +264,7 @@ impl Worker {
     }
 
     fn take(&mut self, reading: &Reading) {
-        let told: Option<Told> =
+        let told: Option<ChannelEvent> =
             self.armed.iter_mut().find(|armed| armed.channel == reading.channel).and_then(|armed| {
                 let event = armed.trigger.take(reading)?;
                 Some(armed.follow(event))
@@ -281,7 +283,7 @@ impl Worker {
         }
     }
 
-    fn tell(&mut self, told: Option<Told>) {
+    fn tell(&mut self, told: Option<ChannelEvent>) {
         if let Some(told) = told {
             // Only where the main thread has had no time for a thousand events.
             if self.to.push(told).is_err() {

@@ -2,6 +2,7 @@
 //!
 //! The force is taken as exact, the scatter as that of the resistance.
 
+use crate::estimate::limits::BLOCKS_OF_A_MEAN;
 use crate::estimate::scatter;
 use crate::reading::Measured;
 use crate::sensor::table::PairsError;
@@ -10,7 +11,7 @@ use crate::units::sample::{self, rms};
 
 /// A force and the resistance under it.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Pair {
+pub struct Weighing {
     /// Newton, positive and finite.
     pub f_n: f64,
     /// Ohm, positive and finite.
@@ -52,7 +53,7 @@ pub enum FitError {
 ///
 /// # Errors
 /// [`FitError::Few`] without a pair.
-pub fn alpha(pairs: &[Pair]) -> Result<Fit, FitError> {
+pub fn alpha(pairs: &[Weighing]) -> Result<Fit, FitError> {
     enough(pairs, 1)?;
     let squares: f64 = pairs.iter().map(|pair| pair.f_n.powi(-2)).sum();
     let alpha = pairs.iter().map(|pair| pair.r_ohm / pair.f_n).sum::<f64>() / squares;
@@ -65,7 +66,7 @@ pub fn alpha(pairs: &[Pair]) -> Result<Fit, FitError> {
 ///
 /// # Errors
 /// [`FitError::Few`], [`FitError::OneForce`], [`FitError::Rising`].
-pub fn power(pairs: &[Pair]) -> Result<Fit, FitError> {
+pub fn power(pairs: &[Weighing]) -> Result<Fit, FitError> {
     enough(pairs, 2)?;
     let n = pairs.len() as f64;
     // ln (R / 1 kohm) against ln F, both from their means.
@@ -96,18 +97,18 @@ pub fn power(pairs: &[Pair]) -> Result<Fit, FitError> {
 ///
 /// # Errors
 /// [`FitError::Table`] when there are fewer than two, or force and resistance do not run against each other.
-pub fn table(pairs: &[Pair]) -> Result<Fit, FitError> {
+pub fn table(pairs: &[Weighing]) -> Result<Fit, FitError> {
     let pairs: Vec<_> = pairs.iter().map(|pair| (pair.r_ohm, pair.f_n)).collect();
     Ok(Fit { law: Law::Table { table: Table::try_from(pairs)? }, u: [None; 2] })
 }
 
-fn enough(pairs: &[Pair], needed: usize) -> Result<(), FitError> {
+fn enough(pairs: &[Weighing], needed: usize) -> Result<(), FitError> {
     if pairs.len() < needed { Err(FitError::Few { found: pairs.len(), needed }) } else { Ok(()) }
 }
 
 impl Fit {
     /// The resistance that the fit gives at the force of a pair, ohm; that of a table is the pair's own.
-    pub fn r_ohm(&self, pair: Pair) -> f64 {
+    pub fn r_ohm(&self, pair: Weighing) -> f64 {
         match self.law {
             Law::Alpha { alpha_n_ohm } => alpha_n_ohm / pair.f_n,
             Law::Power { at_1_kohm_n, exponent } => 1000.0 * (pair.f_n / at_1_kohm_n).powf(-1.0 / exponent),
@@ -116,12 +117,12 @@ impl Fit {
     }
 
     /// By what share of the fitted resistance a pair is off.
-    pub fn residual(&self, pair: Pair) -> f64 {
+    pub fn residual(&self, pair: Weighing) -> f64 {
         pair.r_ohm / self.r_ohm(pair) - 1.0
     }
 
     /// The characteristic as it is to be used: as good as the pairs have shown it to be, and where they were.
-    pub fn force(&self, pairs: &[Pair]) -> Force {
+    pub fn force(&self, pairs: &[Weighing]) -> Force {
         let (law, parameters) = (self.law.clone(), if let Law::Power { .. } = self.law { 2.0 } else { 1.0 });
         let forces = || pairs.iter().map(|pair| pair.f_n);
         let range_n = [forces().fold(f64::INFINITY, f64::min), forces().fold(0.0, f64::max)];
@@ -138,7 +139,7 @@ impl Fit {
     }
 
     /// The root mean square of the [residuals](Fit::residual).
-    pub fn relative_rms(&self, pairs: &[Pair]) -> f64 {
+    pub fn relative_rms(&self, pairs: &[Weighing]) -> f64 {
         rms(pairs.iter().map(|&pair| self.residual(pair))).unwrap_or(f64::NAN)
     }
 }
@@ -148,13 +149,12 @@ impl Fit {
 /// Readings that share a calibration are not independent. The means of blocks longer than that scatter by what is
 /// shared, too, so the greater of both scatters counts.
 pub fn mean(readings: &[f64]) -> Option<Measured> {
-    const BLOCKS: usize = 10;
     let Measured { value, u } = scatter::mean(readings.iter().copied())?;
-    let length = readings.len() / BLOCKS;
+    let length = readings.len() / BLOCKS_OF_A_MEAN;
     if length < 2 {
         return Some(Measured { value, u });
     }
-    let blocks = readings.chunks_exact(length).take(BLOCKS);
+    let blocks = readings.chunks_exact(length).take(BLOCKS_OF_A_MEAN);
     let of_blocks = scatter::mean(blocks.filter_map(sample::mean)).and_then(|mean| mean.u);
     Some(Measured { value, u: u.zip(of_blocks).map(|(a, b)| a.max(b)) })
 }

@@ -152,6 +152,8 @@ pub const OPEN_LN: f64 = 0.7;
 pub const APART: f64 = 0.2;
 
 // Means of readings.
+/// Readings that share a calibration: as many blocks of them tell by how much it scatters.
+pub const BLOCKS_OF_A_MEAN: usize = 10;
 /// Steps from reading to reading that are believed, at the least.
 pub const STEPS_OF_A_MEAN: f64 = 16.0;
 /// Readings scatter by more than they say when their steps show it with so many sigma.
@@ -194,6 +196,8 @@ pub const SLOWEST_WALK: [f64; 3] = [0.0075, 1.5e-5, 0.01];
 /// As long as nothing has been seen of them, walks up to this are as likely as each other, and faster ones less: of Ro what a pin does
 /// whose driver heats up.
 pub const WALK_AT_FIRST: [f64; 3] = [0.0075, 1.5e-5, 1.0];
+/// How well the state is known before anything is measured, 1 sigma: g relative, Ro in ohm, each d in ns.
+pub const UNKNOWN_STATE: [f64; 3] = [0.05, 50.0, 50_000.0];
 /// How fast either g may change at first, 1/s: 1 % in a minute.
 pub const RATE_AT_FIRST: f64 = 2e-4;
 /// How fast that itself walks, per root second.

@@ -33,6 +33,8 @@ use std::ops::{Add, Div, Mul, Sub};
 
 /// All that a method decides.
 pub struct Rules {
+    /// The capital that stands for it in a chart of letters.
+    pub letter: char,
     /// The circuits that it works on.
     pub circuits: &'static [Kind],
     /// Whether it looks at node A alone, whatever the circuit has.
@@ -54,16 +56,19 @@ pub struct Rules {
 
 impl Rules {
     /// Those of most methods: full discharges through the sensor alone, to the last node of the circuit.
-    const USUAL: Rules = Rules {
-        circuits: &[Kind::TwoCapacitor],
-        only_a: false,
-        switching: Switching::Never,
-        sinks_beside: false,
-        has_time_limit: false,
-        ratio: |times, _| tcdic::ratio(times),
-        evidence: |times, _, scale| tcdic::evidence(times, scale),
-        certain_ns: |_, _, _| None,
-    };
+    const fn usual(letter: char) -> Rules {
+        Rules {
+            letter,
+            circuits: &[Kind::TwoCapacitor],
+            only_a: false,
+            switching: Switching::Never,
+            sinks_beside: false,
+            has_time_limit: false,
+            ratio: |times, _| tcdic::ratio(times),
+            evidence: |times, _, scale| tcdic::evidence(times, scale),
+            certain_ns: |_, _, _| None,
+        }
+    }
 
     /// The node whose crossing ends its discharges.
     pub fn last(&self, kind: Kind) -> Node {
@@ -95,7 +100,7 @@ impl Method {
         match self {
             Method::Tpcm => &tpcm::RULES,
             Method::Qerm => &qerm::RULES,
-            Method::Tcdic => &Rules::USUAL,
+            Method::Tcdic => &tcdic::RULES,
             Method::Cerm => &cerm::RULES,
             Method::Tracked => &tracked::RULES,
         }
@@ -112,6 +117,11 @@ impl Method {
     /// Those that work on a circuit.
     pub fn on(kind: Kind) -> impl Iterator<Item = Method> {
         Method::ALL.into_iter().filter(move |method| method.rules().circuits.contains(&kind))
+    }
+
+    /// Whether the calibration of any method can be tracked on a circuit.
+    pub fn can_be_tracked(kind: Kind) -> bool {
+        tracked::RULES.circuits.contains(&kind)
     }
 
     /// Whether its calibration is always tracked.
@@ -189,5 +199,18 @@ impl Scale<'_> {
         let [r1, r2] = self.r_ohm;
         let u_ohm = (self.u)(&(ratios[1] - ratios[0])).map(|u| (r2 - r1) * u);
         Evidence::over_two(end_ns, weights, ratios.map(|ratio| r1 + (r2 - r1) * ratio.value), u_ohm)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn no_two_methods_share_a_letter() {
+        let mut letters = Method::ALL.map(|method| method.rules().letter).to_vec();
+        letters.sort_unstable();
+        letters.dedup();
+        assert_eq!(letters.len(), Method::ALL.len());
     }
 }

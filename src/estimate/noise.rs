@@ -104,8 +104,8 @@ pub struct Noise {
 /// What both spreads together say about any discharge: changes with a calibration discharge, and is asked for more often.
 #[derive(Debug, Clone, Copy)]
 struct Learned {
-    nodes: [Law; 2],
-    shared: Shared,
+    nodes: [VarianceLaw; 2],
+    shared: CovarianceLaw,
     /// The greatest correlation of two crossings.
     correlated: f64,
 }
@@ -159,8 +159,8 @@ impl Noise {
         });
         let freedom = self.c1.freedom(self.nodes - 1).min(self.c2.freedom(self.nodes - 1));
         self.learned = Some(Learned {
-            nodes: Law::through([(self.c1.time, v1), (self.c2.time, v2)], self.quantisation),
-            shared: Shared::through([(self.c1.time, v1), (self.c2.time, v2)], freedom),
+            nodes: VarianceLaw::through([(self.c1.time, v1), (self.c2.time, v2)], self.quantisation),
+            shared: CovarianceLaw::through([(self.c1.time, v1), (self.c2.time, v2)], freedom),
             // Too much would make a combination of two crossings look exact: it takes many discharges to believe that.
             correlated: 1.0 - 1.0 / freedom.sqrt(),
         });
@@ -219,25 +219,25 @@ impl Noise {
 
 /// Covariance of both crossings: S + s T_A T_B, ns².
 #[derive(Debug, Clone, Copy)]
-struct Shared {
+struct CovarianceLaw {
     constant: f64,
     proportional: f64,
 }
 
-impl Shared {
+impl CovarianceLaw {
     /// Through the covariances at two pairs of times, each known with so many degrees of freedom.
-    fn through([(t1, v1), (t2, v2)]: [([f64; 2], Covariance); 2], freedom: f64) -> Shared {
+    fn through([(t1, v1), (t2, v2)]: [([f64; 2], Covariance); 2], freedom: f64) -> CovarianceLaw {
         let chance = ((v1.aa * v1.bb + v2.aa * v2.bb) / freedom).sqrt();
         if v2.ab - v1.ab > PROPORTIONAL_SHOWS * chance {
             let proportional = (v2.ab - v1.ab) / (t2[0] * t2[1] - t1[0] * t1[1]);
             let constant = (v1.ab - proportional * t1[0] * t1[1]).max(0.0);
             if proportional.is_finite() {
-                return Shared { constant, proportional };
+                return CovarianceLaw { constant, proportional };
             }
         }
         // The same through both; each tells it the better the less noise it has of its own.
         let (w1, w2) = (1.0 / (v1.aa * v1.bb), 1.0 / (v2.aa * v2.bb));
-        Shared { constant: (w1 * v1.ab + w2 * v2.ab) / (w1 + w2), proportional: 0.0 }
+        CovarianceLaw { constant: (w1 * v1.ab + w2 * v2.ab) / (w1 + w2), proportional: 0.0 }
     }
 
     fn at(self, a_ns: f64, b_ns: f64) -> f64 {
@@ -247,15 +247,15 @@ impl Shared {
 
 /// sigma²(T) = L² + k² T², ns².
 #[derive(Debug, Clone, Copy)]
-struct Law {
+struct VarianceLaw {
     l2: f64,
     k2: f64,
 }
 
-impl Law {
+impl VarianceLaw {
     /// Of both nodes, through their variances at two times. L is the same for both: one kernel stamps them. L² is at least
     /// the quantisation, k² at least zero.
-    fn through([(t1, v1), (t2, v2)]: [([f64; 2], Covariance); 2], quantisation: f64) -> [Law; 2] {
+    fn through([(t1, v1), (t2, v2)]: [([f64; 2], Covariance); 2], quantisation: f64) -> [VarianceLaw; 2] {
         let (mut sum, mut weight) = (0.0, 0.0);
         for node in (0..2).filter(|node| t2[*node] > t1[*node]) {
             // What v2 says of the proportional part at t1; the rest of v1 is constant.
@@ -269,7 +269,7 @@ impl Law {
         let l2 = if weight > 0.0 { (sum / weight).max(quantisation) } else { quantisation };
         [0, 1].map(|node| {
             let k2 = (v2.node(node) - l2).max(0.0) / (t2[node] * t2[node]);
-            Law { l2, k2: if k2.is_finite() { k2 } else { 0.0 } }
+            VarianceLaw { l2, k2: if k2.is_finite() { k2 } else { 0.0 } }
         })
     }
 

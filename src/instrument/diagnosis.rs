@@ -8,11 +8,11 @@ use crate::reading::{Fault, Suspect};
 use crate::record::{CalibrationKind, Record, Through};
 
 /// Crossings of A and B in the discharges through R_1 and R_2, ns; `None` for a discharge that tells nothing.
-pub type Known = [Option<[Option<f64>; 2]>; 2];
+pub type SeenCrossings = [Option<[Option<f64>; 2]>; 2];
 
 /// What is known of a board before anything is measured.
 #[derive(Debug, Clone, Copy)]
-pub struct Board {
+pub struct Nominal {
     /// How it is wired.
     pub kind: Kind,
     /// Its nodes as far as they are timed.
@@ -23,14 +23,14 @@ pub struct Board {
     pub nominal_ns: f64,
 }
 
-impl Board {
+impl Nominal {
     /// The nodes that a charge has left low.
     pub fn uncharged(&self, levels: Levels) -> impl Iterator<Item = Suspect> + use<> {
         self.nodes.iter().filter(move |node| !levels.of(**node)).map(|node| Suspect::Uncharged(*node))
     }
 
     /// What is wrong by which nodes fall in the discharges through known resistors, and when.
-    pub fn suspect(&self, known: Known) -> Option<Suspect> {
+    pub fn suspect(&self, known: SeenCrossings) -> Option<Suspect> {
         let falls = known.map(|crossings| {
             crossings.map(|crossings| self.nodes.iter().any(|node| crossings[node.index()].is_some()))
         });
@@ -60,7 +60,7 @@ impl Board {
     }
 
     /// Whether the times have the ratio that swapped resistors would give, rather than that which they should have.
-    fn swapped(&self, known: Known) -> Option<Suspect> {
+    fn swapped(&self, known: SeenCrossings) -> Option<Suspect> {
         let ([r1, r2], [first, second]) = (self.r_ohm, known);
         let swapped = if self.kind == Kind::SeriesCalibration { r2 / (r2 - r1) } else { r1 / r2 };
         let ratio = second?[0]? / first?[0]?;
@@ -72,8 +72,8 @@ impl Board {
 /// The last discharges of a running instrument, as far as they tell about the board.
 #[derive(Debug, Clone)]
 pub struct Diagnosis {
-    board: Board,
-    known: Known,
+    nominal: Nominal,
+    known: SeenCrossings,
     sensor: Option<Record>,
     /// The levels after the last charge.
     charged: Option<Levels>,
@@ -81,8 +81,8 @@ pub struct Diagnosis {
 
 impl Diagnosis {
     /// Of this board; nothing has been measured yet.
-    pub fn new(board: Board) -> Diagnosis {
-        Diagnosis { board, known: [None; 2], sensor: None, charged: None }
+    pub fn new(nominal: Nominal) -> Diagnosis {
+        Diagnosis { nominal, known: [None; 2], sensor: None, charged: None }
     }
 
     /// Remembers a calibration discharge.
@@ -112,9 +112,9 @@ impl Diagnosis {
 
     /// What a fault looks like, if the last discharges tell.
     pub fn suspect(&self, fault: Fault) -> Option<Suspect> {
-        let shape = || self.board.suspect(self.known);
+        let shape = || self.nominal.suspect(self.known);
         match fault {
-            Fault::NoCharge => self.board.uncharged(self.charged?).next(),
+            Fault::NoCharge => self.nominal.uncharged(self.charged?).next(),
             Fault::Leakage => shape().or(Some(Suspect::Leak)),
             Fault::PullUp => shape().or(Some(Suspect::Pull)),
             Fault::NoCalibration | Fault::Implausible | Fault::LatencyOutlier => {
@@ -126,7 +126,7 @@ impl Diagnosis {
 
     /// A sensor's discharge that a known resistor was to finish, and has not.
     fn unfinished(&self) -> Option<Suspect> {
-        let record = self.sensor.filter(|record| record.ended(self.board.nodes.len()).is_none())?;
+        let record = self.sensor.filter(|record| record.ended(self.nominal.nodes.len()).is_none())?;
         Some(if record.switch?.to == Through::C1 { Suspect::FirstOpen } else { Suspect::SecondOpen })
     }
 }

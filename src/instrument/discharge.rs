@@ -62,7 +62,7 @@ enum Timed {
 
 /// A switch that was made, by two calls for one line each: one that releases, one that sinks.
 #[derive(Debug, Clone, Copy)]
-struct Switched {
+struct SwitchMade {
     released: Nanos,
     sunk: Nanos,
     to: Through,
@@ -79,7 +79,7 @@ pub struct Discharge {
     floating: Nanos,
     start: Bracket,
     calls: Calls,
-    switch: Option<Switched>,
+    switch: Option<SwitchMade>,
     wait_until: Nanos,
     crossings: [Option<Nanos>; 2],
     /// The last number before it, the highest since, and how many edges have come.
@@ -254,7 +254,7 @@ impl Discharge {
     }
 
     fn released(&mut self, bracket: Bracket, to: Through) -> Action {
-        self.switch = Some(Switched { released: bracket.before, sunk: bracket.before, to });
+        self.switch = Some(SwitchMade { released: bracket.before, sunk: bracket.before, to });
         if self.took_too_long(Call::Release, bracket) {
             return self.stop(Some(Fault::WideBracket));
         }
@@ -277,7 +277,7 @@ impl Discharge {
     }
 
     fn sunk(&mut self, bracket: Bracket, to: Through) -> Action {
-        self.switch = self.switch.map(|switch| Switched { sunk: bracket.before, to, ..switch });
+        self.switch = self.switch.map(|switch| SwitchMade { sunk: bracket.before, to, ..switch });
         if self.took_too_long(Call::Sink, bracket) {
             return self.stop(Some(Fault::WideBracket));
         }

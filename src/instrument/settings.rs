@@ -1,7 +1,7 @@
 //! What the instrument runs with: every default filled in and every file read.
 
 use crate::circuit::{Kind, Node};
-use crate::instrument::diagnosis::Board;
+use crate::instrument::diagnosis::Nominal;
 use crate::instrument::discharge::Charge;
 use crate::pins::Drives;
 use crate::reading::Method;
@@ -91,7 +91,7 @@ pub struct Settings {
     pub t_l: Option<Nanos>,
     /// The planned switch comes at this fraction of the predicted T_xA.
     pub switch_fraction: f64,
-    /// In every so manieth cycle each of them is read.
+    /// Of so many cycles each of them is read in one.
     pub every: Vec<u32>,
     /// The sensors.
     pub channels: Vec<Channel>,
@@ -122,9 +122,9 @@ impl Settings {
     }
 
     /// What is known of the board.
-    pub fn board(&self) -> Board {
+    pub fn board(&self) -> Nominal {
         let nodes = &Node::BOTH[..self.nodes()];
-        Board { kind: self.kind, nodes, r_ohm: self.r_ohm(), nominal_ns: self.nominal.as_ns() }
+        Nominal { kind: self.kind, nodes, r_ohm: self.r_ohm(), nominal_ns: self.nominal.as_ns() }
     }
 
     /// The discharge of R_2.

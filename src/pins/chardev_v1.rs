@@ -63,7 +63,7 @@ pub fn open(wiring: &Wiring) -> Result<Chardev, ChardevError> {
         let pin = requests.ask("GET_LINEHANDLE", line, |found| {
             CdevPin::new(found.request(flags, released, &wiring.consumer)?)
         })?;
-        Ok(Switch { line: line.clone(), pin })
+        Ok(DriveLine { line: line.clone(), pin })
     });
     let switches = switches.collect::<Result<_, _>>()?;
     let sense = Node::BOTH.into_iter().zip(&lines.sense).map(|(node, line)| {
@@ -73,7 +73,7 @@ pub fn open(wiring: &Wiring) -> Result<Chardev, ChardevError> {
             .map_err(|error| refused_edges(error, &chip, &line.title))?;
         fcntl(&handle, FcntlArg::F_SETFL(OFlag::O_NONBLOCK))
             .map_err(|errno| chip.refusal("F_SETFL", &line.title, &[], errno.into()))?;
-        Ok(Sense { node, title: line.title.clone(), count: 0, handle })
+        Ok(SenseLine { node, title: line.title.clone(), count: 0, handle })
     });
     let sense = sense.collect::<Result<_, _>>()?;
     let mut blind_spots = vec![NO_NUMBERS, SHORT_BUFFER];
@@ -137,13 +137,13 @@ impl<'a> Requests<'a> {
 }
 
 /// A drive line.
-struct Switch<P> {
+struct DriveLine<P> {
     line: WiredLine,
     /// Open drain for a sink, open source for a charger.
     pin: P,
 }
 
-impl<P: OutputPin> Switch<P> {
+impl<P: OutputPin> DriveLine<P> {
     fn set(&mut self, on: bool) -> Result<(), P::Error> {
         // An open-drain line sinks when low, an open-source line charges when high; otherwise both are inputs.
         self.pin.set_state((on == self.line.charges()).into())
@@ -152,7 +152,7 @@ impl<P: OutputPin> Switch<P> {
 
 /// By a call for each line that changes. Of the one that fails, the title comes with the error of its pin.
 fn switch<P: OutputPin>(
-    switches: &mut [Switch<P>],
+    switches: &mut [DriveLine<P>],
     from: Drives,
     to: Drives,
 ) -> Result<(), (String, P::Error)> {
@@ -166,7 +166,7 @@ fn switch<P: OutputPin>(
 }
 
 /// An input whose falling edges are stamped.
-struct Sense {
+struct SenseLine {
     node: Node,
     title: String,
     /// How many edges have been read.
@@ -176,8 +176,8 @@ struct Sense {
 
 struct V1 {
     /// In switching order.
-    switches: Vec<Switch<CdevPin>>,
-    sense: Vec<Sense>,
+    switches: Vec<DriveLine<CdevPin>>,
+    sense: Vec<SenseLine>,
     seqno: u32,
     /// Whether stamps are of `CLOCK_REALTIME`.
     wall_clock: bool,

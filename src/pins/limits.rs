@@ -63,9 +63,7 @@ pub(super) const UNTOUCHED_OHM: f64 = 20e6;
 pub(super) const TREMOR_HZ: f64 = 9.0;
 /// By this share of its force; a guess.
 pub(super) const TREMOR_SHARE: f64 = 0.02;
-/// Fitted to an FSR 402 between 1.2 N and 30 N by the authors of the paper (section V), newton ohm.
-pub(super) const FSR_402_NEWTON_OHM: f64 = 13_346.46;
-/// The strongest press of a hand that a scene does not describe, newton: firm, in the middle of that range.
+/// The strongest press of a hand that a scene does not describe, newton: firm, in the middle of what [`FSR_402`](crate::sensor::FSR_402) holds for.
 pub(super) const PEAK_NEWTON: f64 = 10.0;
 /// From one press of it to the next, seconds: unhurried.
 pub(super) const PERIOD_SECONDS: f64 = 2.0;

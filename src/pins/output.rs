@@ -41,14 +41,14 @@ pub enum Way {
 
 /// A held line.
 pub struct Output {
-    held: Held,
+    held: HeldLine,
     active_low: bool,
     /// What errors call the chip and the line.
     chip: String,
     title: String,
 }
 
-enum Held {
+enum HeldLine {
     V2(File),
     /// `None` only while it is let go of.
     V1(Option<CdevPin>),
@@ -64,7 +64,7 @@ impl Output {
         let title = format!("output {}", line.line);
         if way == Way::Simulated {
             return Ok(Output {
-                held: Held::Simulated,
+                held: HeldLine::Simulated,
                 active_low: line.active_low,
                 chip: line.chip.clone(),
                 title,
@@ -83,9 +83,9 @@ impl Output {
                 ..Default::default()
             };
             let file = v2::get_line(&chip.file, request);
-            Held::V2(file.map_err(|error| chip.refusal("GET_LINE", &title, &[offset], as_io(error)))?)
+            HeldLine::V2(file.map_err(|error| chip.refusal("GET_LINE", &title, &[offset], as_io(error)))?)
         } else {
-            Held::V1(Some(chardev_v1::output(&chip, offset, high, &title, &line.consumer)?))
+            HeldLine::V1(Some(chardev_v1::output(&chip, offset, high, &title, &line.consumer)?))
         };
         Ok(Output { held, active_low: line.active_low, chip: chip.title(), title })
     }
@@ -98,13 +98,13 @@ impl Output {
         let high = active != self.active_low;
         let failed = |call, source| -> Failed { (call, source, self.title.clone()) };
         let outcome = match &mut self.held {
-            Held::V2(file) => v2::set_line_values(&*file, &LineValues { bits: high.into(), mask: 1 })
+            HeldLine::V2(file) => v2::set_line_values(&*file, &LineValues { bits: high.into(), mask: 1 })
                 .map_err(|error| failed("SET_VALUES", as_io(error))),
-            Held::V1(pin) => pin.as_mut().map_or(Ok(()), |pin| {
+            HeldLine::V1(pin) => pin.as_mut().map_or(Ok(()), |pin| {
                 pin.set_state(high.into())
                     .map_err(|error| failed("SET_LINE_VALUES", chardev_v1::last_call(error.inner())))
             }),
-            Held::Simulated => {
+            HeldLine::Simulated => {
                 log::info!("simulated {}: {}", self.title, if active { "active" } else { "inactive" });
                 Ok(())
             }
@@ -118,12 +118,12 @@ impl Drop for Output {
     fn drop(&mut self) {
         let _ = self.set(false);
         match &mut self.held {
-            Held::V2(file) => drop(v2::set_line_config(
+            HeldLine::V2(file) => drop(v2::set_line_config(
                 &*file,
                 LineConfig { flags: LineFlags::INPUT, ..Default::default() },
             )),
-            Held::V1(pin) => drop(pin.take().map(CdevPin::into_input_pin)),
-            Held::Simulated => {}
+            HeldLine::V1(pin) => drop(pin.take().map(CdevPin::into_input_pin)),
+            HeldLine::Simulated => {}
         }
     }
 }

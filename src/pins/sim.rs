@@ -39,7 +39,7 @@ pub use truth::Truth;
 
 /// Keeps the wall clock in step.
 #[derive(Debug, Clone, Copy)]
-struct Pace {
+struct WallClock {
     started: Instant,
     started_ns: i64,
 }
@@ -50,7 +50,7 @@ struct Pace {
 pub struct SimPins {
     now_ns: i64,
     epoch: Nanos,
-    pace: Option<Pace>,
+    pace: Option<WallClock>,
     analog: Analog,
     events: Events,
     scene: Scene,
@@ -69,7 +69,7 @@ impl SimPins {
     /// sleeping whenever virtual time is ahead of the wall clock.
     pub fn paced(mut self, epoch: Nanos) -> SimPins {
         self.epoch = epoch - Nanos(self.now_ns);
-        self.pace = Some(Pace { started: Instant::now(), started_ns: self.now_ns });
+        self.pace = Some(WallClock { started: Instant::now(), started_ns: self.now_ns });
         self
     }
 

@@ -1,7 +1,7 @@
 //! From values to places along an axis, and where its ticks stand.
 
-use crate::units::rounded;
-use crate::units::{Farad, Ohm, Seconds};
+use super::limits::EDGE;
+use crate::units::{Farad, Ohm, Seconds, rounded};
 
 /// How a value is written at a tick or in words.
 pub type Writer = fn(f64) -> String;
@@ -32,9 +32,6 @@ pub fn digits(value: f64, count: i32) -> String {
 pub fn plain(value: f64) -> String {
     rounded(value, 3).to_string()
 }
-
-/// So much beyond an end still counts as on it: a mean over 10 s is there every 10.003 s.
-const EDGE: f64 = 1.05;
 
 /// One axis of a plot, logarithmic.
 #[derive(Debug, Clone)]

@@ -8,7 +8,7 @@ use serde::Serialize;
 
 /// One measured row, as the script of the page reads it; absent: unknown.
 #[derive(Debug, Serialize)]
-struct Choice {
+struct ChooserRow {
     name: String,
     method: &'static str,
     kind: &'static str,
@@ -40,7 +40,7 @@ const FORM: &str = r#"<form id="chooser">
 pub fn html(rows: &[Row], provenance: &Provenance) -> String {
     let priced = priced(rows);
     let settings = Setting::all(priced.iter().map(|priced| Setting::of(priced.row)));
-    let choice = |setting: Setting, priced: &super::front::Priced| Choice {
+    let choice = |setting: Setting, priced: &super::front::Priced| ChooserRow {
         name: setting.name(&settings),
         method: setting.method.as_str(),
         kind: setting.kind.as_str(),
@@ -52,7 +52,8 @@ pub fn html(rows: &[Row], provenance: &Provenance) -> String {
         u_ohm: priced.row.u_ohm,
         lost: Some(rounded(1.0 - priced.row.counted(), 3)).filter(|share| *share > 0.0),
     };
-    let choices: Vec<Choice> = priced.iter().map(|priced| choice(Setting::of(priced.row), priced)).collect();
+    let choices: Vec<ChooserRow> =
+        priced.iter().map(|priced| choice(Setting::of(priced.row), priced)).collect();
     // It has no map whose keys are no text, which is all that can go wrong. Nothing in it may end the element that it stands in.
     let data = serde_json::to_string(&choices).unwrap_or_default().replace("</", "<\\/");
     let again = if provenance.is_of_a_scene_alone() { " data-again" } else { "" };

@@ -1,7 +1,7 @@
 //! What an error is made of, where the time goes, how it settles, how honest it is: over resistance, method and effect.
 
 use super::axis::{Axis, digits, ohms, percent, seconds};
-use super::heat::{Cell, Grid, Heat, Ramp, cells};
+use super::heat::{Grid, Heat, Ramp, Tile, cells};
 use super::plot::{Plot, Point, Series};
 use super::setting::{Setting, resistances};
 use super::{Drawing, Figure};
@@ -49,10 +49,10 @@ pub fn budget(rows: &[Row], board: &str) -> Option<Figure> {
 }
 
 /// Errors with all effects and without one, ohm.
-fn part_of(name: &str, effect: &str, [all, less]: [f64; 2]) -> Cell {
+fn part_of(name: &str, effect: &str, [all, less]: [f64; 2]) -> Tile {
     let part = 1.0 - (less / all).powi(2);
     let (with_all, without, percent) = (ohms(all), ohms(less), percent(part));
-    Cell {
+    Tile {
         // Without the sign of a zero.
         text: format!("{:.0}", (100.0 * part).round() + 0.0),
         says: format!("{name}: {with_all} with all, {without} without {effect}: {percent} of the variance"),
@@ -93,7 +93,7 @@ pub fn times(rows: &[Row], board: &str) -> Option<Figure> {
             seconds(time),
             seconds(all)
         );
-        Some(Cell { text: digits(1e3 * time, 2), says: of, share: Some(time / all), failed: None })
+        Some(Tile { text: digits(1e3 * time, 2), says: of, share: Some(time / all), failed: None })
     };
     let grid = |r_ohm: &f64| Grid {
         name: format!("{}, ms", ohms(*r_ohm)),
@@ -187,7 +187,7 @@ pub fn coverage(rows: &[Row], board: &str) -> Option<Figure> {
         );
         let text = format!("{:.1}", 100.0 * share);
         // From all within, blue, over 95.4 % to 85 %, red.
-        (readings > 0.0).then(|| Cell { text, says, share: Some(0.5 + (0.954 - share) / 0.2), failed: None })
+        (readings > 0.0).then(|| Tile { text, says, share: Some(0.5 + (0.954 - share) / 0.2), failed: None })
     };
     let heat = Heat {
         title: format!("Readings within twice their own uncertainty, %, board {board}"),
@@ -210,7 +210,7 @@ mod tests {
     use super::super::fixture;
     use super::*;
 
-    fn cells(figure: &Figure) -> Vec<Cell> {
+    fn cells(figure: &Figure) -> Vec<Tile> {
         let Drawing::Heat(heat) = &figure.drawing else { panic!("a plot") };
         heat.grids.iter().flat_map(|grid| grid.cells.iter().flatten().flatten().cloned()).collect()
     }

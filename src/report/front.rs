@@ -1,16 +1,12 @@
 //! The front: error against time for each published reading, beside the bound of each circuit and what one would take instead.
 
 use super::axis::{Axis, ohms, percent, seconds};
+use super::limits::{SHOWN, TIMES};
 use super::plot::{Mark, Plot, Point, Series};
 use super::rivals::RIVALS;
 use super::setting::{Setting, resistances};
 use super::{Drawing, Figure};
 use crate::characterize::table::{Row, Vary};
-
-/// The time axis goes at least this far, s.
-const TIMES: [f64; 2] = [1e-3, 10.0];
-/// Resistances of which there is a figure: the measured ones next to these, ohm.
-const SHOWN: [f64; 3] = [100.0, 1000.0, 16_200.0];
 
 /// A row with what a front needs: seconds for each reading that it counts, and ohm.
 #[derive(Debug, Clone, Copy)]
@@ -71,18 +67,19 @@ fn figure(all: &[Priced], r_ohm: f64, board: &str) -> Option<Figure> {
     let best = front(&here);
     let last = here.iter().map(|priced| priced.seconds).fold(TIMES[1], f64::max);
     let mut series = vec![stairs(&best, last)];
-    series.extend(RIVALS.iter().map(|rival| of_rival(rival, r_ohm, last)).filter(|it| !it.points.is_empty()));
+    let rivals = RIVALS.iter().map(|rival| of_rival(rival, r_ohm, last));
+    series.extend(rivals.filter(|it| !it.points.is_empty()));
+    let ours = series.len();
     series.extend(bounds(&here, last));
     series.extend(settings.iter().filter_map(|setting| sizes(setting, &settings, &resized)));
     series.extend(settings.iter().map(|setting| measured(setting, &settings, &plain)));
     // What a rival's averages come to may leave the figure, its single sample may not.
-    let seen = series
-        .iter()
-        .flat_map(|series| if series.line.starts_with("i5") { &series.points[..1] } else { &series.points });
-    let errors: Vec<f64> = seen.map(|point| point.y).collect();
+    let single = series[1..ours].iter().map(|rival| &rival.points[0]);
+    let all = series[..1].iter().chain(&series[ours..]).flat_map(|series| &series.points);
+    let errors = all.chain(single).map(|point| point.y);
     let times = here.iter().map(|priced| priced.seconds).chain(TIMES);
     let x = Axis::decades("time per published reading", seconds, times)?;
-    let y = Axis::decades("error of a published reading, 1 sigma", ohms, errors.into_iter())?;
+    let y = Axis::decades("error of a published reading, 1 sigma", ohms, errors)?;
     let title = format!("Error against time at {}, board {board}", ohms(r_ohm));
     Some(Figure {
         name: format!("front-{r_ohm}-ohm"),

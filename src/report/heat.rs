@@ -6,7 +6,7 @@ use super::{Drawing, Figure};
 
 /// One cell.
 #[derive(Debug, Clone)]
-pub struct Cell {
+pub struct Tile {
     /// What stands in it.
     pub text: String,
     /// What is read out for it.
@@ -32,7 +32,7 @@ pub struct Grid {
     pub name: String,
     pub ramp: Ramp,
     /// By row, from above, and column.
-    pub cells: Vec<Vec<Option<Cell>>>,
+    pub cells: Vec<Vec<Option<Tile>>>,
 }
 
 /// A whole picture.
@@ -59,8 +59,8 @@ impl Heat {
 pub fn cells<R, C>(
     rows: &[R],
     columns: &[C],
-    cell: impl Fn(&R, &C) -> Option<Cell>,
-) -> Vec<Vec<Option<Cell>>> {
+    cell: impl Fn(&R, &C) -> Option<Tile>,
+) -> Vec<Vec<Option<Tile>>> {
     rows.iter().map(|row| columns.iter().map(|column| cell(row, column)).collect()).collect()
 }
 
@@ -234,7 +234,7 @@ impl Heat {
     }
 }
 
-fn draw_cell(svg: &mut Svg, ramp: Ramp, found: &Cell, at: At, layout: &Layout) {
+fn draw_cell(svg: &mut Svg, ramp: Ramp, found: &Tile, at: At, layout: &Layout) {
     let colour = found.share.map(|share| ramp.colour(share));
     let fill = colour.map_or("var(--faint)".to_owned(), css);
     let ink = colour.map_or("var(--text)", ink_on);
@@ -260,7 +260,7 @@ mod tests {
 
     fn heat(width: Width) -> String {
         let cell = |share, failed: Option<&str>| {
-            Some(Cell {
+            Some(Tile {
                 text: format!("{share}"),
                 says: format!("cell {share}"),
                 share: Some(share),

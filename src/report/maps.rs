@@ -2,16 +2,10 @@
 
 use super::Figure;
 use super::axis::{Writer, digits, ohms, percent, plain, seconds};
-use super::heat::{Cell, Grid, Heat, Ramp, cells};
+use super::heat::{Grid, Heat, Ramp, Tile, cells};
+use super::limits::{COARSE, HONEST, SILENT};
 use super::setting::{Setting, resistances};
 use crate::characterize::table::{Row, Vary};
-
-/// Half of the readings without a number.
-const SILENT: f64 = 0.5;
-/// Within 2u there should be 95 % of the readings.
-const HONEST: f64 = 0.9;
-/// Of the resistance.
-const COARSE: f64 = 0.1;
 
 /// What is varied, what it is called, and how its amount is written.
 type Map = (Vary, &'static str, Writer);
@@ -54,7 +48,7 @@ fn figure(rows: &[Row], board: &str, (vary, what, write): &Map) -> Option<Figure
             };
             own.iter().find(is_it).copied()
         };
-        let all = |cell: fn(&Row, &str) -> Cell| {
+        let all = |cell: fn(&Row, &str) -> Tile| {
             cells(&amounts, &columns, |amount, r_ohm| {
                 find(*amount, *r_ohm)
                     .map(|row| cell(row, &format!("{name}, {}, {what} {}", ohms(*r_ohm), write(*amount))))
@@ -96,9 +90,9 @@ pub fn failure(row: &Row) -> Option<String> {
     is_coarse.then(|| format!("the error is above {}", percent(COARSE)))
 }
 
-fn error(row: &Row, name: &str) -> Cell {
+fn error(row: &Row, name: &str) -> Tile {
     let part = row.rms_ohm.map(|error| error / row.r_ohm);
-    Cell {
+    Tile {
         text: part.map_or(String::new(), |part| digits(100.0 * part, 2)),
         says: says(row, name),
         // From 0.01 % to 10 %.
@@ -107,9 +101,9 @@ fn error(row: &Row, name: &str) -> Cell {
     }
 }
 
-fn honesty(row: &Row, name: &str) -> Cell {
+fn honesty(row: &Row, name: &str) -> Tile {
     let ratio = row.rms_ohm.zip(row.u_ohm).filter(|(_, u)| *u > 0.0).map(|(error, u)| error / u);
-    Cell {
+    Tile {
         text: ratio.map_or(String::new(), |ratio| digits(ratio, 2)),
         says: says(row, name),
         // From a quarter to four times.

@@ -11,6 +11,7 @@ mod effects;
 mod fixture;
 mod front;
 mod heat;
+mod limits;
 mod maps;
 mod page;
 mod paper;

@@ -6,17 +6,15 @@ use super::axis::{Axis, Writer, ohms, percent, plain};
 use super::plot::{Mark, Plot, Point, Series};
 use super::setting::ink;
 use super::{Drawing, Figure};
+use crate::characterize::limits::PAPER_READINGS;
 use crate::characterize::table::{Row, Source, Vary};
 use crate::circuit::Kind;
 use crate::reading::Method;
+use crate::sensor::FSR_402;
 use crate::units::sample::rms;
 
 /// The name of the scene of section IV.
 const SCENE: &str = "fpga-paper";
-/// Of each resistance, in section IV: the largest error depends on how many there are.
-const READINGS: f64 = 500.0;
-/// The fit of section V, newton ohm.
-const ALPHA: f64 = 13_346.46;
 /// Up to there inferred times are as good as (21) and (23) say, in section V; its T_L.
 const PRINTED_LIMIT_OHM: f64 = 681.0;
 /// The paper's three, in its order.
@@ -33,7 +31,9 @@ fn varied(rows: &[Row], vary: Option<Vary>) -> Vec<&Row> {
         let kind = if row.method == Method::Tpcm { Kind::OneCapacitor } else { Kind::TwoCapacitor };
         let is_plain = row.vary == vary && row.average_s.is_none();
         let each = row.readings as f64 / row.instruments.max(1) as f64;
-        let is_long = (0.5 * READINGS..=2.0 * READINGS).contains(&each);
+        // The largest error depends on how many there are.
+        let readings = PAPER_READINGS as f64;
+        let is_long = (0.5 * readings..=2.0 * readings).contains(&each);
         let is_papers = row.source == Source::Simulated && row.scene == SCENE;
         is_papers && is_plain && is_long && METHODS.contains(&row.method) && row.circuit == kind
     };
@@ -261,13 +261,14 @@ fn newtons(value: f64) -> String {
 
 /// Fig. 7 and 8: forces by eq. (1) with the paper's own fit.
 fn forces(rows: &[&Row]) -> Vec<Option<Figure>> {
-    let curve =
-        |r_ohm: f64| Point::new(ALPHA / r_ohm, r_ohm, format!("{}: {}", newtons(ALPHA / r_ohm), ohms(r_ohm)));
+    let curve = |r_ohm: f64| {
+        Point::new(FSR_402.0 / r_ohm, r_ohm, format!("{}: {}", newtons(FSR_402.0 / r_ohm), ohms(r_ohm)))
+    };
     let fit = Series {
         name: "13346.46 N ohm / F".to_owned(),
         line: "i2 series".to_owned(),
         mark: None,
-        points: [13_346.46, 445.0].map(curve).to_vec(),
+        points: [FSR_402.0, 445.0].map(curve).to_vec(),
         is_stairs: false,
     };
     let pair = |(f, r_ohm): (f64, f64)| {
@@ -280,10 +281,10 @@ fn forces(rows: &[&Row]) -> Vec<Option<Figure>> {
         points: [(1.20, 11_122.0), (6.06, 2200.0)].map(pair).to_vec(),
         is_stairs: false,
     };
-    let of_force = |row: &Row| row.mre_percent.map(|mre| [ALPHA / row.r_ohm, 0.01 * mre]);
+    let of_force = |row: &Row| row.mre_percent.map(|mre| [FSR_402.0 / row.r_ohm, 0.01 * mre]);
     let mut errors: Vec<Series> =
         [Method::Cerm, Method::Tcdic].map(|method| measured(rows, method, of_force, percent)).to_vec();
-    let largest = [ALPHA / 100.0, 0.0088];
+    let largest = [FSR_402.0 / 100.0, 0.0088];
     errors.push(printed(Method::Cerm, &[largest], percent));
     errors.retain(|series| !series.points.is_empty());
     vec![

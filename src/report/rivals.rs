@@ -5,6 +5,8 @@
 //! Resistors and supply count as known, as ours do; offset and gain as calibrated. What averages falls with the root of the number
 //! of samples, what does not stays.
 
+use super::limits::SAME;
+
 /// Ohm: a value of the E96 series.
 const FIXED: f64 = 1270.0;
 /// Of the divider, volt.
@@ -15,8 +17,6 @@ const ANYWHERE: f64 = 0.577_35;
 const FPGA_S: f64 = 1076.82e-6;
 /// The largest of 500 normal errors of either sign, in sigma: its median, (2 Phi(x) - 1)^500 = 1/2.
 const LARGEST_OF_500: f64 = 3.20;
-/// A resistance is one that is printed, though rounded.
-const SAME: f64 = 0.005;
 /// 1 uF charged through the sensor to 1.3 V of 3.3 V, seconds per ohm: 1 uF ln(3.3 / 2).
 const CHARGE: f64 = 0.50e-6;
 /// A ceramic capacitor of 10 %, as a share of the resistance.

@@ -7,13 +7,9 @@ use crate::circuit::Kind;
 use crate::reading::Method;
 use crate::units::rounded;
 
-fn place(method: Method) -> usize {
-    Method::ALL.iter().position(|other| *other == method).unwrap_or(0)
-}
-
 /// The class of the colour of a method.
 pub fn ink(method: Method) -> String {
-    format!("i{}", place(method))
+    format!("i{}", method as usize)
 }
 
 /// How something was read, whatever was read.
@@ -47,7 +43,7 @@ impl Setting {
                 all.push(setting);
             }
         }
-        all.sort_by_key(|setting| place(setting.method));
+        all.sort_by_key(|setting| setting.method as usize);
         all
     }
 

@@ -22,7 +22,17 @@ pub enum Anchor {
 /// A drawing that is being written.
 #[derive(Debug, Default)]
 pub struct Svg {
-    body: String,
+    body: Vec<Piece>,
+}
+
+#[derive(Debug)]
+enum Piece {
+    Markup(String),
+    /// The beginning of a group that says something.
+    Speaking {
+        says: String,
+        at: At,
+    },
 }
 
 /// How a number is written in a drawing: to a tenth of a pixel.
@@ -95,8 +105,7 @@ impl Svg {
 
     /// A group of its own that can be pointed at and read out, with what it says.
     pub fn speaking(&mut self, says: &str, (x, y): At, draw: impl FnOnce(&mut Svg)) {
-        let (x, y, says) = (px(x), px(y), escaped(says));
-        self.raw(&format!(r#"<g class="point" role="img" data-x="{x}" data-y="{y}"><title>{says}</title>"#));
+        self.body.push(Piece::Speaking { says: escaped(says), at: (px(x), px(y)) });
         draw(self);
         self.raw("</g>");
     }
@@ -111,12 +120,26 @@ impl Svg {
     }
 
     pub fn raw(&mut self, markup: &str) {
-        let _ = writeln!(self.body, "{markup}");
+        self.body.push(Piece::Markup(markup.to_owned()));
+    }
+
+    /// All of it; `names` says how a group says what it says.
+    fn markup(&self, names: fn(&str) -> String) -> String {
+        let mut body = String::new();
+        for piece in &self.body {
+            let _ = match piece {
+                Piece::Markup(markup) => writeln!(body, "{markup}"),
+                Piece::Speaking { says, at: (x, y) } => {
+                    writeln!(body, r#"<g class="point" role="img" data-x="{x}" data-y="{y}"{}"#, names(says))
+                }
+            };
+        }
+        body
     }
 
     /// For a page that has [`STYLE`]. There a point has a label, since its title would show twice, by the browser and by the page.
     pub fn inline(&self, (width, height): At, title: &str) -> String {
-        let body = self.body.replace("\"><title>", "\" aria-label=\"").replace("</title>", "\">");
+        let body = self.markup(|says| format!(r#" aria-label="{says}">"#));
         let (title, size) = (escaped(title), format!(r#"viewBox="0 0 {} {}""#, px(width), px(height)));
         format!("<svg class=\"figure\" role=\"group\" aria-label=\"{title}\" {size}>\n{body}</svg>\n")
     }
@@ -128,7 +151,7 @@ impl Svg {
         format!(
             "<svg xmlns=\"http://www.w3.org/2000/svg\" class=\"figure\" role=\"group\" aria-label=\"{title}\" {size}>\n\
              <style>{STYLE}</style>\n<rect class=\"page\" width=\"{width}\" height=\"{height}\"/>\n{}</svg>\n",
-            self.body
+            self.markup(|says| format!("><title>{says}</title>"))
         )
     }
 }

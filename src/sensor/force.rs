@@ -1,12 +1,12 @@
 //! `force`: how the resistance of a piezoresistive sensor becomes a force: the four ways to say it, how well it is known, and
 //! what lies on the sensor.
 
-use super::table::{Pairs, PairsError, Rules};
+use super::limits::{EXPONENTS, FORCES_N, UNCALIBRATED_N, UNCALIBRATED_U};
+use super::table::{Pairs, PairsDemands, PairsError};
 use super::{Defect, Shown};
 use crate::units::{Newton, NewtonOhm, rounded};
 use serde::{Deserialize, Serialize};
 use std::fmt::Display;
-use std::ops::RangeInclusive;
 
 /// The characteristic of a sensor.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -24,20 +24,6 @@ pub struct Force {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub tare_n: Option<f64>,
 }
-
-/// Alpha of F = alpha / R for the FSR 402 of the paper (section V).
-pub const FSR_402: NewtonOhm = NewtonOhm(13_346.46);
-
-/// What a characteristic that nobody has measured is good for, relative, 1 sigma: two FSR 402 differ by 6 %, and one of them by
-/// 5 % to either side with whether the force rises or falls (hysteresis of 10 %; Interlink, FSR 400 series data sheet).
-pub const UNCALIBRATED_U: f64 = 0.078;
-/// The forces that this is said of, newton.
-pub const UNCALIBRATED_N: [f64; 2] = [0.2, 20.0];
-
-/// Forces outside are slips of a prefix, newton.
-const FORCES_N: RangeInclusive<f64> = 1e-9..=1e9;
-/// No sensor has another exponent.
-const EXPONENTS: RangeInclusive<f64> = 0.01..=100.0;
 
 #[cfg(test)]
 impl From<Law> for Force {
@@ -211,7 +197,7 @@ impl Law {
 #[serde(try_from = "Vec<(f64, f64)>", into = "Vec<(f64, f64)>")]
 pub struct Table(Pairs);
 
-const RULES: Rules = Rules {
+const RULES: PairsDemands = PairsDemands {
     name: "the force table",
     is_sound: |f_n| FORCES_N.contains(&f_n),
     unsound: "has a pair (ohm, newton) that is not above 0",

@@ -13,8 +13,8 @@ mod relation;
 pub mod table;
 mod transducer;
 
-pub use force::{FSR_402, Force, Law, Table, UNCALIBRATED_N, UNCALIBRATED_U, defect_of_bounds};
-pub use limits::{SCALES, UNLIKE_PINS_OHM};
+pub use force::{Force, Law, Table, defect_of_bounds};
+pub use limits::{FSR_402, SCALES, UNCALIBRATED_N, UNCALIBRATED_U, UNLIKE_PINS_OHM};
 pub use transducer::Transducer;
 
 use crate::reading::{Bound, Measured, MeasuredValue};

@@ -29,7 +29,7 @@ pub struct Pairs(Vec<(f64, f64)>);
 pub struct PairsError(String);
 
 /// What a table asks of its pairs beside an order, in the words of its errors.
-pub(super) struct Rules {
+pub(super) struct PairsDemands {
     pub name: &'static str,
     pub is_sound: fn(f64) -> bool,
     pub unsound: &'static str,
@@ -37,7 +37,7 @@ pub(super) struct Rules {
     pub turned: &'static str,
 }
 
-const RULES: Rules = Rules {
+const RULES: PairsDemands = PairsDemands {
     name: "the table",
     is_sound: f64::is_finite,
     unsound: "has a pair whose resistance is not above 0, or that is no number",
@@ -61,7 +61,7 @@ impl From<Pairs> for Vec<(f64, f64)> {
 
 impl Pairs {
     /// From pairs in any order.
-    pub(super) fn sorted(mut pairs: Vec<(f64, f64)>, rules: &Rules) -> Result<Pairs, PairsError> {
+    pub(super) fn sorted(mut pairs: Vec<(f64, f64)>, rules: &PairsDemands) -> Result<Pairs, PairsError> {
         let wrong = |what: &str| Err(PairsError(format!("{} {what}", rules.name)));
         if pairs.len() < 2 {
             return wrong(&format!("has {} pair(s); it takes at least 2", pairs.len()));

@@ -1,7 +1,7 @@
 //! One circuit with its settings: what is built, and the configuration that measures with it.
 
 use super::limits::{PART_LOW, SENSE_OHM, SUPPLY_HIGH};
-use super::{Board, Price, Stock};
+use super::{Platform, Price, Stock};
 use crate::circuit::{Circuit, Kind, Network};
 use crate::config::{ChannelTable, Config, Measure};
 use crate::units::{Farad, Nanos, Ohm};
@@ -35,8 +35,8 @@ pub struct Design {
 }
 
 /// The least resistance between the supply and ground for a pin of so many ampere.
-pub fn least_ohm(board: &Board, pin_a: f64) -> f64 {
-    SUPPLY_HIGH * board.v_dd.0 / (PART_LOW * pin_a)
+pub fn least_ohm(platform: &Platform, pin_a: f64) -> f64 {
+    SUPPLY_HIGH * platform.v_dd.0 / (PART_LOW * pin_a)
 }
 
 impl Design {
@@ -54,20 +54,20 @@ impl Design {
     }
 
     /// The circuit as planned with.
-    pub fn circuit(&self, board: &Board) -> Circuit {
+    pub fn circuit(&self, platform: &Platform) -> Circuit {
         Circuit {
             network: self.network,
             r_c1: self.r_c[0],
             r_c2: self.r_c[1],
-            v_dd: board.v_dd,
-            v_th: board.v_th,
-            r_charge: Ohm(self.r_p.0 + board.r_o.0),
-            r_o: board.r_o,
+            v_dd: platform.v_dd,
+            v_th: platform.v_th,
+            r_charge: Ohm(self.r_p.0 + platform.r_o.0),
+            r_o: platform.r_o,
         }
     }
 
     /// The configuration, with one sensor whose zero and scale have been measured.
-    pub fn config(&self, board: &Board) -> Config {
+    pub fn config(&self, platform: &Platform) -> Config {
         let (rate_hz, average) = match self.pace {
             Pace::Each => (None, None),
             Pace::Mean(time) => (None, Some(time)),
@@ -75,12 +75,12 @@ impl Design {
         };
         let channel = ChannelTable::commissioned("sensor", self.r_lim.0);
         let measure = Measure { rate_hz, average, deadline: self.deadline, ..Measure::default() };
-        Config { measure, ..Config::of(self.circuit(board), vec![channel]) }
+        Config { measure, ..Config::of(self.circuit(platform), vec![channel]) }
     }
 
     /// Where pins carry most, and how much, with nothing counted for the pin: charger at power-up, R_1, the sensor shorted; A.
-    pub fn currents(&self, board: &Board) -> [(&'static str, f64); 3] {
-        let amperes = |r: Ohm| board.v_dd.0 / r.0;
+    pub fn currents(&self, platform: &Platform) -> [(&'static str, f64); 3] {
+        let amperes = |r: Ohm| platform.v_dd.0 / r.0;
         [
             ("charger, at power-up", amperes(self.r_p)),
             ("sink of Rc1", amperes(self.r_c[0])),

@@ -13,7 +13,7 @@ mod search;
 mod typed;
 
 pub use design::{Design, Pace};
-pub use model::{Board, Shares};
+pub use model::{Platform, Shares};
 pub use parts::{Price, Stock};
 pub use search::{Ranked, Search};
 pub use typed::{Wanted, newtons, ohms, pin_current, rate};

@@ -19,7 +19,7 @@ use crate::units::{Ohm, Seconds, Volt};
 
 /// What of a board decides how well it reads.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Board {
+pub struct Platform {
     /// Supply.
     pub v_dd: Volt,
     /// Falling threshold of an input.
@@ -36,9 +36,9 @@ pub struct Board {
     calls_s: f64,
 }
 
-impl Board {
+impl Platform {
     /// That of a scene.
-    pub fn of(scene: &Scene) -> Board {
+    pub fn of(scene: &Scene) -> Platform {
         let seconds = |time: Option<Seconds>| time.map_or(0.0, |time| time.0);
         let uniform = |width: f64| width / 12f64.sqrt();
         let clock = uniform(seconds(scene.clock_period));
@@ -50,7 +50,7 @@ impl Board {
         let reads = scene.reads;
         let waits: f64 =
             [scene.wake, scene.stamps, scene.sleep].iter().flatten().map(|delay| delay.mean.0).sum();
-        Board {
+        Platform {
             v_dd: scene.circuit.v_dd,
             v_th: scene.circuit.threshold.falling,
             r_o: scene.circuit.r_o,
@@ -89,7 +89,7 @@ impl Shares {
 /// A design on a board.
 pub struct Model {
     circuit: Circuit,
-    board: Board,
+    platform: Platform,
     r_lim: f64,
     nodes: &'static [Node],
     g: [f64; 2],
@@ -101,12 +101,12 @@ pub struct Model {
 
 impl Model {
     /// `None` if a node never crosses.
-    pub fn new(design: &Design, board: &Board) -> Option<Model> {
-        let (config, circuit) = (design.config(board), design.circuit(board));
+    pub fn new(design: &Design, platform: &Platform) -> Option<Model> {
+        let (config, circuit) = (design.config(platform), design.circuit(platform));
         let nodes = design.kind().nodes();
         let mut model = Model {
             circuit,
-            board: *board,
+            platform: *platform,
             r_lim: design.r_lim.0,
             nodes,
             g: [0.0; 2],
@@ -118,7 +118,7 @@ impl Model {
         for node in nodes {
             let index = node.index();
             model.g[index] = circuit.g(*node)?.0;
-            model.trigger[index] = circuit.trigger(*node, board.noise)?;
+            model.trigger[index] = circuit.trigger(*node, platform.noise)?;
             model.charge[index] = [charges.to_a, charges.to_b][index].time().as_seconds();
         }
         Some(model)
@@ -126,7 +126,7 @@ impl Model {
 
     /// What goes before a discharge that waits for the last node, s.
     pub fn before_s(&self) -> f64 {
-        self.charge[self.nodes.len() - 1] + self.board.calls_s
+        self.charge[self.nodes.len() - 1] + self.platform.calls_s
     }
 
     /// A full discharge of R_2 to the last node in its shares: charge, discharge, calls, s.
@@ -141,7 +141,7 @@ impl Model {
 
     fn second_to(&self, node: usize) -> [f64; 3] {
         let discharge = self.g[node] * (self.circuit.r_c2.0 + self.circuit.r_o.0);
-        [self.charge[node], discharge, self.board.calls_s]
+        [self.charge[node], discharge, self.platform.calls_s]
     }
 
     /// The reading of a resistance with the least variance times time, both in their shares.
@@ -175,7 +175,7 @@ impl Model {
         if switch.is_some_and(|(at, _)| takes - at < SHORTEST_TAIL_NS * 1e-9) {
             return None;
         }
-        let Board { jitter_s, move_s, calls_s, .. } = self.board;
+        let Platform { jitter_s, move_s, calls_s, .. } = self.platform;
         let (mut information, mut parts) = (0.0, [0.0; 3]);
         for node in &self.nodes[..=last.index()] {
             let index = node.index();

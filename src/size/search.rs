@@ -7,7 +7,7 @@ use super::limits::{
 };
 use super::model::{Model, Shares};
 use super::parts::{e12_capacitors, e96};
-use super::{Board, Design, Need, Pace, Stock};
+use super::{Design, Need, Pace, Platform, Stock};
 use crate::circuit::{Circuit, Kind, Network, Node};
 use crate::units::{Farad, Nanos, Ohm, rounded};
 
@@ -28,8 +28,8 @@ pub struct Ranked {
 pub struct Search {
     /// What is asked for.
     pub need: Need,
-    /// The board.
-    pub board: Board,
+    /// What it is to run on.
+    pub platform: Platform,
     /// What there is to build from.
     pub stock: Stock,
     /// What a pin may carry, ampere.
@@ -43,16 +43,16 @@ impl Search {
     /// sensor may take; what is left is for calibration.
     pub fn ranked(&self, share: f64) -> Vec<Ranked> {
         let mut ranked: Vec<Ranked> =
-            self.designs().filter_map(|design| judged(&self.need, &self.board, share, design)).collect();
+            self.designs().filter_map(|design| judged(&self.need, &self.platform, share, design)).collect();
         ranked.sort_by(|a, b| a.price.total_cmp(&b.price));
         ranked
     }
 
     /// The circuit that takes its calibration fastest, and the time of that in its shares: charge, discharge, calls, s.
     pub fn quickest(&self) -> Option<(Design, [f64; 3])> {
-        let all = self.designs().filter(|design| is_sure_of_b(&design.circuit(&self.board)));
+        let all = self.designs().filter(|design| is_sure_of_b(&design.circuit(&self.platform)));
         let timed = all.filter_map(|design| {
-            let time = Model::new(&design, &self.board)?.second();
+            let time = Model::new(&design, &self.platform)?.second();
             Some((design, time))
         });
         let seconds = |time: &[f64; 3]| time.iter().sum::<f64>();
@@ -66,7 +66,7 @@ impl Search {
 
     /// The least resistance that a pin may drive.
     pub fn least_ohm(&self) -> f64 {
-        least_ohm(&self.board, self.pin_a)
+        least_ohm(&self.platform, self.pin_a)
     }
 
     fn designs(&self) -> impl Iterator<Item = Design> {
@@ -126,11 +126,11 @@ fn is_sure_of_b(circuit: &Circuit) -> bool {
 }
 
 /// With the deadline and the mean that it needs; `None` if it cannot be, or not as fast as asked for.
-fn judged(need: &Need, board: &Board, share: f64, mut design: Design) -> Option<Ranked> {
-    if !is_sure_of_b(&design.circuit(board)) {
+fn judged(need: &Need, platform: &Platform, share: f64, mut design: Design) -> Option<Ranked> {
+    if !is_sure_of_b(&design.circuit(platform)) {
         return None;
     }
-    let mut model = Model::new(&design, board)?;
+    let mut model = Model::new(&design, platform)?;
     if let Some(hertz) = need.rate_hz {
         let longest_s = share / hertz - model.before_s();
         if longest_s < model.second()[1] {

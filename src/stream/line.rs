@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize, Serializer};
 
 /// What a line is. Serde writes the tag of a struct and does not look at it when it reads.
 #[derive(Deserialize)]
-pub struct Class {
+pub struct Tagged {
     pub class: String,
 }
 

@@ -5,9 +5,14 @@ use crate::reading::{Bound, Branch, Method};
 use proptest::prelude::*;
 
 const MS: i64 = 1_000_000;
-const RULES: Rules =
-    Rules { quantity: Quantity::Shown, on: 2.0, off: 1.5, hold: Nanos(20 * MS), stale: Nanos(100 * MS) };
-const DOWNWARDS: Rules = Rules { quantity: Quantity::Resistance, on: 1e3, off: 2e3, ..RULES };
+const RULES: TriggerRules = TriggerRules {
+    quantity: Compared::Shown,
+    on: 2.0,
+    off: 1.5,
+    hold: Nanos(20 * MS),
+    stale: Nanos(100 * MS),
+};
+const DOWNWARDS: TriggerRules = TriggerRules { quantity: Compared::Resistance, on: 1e3, off: 2e3, ..RULES };
 
 fn reading(at_ms: i64, status: Status) -> Reading {
     Reading {
@@ -34,14 +39,14 @@ const OPEN: Status = Status::Open { r_min_ohm: 63e3, shown: Some(Bound::AtMost(0
 const SHORT: Status = Status::Short { r_max_ohm: 4.0, shown: Some(Bound::AtLeast(500.0)) };
 
 /// The states that come of these, each with the ms that it was told at.
-fn told(rules: Rules, readings: impl IntoIterator<Item = (i64, Status)>) -> Vec<(i64, State)> {
+fn told(rules: TriggerRules, readings: impl IntoIterator<Item = (i64, Status)>) -> Vec<(i64, State)> {
     let mut trigger = Trigger::new(rules);
     let events = readings.into_iter().filter_map(|(at, status)| trigger.take(&reading(at, status)));
     events.map(|event| (event.at.0 / MS, event.state)).collect()
 }
 
-fn at_once(rules: Rules) -> Rules {
-    Rules { hold: Nanos::ZERO, ..rules }
+fn at_once(rules: TriggerRules) -> TriggerRules {
+    TriggerRules { hold: Nanos::ZERO, ..rules }
 }
 
 #[test]
@@ -111,10 +116,10 @@ fn a_bound_may_lie_on_either_side() {
     use State::{Pressed, Released};
     let open = |bound| Status::Open { r_min_ohm: 63e3, shown: Some(bound) };
     let short = |bound| Status::Short { r_max_ohm: 4.0, shown: Some(bound) };
-    let hotter = Rules { on: 40.0, off: -5.0, ..at_once(RULES) };
+    let hotter = TriggerRules { on: 40.0, off: -5.0, ..at_once(RULES) };
     let rising = [(0, short(Bound::AtMost(-240.0))), (1, open(Bound::AtLeast(800.0)))];
     assert_eq!(told(hotter, rising), [(0, Released), (1, Pressed)]);
-    let colder = Rules { on: -5.0, off: 40.0, ..at_once(RULES) };
+    let colder = TriggerRules { on: -5.0, off: 40.0, ..at_once(RULES) };
     let falling = [(0, short(Bound::AtLeast(200.0))), (1, open(Bound::AtMost(-60.0)))];
     assert_eq!(told(colder, falling), [(0, Released), (1, Pressed)]);
 }
@@ -156,7 +161,7 @@ proptest! {
 
     #[test]
     fn of_any_readings(scene in scenes(), is_downwards in any::<bool>(), hold in 0i64..50) {
-        let rules = Rules { hold: Nanos(hold * MS), ..if is_downwards { DOWNWARDS } else { RULES } };
+        let rules = TriggerRules { hold: Nanos(hold * MS), ..if is_downwards { DOWNWARDS } else { RULES } };
         let mut trigger = Trigger::new(rules);
         let (mut now, mut last) = (0, trigger.state());
         // Numbers since the last event that is not of a lack of them.

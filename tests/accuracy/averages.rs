@@ -2,8 +2,7 @@
 //!
 //! Writes `docs/averages.md` with `UPDATE_DOCS=1 cargo test --test accuracy averages`, and fails when it is out of date.
 
-use crate::common::{Bench, Errors, check_page, hear_between, rms};
-use cermd::characterize::watch::published_s;
+use crate::common::{Bench, Errors, check_page, hear_between, published_s, rms};
 use cermd::instrument::Message;
 use cermd::pins::sim::scene::WalkScene;
 use cermd::pins::sim::{Kind, Sensor};

@@ -2,8 +2,7 @@
 //!
 //! Writes `docs/methods.md` with `UPDATE_DOCS=1 cargo test --test accuracy methods`, and fails when it is out of date.
 
-use crate::common::{Bench, Errors, check_page, kind_of, rms};
-use cermd::characterize::watch::published_s;
+use crate::common::{Bench, Errors, check_page, kind_of, published_s, rms};
 use cermd::pins::sim::Kind;
 use cermd::reading::Method;
 use std::fmt::Write;

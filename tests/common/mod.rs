@@ -8,7 +8,7 @@ pub mod faulty;
 pub mod seed;
 
 use cermd::characterize::cell::Cell;
-use cermd::characterize::watch::{Found, Number};
+use cermd::characterize::watch::{Deviation, Found};
 use cermd::instrument::settings::Settings;
 use cermd::instrument::{Instrument, Message};
 use cermd::pins::Pins;
@@ -35,6 +35,12 @@ pub fn name_of(status: &Status) -> &'static str {
         Status::Short { .. } => "short",
         Status::Fault(_) => "fault",
     }
+}
+
+/// Time for each published reading of these instruments, s.
+pub fn published_s(found: &[Found]) -> f64 {
+    let readings = found.iter().map(|found| found.told.len()).sum::<usize>();
+    found.iter().map(|found| found.times.whole_s()).sum::<f64>() / readings as f64
 }
 
 pub fn kind_of(method: Method) -> Kind {
@@ -235,8 +241,8 @@ impl Errors {
             all.next_board();
             for told in &board.told {
                 match told.what {
-                    Ok(Number { u_ohm: None, .. }) => all.without_u += 1,
-                    Ok(Number { error_ohm, u_ohm: Some(u_ohm), is_moving, .. }) => {
+                    Ok(Deviation { u_ohm: None, .. }) => all.without_u += 1,
+                    Ok(Deviation { error_ohm, u_ohm: Some(u_ohm), is_moving, .. }) => {
                         all.errors.push(error_ohm);
                         all.us.push(u_ohm);
                         all.moving.push(is_moving);

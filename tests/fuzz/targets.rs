@@ -3,7 +3,7 @@
 
 use super::hostile::Hostile;
 use cermd::circuit::{Kind, Node};
-use cermd::config::{Config, LawSource, Source, pairs};
+use cermd::config::{Config, ForceSource, LawSource, pairs};
 use cermd::ctl::replay::Replay;
 use cermd::instrument::discharge::{Charge, Plan, run};
 use cermd::instrument::settings::Settings;
@@ -50,8 +50,8 @@ pub fn configuration(data: &[u8]) {
     }
     // No file of this machine is an input.
     for force in config.channels.iter_mut().filter_map(|channel| channel.force.as_mut()) {
-        if matches!(force.law, Source::File(_)) {
-            force.law = Source::Given(Law::Alpha { alpha_n_ohm: 1.0 });
+        if matches!(force.law, ForceSource::File(_)) {
+            force.law = ForceSource::Given(Law::Alpha { alpha_n_ohm: 1.0 });
         }
     }
     for law in config.channels.iter_mut().filter_map(|channel| channel.law.as_mut()) {

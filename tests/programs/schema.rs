@@ -161,8 +161,7 @@ fn what_a_daemon_says_is_as_the_schema_has_it() {
 
 /// What a line of a class may hold: every field of its type has a value. A new field does not compile until it is here.
 fn full(class: &str) -> Map<String, Value> {
-    let (text, one) = (String::new(), 1.0);
-    let u = Some(0.1);
+    let (text, u) = (String::new(), Some(0.1));
     let value = match class {
         "VERSION" => serde_json::to_value(VersionLine {
             proto_major: 1,
@@ -175,30 +174,7 @@ fn full(class: &str) -> Map<String, Value> {
             seq: 1,
             time: text.clone(),
             t_mono_ns: 1,
-            state: StateLine {
-                status: StatusName::Ok,
-                r_ohm: u,
-                r_u_ohm: u,
-                f_n: u,
-                f_u_n: u,
-                f_repeat_u_n: u,
-                extrapolated: true,
-                moving: true,
-                settling: true,
-                r_min_ohm: u,
-                f_max_n: u,
-                r_max_ohm: u,
-                f_min_n: u,
-                value: u,
-                value_u: u,
-                value_repeat_u: u,
-                unit: Some("degC".to_owned()),
-                value_min: u,
-                value_max: u,
-                fault: Some("pins".to_owned()),
-                method: Some("cerm".to_owned()),
-                branch: Some("direct".to_owned()),
-            },
+            state: state(),
             hint: Some(text),
             duration_us: Some(1),
             lost: 0,
@@ -222,43 +198,81 @@ fn full(class: &str) -> Map<String, Value> {
             t_mono_ns: 1,
         }),
         "ERROR" => serde_json::to_value(ErrorLine { code: ErrorCode::Lost, message: text, lost: Some(1) }),
-        "TAPE" => serde_json::to_value(Header {
-            proto_major: 1,
-            circuit: TapeCircuit { kind: Kind::TwoCapacitor, r_c1_ohm: one, r_c2_ohm: one },
-            resolution_ns: u,
-            offset: TapeOffset {
-                offset_ns: u,
-                offset_u_ns: u,
-                offset_by_switch: u,
-                switch_u_ns: u,
-                r_o_ohm: u,
-                r_o_u_ohm: u,
-            },
-            tracked: true,
-            channels: [
-                vec![Channel { id: text, zero_ohm: u, scale: u, force: Some(force()), law: None }],
-                laws().map(|law| Channel { law: Some(law), ..Channel::default() }).into(),
-            ]
-            .concat(),
-        }),
-        "DISCHARGE" => serde_json::to_value(DischargeLine {
-            seq: 1,
-            t_ns: Some(1),
-            channel: Some(text),
-            through: Resistor::X,
-            held: true,
-            second_ns: u,
-            switch: Some(SwitchLine { at_ns: one, on_ns: one, to: Resistor::C2, u_ns: u }),
-            a_ns: u,
-            b_ns: u,
-            waited_ns: u,
-            later_ns: u,
-            as_read_ohm: u,
-        }),
+        "TAPE" => serde_json::to_value(header()),
+        "DISCHARGE" => serde_json::to_value(discharge()),
         other => panic!("{other}"),
     };
     let Value::Object(fields) = value.unwrap() else { panic!("{class} is no object") };
     fields
+}
+
+fn state() -> StateLine {
+    let u = Some(0.1);
+    StateLine {
+        status: StatusName::Ok,
+        r_ohm: u,
+        r_u_ohm: u,
+        f_n: u,
+        f_u_n: u,
+        f_repeat_u_n: u,
+        extrapolated: true,
+        moving: true,
+        settling: true,
+        r_min_ohm: u,
+        f_max_n: u,
+        r_max_ohm: u,
+        f_min_n: u,
+        value: u,
+        value_u: u,
+        value_repeat_u: u,
+        unit: Some("degC".to_owned()),
+        value_min: u,
+        value_max: u,
+        fault: Some("pins".to_owned()),
+        method: Some("cerm".to_owned()),
+        branch: Some("direct".to_owned()),
+    }
+}
+
+fn header() -> Header {
+    let (u, one) = (Some(0.1), 1.0);
+    Header {
+        proto_major: 1,
+        circuit: TapeCircuit { kind: Kind::TwoCapacitor, r_c1_ohm: one, r_c2_ohm: one },
+        resolution_ns: u,
+        offset: TapeOffset {
+            offset_ns: u,
+            offset_u_ns: u,
+            offset_by_switch: u,
+            switch_u_ns: u,
+            r_o_ohm: u,
+            r_o_u_ohm: u,
+        },
+        tracked: true,
+        channels: [
+            vec![Channel { id: String::new(), zero_ohm: u, scale: u, force: Some(force()), law: None }],
+            laws().map(|law| Channel { law: Some(law), ..Channel::default() }).into(),
+        ]
+        .concat(),
+    }
+}
+
+fn discharge() -> DischargeLine {
+    let (u, one) = (Some(0.1), 1.0);
+    DischargeLine {
+        seq: 1,
+        t_ns: Some(1),
+        channel: Some(String::new()),
+        through: Resistor::X,
+        held: true,
+        second_ns: u,
+        switch: Some(SwitchLine { at_ns: one, on_ns: one, to: Resistor::C2, u_ns: u }),
+        a_ns: u,
+        b_ns: u,
+        waited_ns: u,
+        later_ns: u,
+        as_read_ohm: u,
+    }
 }
 
 fn force() -> Force {

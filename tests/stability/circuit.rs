@@ -1,11 +1,12 @@
 //! Circuits at the edge of what the equations allow, and circuits that do not stay what they are.
 
+use crate::by_hand::ByHand;
 use crate::charged::Charged;
 use crate::common::chance::{Figure, Verdict, mean_of, share_below, sigmas};
 use crate::common::seed::rng;
 use crate::common::{Errors, read, settle};
 use crate::paper::{self, Noise, Parts, R_O, Times, V_DD};
-use crate::scenario::{Board, ByHand, FIRST_ORDER, Scenario, is_true, rms, truth};
+use crate::scenario::{Board, FIRST_ORDER, Scenario, is_true, rms, truth};
 use crate::switching::PI4_NOISE;
 
 use cermd::config::Severity;

@@ -3,9 +3,10 @@
 //! A branch of a resistor and a capacitor beside each capacitor, and the cycle of discharges, are integrated here by Runge and
 //! Kutta: nothing of the simulation is used for the prediction.
 
+use crate::by_hand::ByHand;
 use crate::common::chance::Figure;
 use crate::paper::{self, Parts, R_O, Times, V_DD};
-use crate::scenario::{Board, ByHand, Scenario, is_true, percent, truth, without_number};
+use crate::scenario::{Board, Scenario, is_true, percent, truth, without_number};
 use cermd::instrument::discharge::Charge;
 use cermd::pins::sim::Scene;
 use cermd::pins::sim::scene::{AbsorptionScene, BranchScene};

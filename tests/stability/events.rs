@@ -1,9 +1,10 @@
 //! Edges that never arrive.
 
+use crate::by_hand::ByHand;
 use crate::common::chance::{Figure, mean_of};
 use crate::common::{Errors, settle};
 use crate::paper::{Parts, R_O};
-use crate::scenario::{Board, ByHand, Scenario, is_true, percent, truth};
+use crate::scenario::{Board, Scenario, is_true, percent, truth};
 use crate::switching::{HALF_CALL, STAMP};
 use cermd::circuit::Node;
 use cermd::pins::sim::scene::EventsScene;

@@ -1,10 +1,11 @@
 //! The computer does something else for a while: preempted, suspended, or with another time on its clock.
 
+use crate::by_hand::ByHand;
 use crate::common::Errors;
 use crate::common::chance::{Figure, mean_of};
 use crate::disturbed::{Disturbed, Trouble};
 use crate::paper::{self, Parts, R_O, Times};
-use crate::scenario::{Board, ByHand, Scenario, moving, percent, without_number};
+use crate::scenario::{Board, Scenario, moving, percent, without_number};
 use crate::switching::{HALF_CALL, STAMP};
 use cermd::pins::sim::Scene;
 use cermd::reading::Method;

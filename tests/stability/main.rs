@@ -4,6 +4,7 @@
 //! seed is fixed. `docs/stability.md` is what comes out of it; `UPDATE_DOCS=1 cargo test --test stability` writes it anew.
 #![allow(clippy::unwrap_used, clippy::panic, reason = "a test that cannot be set up fails")]
 
+mod by_hand;
 mod charged;
 mod circuit;
 #[path = "../common/mod.rs"]

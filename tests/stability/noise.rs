@@ -1,10 +1,11 @@
 //! Noise of every kind: of the clock, at the threshold, wide-band, and rare long delays.
 
+use crate::by_hand::ByHand;
 use crate::common::chance::{Figure, mean_of, sd_of};
 use crate::common::seed::rng;
 use crate::common::{Errors, read, settle, spread_of};
 use crate::paper::{self, Noise, Parts, R_O, Times};
-use crate::scenario::{Board, ByHand, FIRST_ORDER, Scenario, moving, percent, rms, without_number};
+use crate::scenario::{Board, FIRST_ORDER, Scenario, moving, percent, rms, without_number};
 use crate::switching::{PI4_NOISE, STAMP, bias_of_offset};
 use cermd::pins::sim::scene::{DelayScene, NoiseScene};
 use cermd::reading::Method;

@@ -1,10 +1,11 @@
 //! Where a switch makes a method fail: made too late, counted by another clock than the crossings, made too early, or made
 //! now and not the next time.
 
+use crate::by_hand::ByHand;
 use crate::common::chance::{Figure, Verdict, mean_of, share_below};
 use crate::common::{read, records, settle};
 use crate::paper::{self, Noise, Parts, R_O, Times, V_DD, normal_below};
-use crate::scenario::{Board, ByHand, FIRST_ORDER, Scenario, is_true, percent, rms, truth};
+use crate::scenario::{Board, FIRST_ORDER, Scenario, is_true, percent, rms, truth};
 use cermd::circuit::Node;
 use cermd::pins::{Drives, Pins};
 use cermd::reading::{Branch, Method, Status};

@@ -28,14 +28,14 @@ pub enum Element {
     /// The resistance of the channel of this number.
     Resistance(usize),
     /// What it shows: its force, or what its law gives.
-    Shown(usize, Quantity),
+    Shown(usize, ChannelType),
     /// When: ns since 1970.
     Timestamp,
 }
 
 /// What a channel shows, and with it the name and the unit that IIO has for that (Documentation/ABI/testing/sysfs-bus-iio).
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Quantity {
+pub enum ChannelType {
     /// Newton; IIO has none.
     Force,
     /// Thousandths of a degC.
@@ -48,34 +48,34 @@ pub enum Quantity {
     Value,
 }
 
-impl Quantity {
-    fn of(unit: &Unit) -> Option<Quantity> {
+impl ChannelType {
+    fn of(unit: &Unit) -> Option<ChannelType> {
         Some(match unit.as_str() {
             "ohm" => return None,
-            "N" => Quantity::Force,
-            "degC" => Quantity::Temperature,
-            "lx" => Quantity::Illuminance,
-            "mm" => Quantity::Distance,
-            _ => Quantity::Value,
+            "N" => ChannelType::Force,
+            "degC" => ChannelType::Temperature,
+            "lx" => ChannelType::Illuminance,
+            "mm" => ChannelType::Distance,
+            _ => ChannelType::Value,
         })
     }
 
     fn name(self) -> &'static str {
         match self {
-            Quantity::Force => "force",
-            Quantity::Temperature => "temp",
-            Quantity::Illuminance => "illuminance",
-            Quantity::Distance => "distance",
-            Quantity::Value => "value",
+            ChannelType::Force => "force",
+            ChannelType::Temperature => "temp",
+            ChannelType::Illuminance => "illuminance",
+            ChannelType::Distance => "distance",
+            ChannelType::Value => "value",
         }
     }
 
     /// One of the channel's unit in that of IIO.
     fn factor(self) -> f64 {
         match self {
-            Quantity::Temperature => 1000.0,
-            Quantity::Distance => 0.001,
-            Quantity::Force | Quantity::Illuminance | Quantity::Value => 1.0,
+            ChannelType::Temperature => 1000.0,
+            ChannelType::Distance => 0.001,
+            ChannelType::Force | ChannelType::Illuminance | ChannelType::Value => 1.0,
         }
     }
 }
@@ -93,7 +93,7 @@ impl Context {
     pub fn new(version: &VersionLine) -> Context {
         let channels = version.channels.clone();
         let of = |(at, channel): (usize, &ChannelInfo)| {
-            let shown = Quantity::of(&channel.unit).map(|quantity| Element::Shown(at, quantity));
+            let shown = ChannelType::of(&channel.unit).map(|quantity| Element::Shown(at, quantity));
             [Element::Resistance(at)].into_iter().chain(shown)
         };
         let elements = channels.iter().enumerate().flat_map(of).chain([Element::Timestamp]).collect();
@@ -183,7 +183,7 @@ fn numbers(element: Element, reading: &ReadingLine) -> (Option<f64>, Option<f64>
     let state = &reading.state;
     match element {
         Element::Resistance(_) => (state.r_ohm, state.r_u_ohm),
-        Element::Shown(_, Quantity::Force) => (state.f_n, state.f_u_n),
+        Element::Shown(_, ChannelType::Force) => (state.f_n, state.f_u_n),
         Element::Shown(..) => (state.value, state.value_u),
         Element::Timestamp => (None, None),
     }
@@ -217,8 +217,8 @@ fn attributes(element: Element) -> &'static [&'static str] {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::bridge::board::tests::{ok, reading, up};
     use crate::bridge::feed::Heard;
+    use crate::bridge::latest::tests::{ok, reading, up};
     use crate::stream::wire::StateLine;
 
     #[test]
@@ -226,7 +226,7 @@ mod tests {
         let Heard::Up(version) = up(&["thumb", "<a> & \"b\""]) else { unreachable!() };
         let context = Context::new(&version);
         insta::assert_snapshot!(context.xml().replace("><", ">\n<"));
-        assert_eq!(context.element("force1"), Some(Element::Shown(1, Quantity::Force)));
+        assert_eq!(context.element("force1"), Some(Element::Shown(1, ChannelType::Force)));
         assert_eq!(context.element("force2"), None);
     }
 
@@ -251,7 +251,10 @@ mod tests {
         }
         assert_eq!(say("offset", Some(&*good)), Err(ENOENT));
         // No characteristic: no force.
-        assert_eq!(context.attribute(Element::Shown(0, Quantity::Force), "raw", Some(&good)), Err(ENODATA));
+        assert_eq!(
+            context.attribute(Element::Shown(0, ChannelType::Force), "raw", Some(&good)),
+            Err(ENODATA)
+        );
         assert_eq!(sample(Element::Resistance(0), Some(&open), 7), None);
         assert_eq!(sample(Element::Timestamp, None, 7), Some(7));
     }

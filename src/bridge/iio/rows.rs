@@ -81,8 +81,8 @@ impl Rows {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::bridge::board::tests::{ok, reading, up};
     use crate::bridge::feed::Heard;
+    use crate::bridge::latest::tests::{ok, reading, up};
     use crate::stream::wire::StateLine;
 
     fn context() -> Context {

@@ -2,7 +2,7 @@
 
 use super::context::{Context, DEVICE, EINVAL, ENOENT, Element};
 use super::rows::Rows;
-use super::{Hub, lock, now};
+use super::{SharedBuffers, lock, now};
 use crate::bridge::limits::{IIO_COMMAND_BYTES, IIO_SILENCE};
 use crate::bridge::server::Place;
 use crate::stream::wire::ReadingLine;
@@ -26,7 +26,7 @@ pub struct Session<'a> {
     place: &'a Place,
     input: BufReader<TcpStream>,
     output: TcpStream,
-    hub: Hub,
+    hub: SharedBuffers,
     /// The device as this connection has it: a client opens its buffer on another one than that which it read the
     /// description on.
     context: Option<Context>,
@@ -45,7 +45,7 @@ struct Buffer {
 }
 
 impl<'a> Session<'a> {
-    pub fn new(socket: TcpStream, hub: Hub, place: &'a Place) -> io::Result<Session<'a>> {
+    pub fn new(socket: TcpStream, hub: SharedBuffers, place: &'a Place) -> io::Result<Session<'a>> {
         let input = BufReader::new(socket.try_clone()?);
         Ok(Session { place, input, output: socket, hub, context: None, buffer: None, patience: IIO_SILENCE })
     }
@@ -108,7 +108,7 @@ impl<'a> Session<'a> {
     /// Without a daemon there is no device.
     fn context(&mut self) -> Result<&Context, i32> {
         if self.context.is_none() {
-            self.context = lock(&self.hub).board.version().map(Context::new);
+            self.context = lock(&self.hub).latest.version().map(Context::new);
         }
         self.context.as_ref().ok_or(ENODEV)
     }
@@ -119,7 +119,7 @@ impl<'a> Session<'a> {
         let element = context.element(channel).ok_or(ENOENT)?;
         let (Element::Resistance(at) | Element::Shown(at, _)) = element else { return Err(ENOENT) };
         let shared = lock(&hub);
-        let mut fresh = shared.board.fresh(now());
+        let mut fresh = shared.latest.fresh(now());
         let reading =
             fresh.find(|(info, _)| info.id == context.channels[at].id).and_then(|(_, reading)| reading);
         context.attribute(element, attribute, reading)

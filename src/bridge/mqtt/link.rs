@@ -6,9 +6,10 @@ use crate::bridge::limits::{
     SEND_BYTES, TAKEOVER,
 };
 use crate::files::{SETTINGS_BYTES, read_text};
+use rumqttc::tokio_rustls::rustls::{self, CertificateError};
 use rumqttc::{
     Client, ConnectReturnCode, ConnectionError, Event, LastWill, MqttOptions, Outgoing, Packet, QoS,
-    Transport,
+    TlsError, Transport,
 };
 use std::path::{Path, PathBuf};
 use std::sync::mpsc::{Receiver, Sender, channel};
@@ -39,7 +40,7 @@ pub struct Login {
 
 /// One publication.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Message {
+pub struct Publication {
     pub topic: String,
     pub payload: String,
     /// Whether the broker keeps it for those who come later, and confirms it.
@@ -48,13 +49,13 @@ pub struct Message {
     pub channel: Option<String>,
 }
 
-impl Message {
-    pub fn retained(topic: String, payload: &str) -> Message {
-        Message { is_retained: true, ..Message::passing(topic, payload) }
+impl Publication {
+    pub fn retained(topic: String, payload: &str) -> Publication {
+        Publication { is_retained: true, ..Publication::passing(topic, payload) }
     }
 
-    pub fn passing(topic: String, payload: &str) -> Message {
-        Message { topic, payload: payload.to_owned(), is_retained: false, channel: None }
+    pub fn passing(topic: String, payload: &str) -> Publication {
+        Publication { topic, payload: payload.to_owned(), is_retained: false, channel: None }
     }
 
     fn qos(&self) -> QoS {
@@ -64,7 +65,7 @@ impl Message {
 
 /// Whether there is a broker.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum State {
+pub enum BrokerState {
     /// Yes; `is_new`: it, or who listens to it, must be told everything anew.
     Up {
         is_new: bool,
@@ -74,7 +75,7 @@ pub enum State {
 
 /// Shared with the thread that talks to the broker.
 #[derive(Default)]
-struct Shared {
+struct LinkState {
     client: Option<Client>,
     is_new: bool,
     is_over: bool,
@@ -82,11 +83,11 @@ struct Shared {
 
 /// The link.
 pub struct Link {
-    shared: Arc<Mutex<Shared>>,
+    shared: Arc<Mutex<LinkState>>,
     ended: Receiver<()>,
 }
 
-fn lock(shared: &Mutex<Shared>) -> MutexGuard<'_, Shared> {
+fn lock(shared: &Mutex<LinkState>) -> MutexGuard<'_, LinkState> {
     shared.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
@@ -96,11 +97,11 @@ impl Link {
     pub fn start(
         broker: Broker,
         id: &str,
-        will: Message,
+        will: Publication,
         births: Option<String>,
     ) -> Result<Link, BridgeError> {
         let options = options(&broker, id, &will)?;
-        let shared = Arc::new(Mutex::new(Shared::default()));
+        let shared = Arc::new(Mutex::new(LinkState::default()));
         let (end, ended) = channel();
         let talker = Talker { broker, births, shared: Arc::clone(&shared), said: None, end };
         let thread = std::thread::Builder::new().name("mqtt".to_owned());
@@ -110,19 +111,19 @@ impl Link {
         Ok(Link { shared, ended })
     }
 
-    pub fn state(&mut self) -> State {
+    pub fn state(&mut self) -> BrokerState {
         let mut shared = lock(&self.shared);
         match shared.client {
-            Some(_) => State::Up { is_new: std::mem::take(&mut shared.is_new) },
-            None => State::Down,
+            Some(_) => BrokerState::Up { is_new: std::mem::take(&mut shared.is_new) },
+            None => BrokerState::Down,
         }
     }
 
     /// Whether it was taken: not if the broker is slow or gone.
-    pub fn publish(&self, message: Message) -> bool {
+    pub fn publish(&self, message: Publication) -> bool {
         let client = lock(&self.shared).client.clone();
         client.is_some_and(|client| {
-            let (qos, Message { topic, payload, is_retained, .. }) = (message.qos(), message);
+            let (qos, Publication { topic, payload, is_retained, .. }) = (message.qos(), message);
             client.try_publish(topic, qos, is_retained, payload).is_ok()
         })
     }
@@ -133,7 +134,7 @@ impl Link {
     }
 
     /// Many at once; if there is no room for all, [`Link::introduce_again`].
-    pub fn publish_all(&self, messages: Vec<Message>) {
+    pub fn publish_all(&self, messages: Vec<Publication>) {
         for message in messages {
             if !self.publish(message) {
                 return self.introduce_again();
@@ -142,7 +143,7 @@ impl Link {
     }
 
     /// A last word, and the end.
-    pub fn end(self, last: Message) {
+    pub fn end(self, last: Publication) {
         lock(&self.shared).is_over = true;
         let client = lock(&self.shared).client.clone();
         if self.publish(last) && client.is_some_and(|client| client.try_disconnect().is_ok()) {
@@ -156,7 +157,7 @@ impl Link {
 struct Talker {
     broker: Broker,
     births: Option<String>,
-    shared: Arc<Mutex<Shared>>,
+    shared: Arc<Mutex<LinkState>>,
     /// What the log knows of an outage.
     said: Option<String>,
     end: Sender<()>,
@@ -213,22 +214,21 @@ impl Talker {
         let text = error.to_string();
         if self.said.as_ref() != Some(&text) {
             let Broker { host, port, .. } = &self.broker;
-            let hint = hint(error, &text, since.elapsed() < TAKEOVER);
+            let hint = hint(error, since.elapsed() < TAKEOVER);
             log::warn!("broker {host}:{port}: {text}{hint}; trying again every {BROKER_RETRY_AFTER:?}");
             self.said = Some(text);
         }
     }
 }
 
-fn hint(error: &ConnectionError, text: &str, was_short: bool) -> &'static str {
+fn hint(error: &ConnectionError, was_short: bool) -> &'static str {
     use ConnectReturnCode::{BadClientId, BadUserNamePassword, NotAuthorized};
     match error {
         ConnectionError::ConnectionRefused(BadUserNamePassword | NotAuthorized) => {
             ": look at --user and --password-file"
         }
         ConnectionError::ConnectionRefused(BadClientId) => ": the broker does not like --id",
-        _ if text.contains("invalid peer certificate") => certificate(text),
-        ConnectionError::Tls(_) => ": is this its port for TLS?",
+        ConnectionError::Tls(error) => of_tls(error),
         ConnectionError::MqttState(_) if was_short => {
             ": does it want TLS, or is there another client of the same --id?"
         }
@@ -236,21 +236,28 @@ fn hint(error: &ConnectionError, text: &str, was_short: bool) -> &'static str {
     }
 }
 
-/// What is inside of an error of TLS has no type here, but the words of rustls.
-fn certificate(text: &str) -> &'static str {
-    let says = |words: &[&str]| words.iter().any(|word| text.contains(word));
-    if says(&["UnknownIssuer"]) {
-        ": the file of --ca does not vouch for this broker"
-    } else if says(&["NotValidForName", "not valid for name"]) {
-        ": its certificate is for another name; write that into --broker"
-    } else if says(&["Expired", "NotValidYet", "certificate expired", "not valid yet"]) {
-        ": its certificate is not valid at the time of this machine's clock; is that set? (timedatectl)"
-    } else {
-        ""
+/// What rustls has against the certificate of the broker, if that is it.
+fn of_tls(error: &TlsError) -> &'static str {
+    let inner = if let TlsError::Io(error) = error { error.get_ref() } else { None };
+    match inner.and_then(|error| error.downcast_ref()) {
+        Some(rustls::Error::InvalidCertificate(error)) => match error {
+            CertificateError::UnknownIssuer => ": the file of --ca does not vouch for this broker",
+            CertificateError::NotValidForName | CertificateError::NotValidForNameContext { .. } => {
+                ": its certificate is for another name; write that into --broker"
+            }
+            CertificateError::Expired
+            | CertificateError::ExpiredContext { .. }
+            | CertificateError::NotValidYet
+            | CertificateError::NotValidYetContext { .. } => {
+                ": its certificate is not valid at the time of this machine's clock; is that set? (timedatectl)"
+            }
+            _ => "",
+        },
+        _ => ": is this its port for TLS?",
     }
 }
 
-fn options(broker: &Broker, id: &str, will: &Message) -> Result<MqttOptions, BridgeError> {
+fn options(broker: &Broker, id: &str, will: &Publication) -> Result<MqttOptions, BridgeError> {
     let mut options = MqttOptions::new(format!("cermd-{id}"), (broker.host.as_str(), broker.port));
     options.set_keep_alive(KEEP_ALIVE_S).set_clean_session(true);
     options.set_max_packet_size(PACKET_BYTES, PACKET_BYTES);
@@ -274,32 +281,25 @@ fn read(path: &Path) -> Result<String, BridgeError> {
 
 #[cfg(test)]
 mod tests {
-    use super::certificate;
+    use super::*;
+    use std::io;
 
-    /// As rustls 0.23 writes them.
+    fn hint_of(error: rustls::Error) -> &'static str {
+        hint(&ConnectionError::Tls(TlsError::Io(io::Error::new(io::ErrorKind::InvalidData, error))), false)
+    }
+
     #[test]
     fn what_is_wrong_with_a_certificate_is_told_apart() {
         for (error, wanted) in [
-            ("UnknownIssuer", "does not vouch"),
-            (
-                "certificate not valid for name \"127.0.0.1\"; certificate is only valid for DnsName(\"localhost\")",
-                "another name",
-            ),
-            ("NotValidForName", "another name"),
-            (
-                "certificate expired: verification time 1766000000 (UNIX), but certificate is not valid after 1765000000 \
-                 (1000000 seconds ago)",
-                "timedatectl",
-            ),
-            (
-                "certificate not valid yet: verification time 1000 (UNIX), but certificate is not valid before 1765000000 \
-                 (1764999000 seconds in future)",
-                "timedatectl",
-            ),
+            (CertificateError::UnknownIssuer, "does not vouch"),
+            (CertificateError::NotValidForName, "another name"),
+            (CertificateError::Expired, "timedatectl"),
+            (CertificateError::NotValidYet, "timedatectl"),
         ] {
-            let hint = certificate(&format!("TLS: invalid peer certificate: {error}"));
+            let hint = hint_of(rustls::Error::InvalidCertificate(error.clone()));
             assert!(hint.contains(wanted), "{error}: {hint}");
         }
-        assert_eq!(certificate("TLS: invalid peer certificate: BadEncoding"), "");
+        assert_eq!(hint_of(rustls::Error::InvalidCertificate(CertificateError::BadEncoding)), "");
+        assert!(hint_of(rustls::Error::DecryptError).contains("port for TLS"));
     }
 }

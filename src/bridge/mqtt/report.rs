@@ -6,7 +6,7 @@ use crate::units::Nanos;
 
 /// When to speak.
 #[derive(Debug, Clone, Copy)]
-pub struct Rules {
+pub struct Pacing {
     /// Changes from here on are told, in units of the uncertainty.
     pub change: f64,
     pub every: Nanos,
@@ -20,18 +20,18 @@ pub struct Reporter(Option<Told>);
 #[derive(Debug)]
 struct Told {
     at: Nanos,
-    kind: Kind,
+    kind: Condition,
     r_ohm: Option<f64>,
     r_u_ohm: f64,
     is_moving: bool,
 }
 
 /// What makes two readings different things, not different numbers.
-type Kind = (StatusName, Option<String>, bool, bool);
+type Condition = (StatusName, Option<String>, bool, bool);
 
 impl Reporter {
     /// Whether a reading taken at this instant is to be told; if so, it counts as told.
-    pub fn is_news(&mut self, state: &StateLine, at: Nanos, rules: &Rules) -> bool {
+    pub fn is_news(&mut self, state: &StateLine, at: Nanos, rules: &Pacing) -> bool {
         let told = Told {
             at,
             kind: (state.status, state.fault.clone(), state.settling, state.extrapolated),
@@ -63,9 +63,9 @@ impl Reporter {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::bridge::board::tests::ok;
+    use crate::bridge::latest::tests::ok;
 
-    const RULES: Rules = Rules { change: 3.0, every: Nanos(10_000), at_least: Nanos(200) };
+    const RULES: Pacing = Pacing { change: 3.0, every: Nanos(10_000), at_least: Nanos(200) };
 
     #[test]
     fn noise_is_no_news_and_a_change_is() {

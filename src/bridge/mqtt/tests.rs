@@ -1,5 +1,5 @@
 use super::*;
-use crate::bridge::board::tests::{event, ok, reading, up};
+use crate::bridge::latest::tests::{event, ok, reading, up};
 use crate::stream::wire::{ChannelInfo, InstrumentStats, StatusName, Unit, VersionLine};
 
 fn teller() -> Teller {
@@ -13,7 +13,7 @@ fn teller() -> Teller {
     Teller::new(options, Nanos(1_000))
 }
 
-fn topics(messages: &[Message]) -> Vec<&str> {
+fn topics(messages: &[Publication]) -> Vec<&str> {
     messages.iter().map(|message| &*message.topic).collect()
 }
 
@@ -115,7 +115,7 @@ fn channels_that_are_gone_are_taken_back() {
     teller.tell(&up(&["thumb", "index"]), Nanos(0));
     let told = teller.tell(&up(&["thumb"]), Nanos(0));
     assert_eq!(topics(&told), [DEVICE, DEVICE, AVAILABILITY]);
-    let entities = |message: &Message| {
+    let entities = |message: &Publication| {
         let device: serde_json::Value = serde_json::from_str(&message.payload).unwrap();
         device["cmps"].clone()
     };

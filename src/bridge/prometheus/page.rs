@@ -2,7 +2,7 @@
 //!
 //! What is unknown is absent, never 0 or NaN.
 
-use crate::bridge::board::Board;
+use crate::bridge::latest::Latest;
 use crate::stream::wire::{ChannelInfo, ReadingLine, StateLine, StatsLine, StatusName, Unit};
 use crate::units::Nanos;
 use jiff::Timestamp;
@@ -36,24 +36,24 @@ impl Format {
 }
 
 /// The page as it is at this instant of `CLOCK_MONOTONIC`.
-pub fn render(board: &Board, now: Nanos, format: Format) -> String {
-    let mut page = Page { format, text: String::new() };
+pub fn render(latest: &Latest, now: Nanos, format: Format) -> String {
+    let mut page = Exposition { format, text: String::new() };
     page.one(
         GAUGE,
         "cermd_up",
         "",
         "Whether the daemon answers.",
-        Some(f64::from(board.version().is_some())),
+        Some(f64::from(latest.version().is_some())),
     );
-    if let Some(version) = board.version() {
+    if let Some(version) = latest.version() {
         let release = vec![("version", &*version.release)];
         page.family(INFO, "cermd_build", "", "The release of the daemon.", vec![(release, 1.0)]);
     }
-    readings(&mut page, &board.fresh(now).collect::<Vec<_>>());
-    let pressed = board.pressed().map(|(id, is_pressed)| (vec![("channel", id)], f64::from(is_pressed)));
+    readings(&mut page, &latest.fresh(now).collect::<Vec<_>>());
+    let pressed = latest.pressed().map(|(id, is_pressed)| (vec![("channel", id)], f64::from(is_pressed)));
     let help = "Whether the trigger of the channel is pressed; absent: not known.";
     page.family(GAUGE, "cermd_pressed", "", help, pressed.collect());
-    if let Some(stats) = board.stats() {
+    if let Some(stats) = latest.stats() {
         figures(&mut page, stats);
     }
     if format == Format::OpenMetrics {
@@ -65,19 +65,19 @@ pub fn render(board: &Board, now: Nanos, format: Format) -> String {
 type Labels<'a> = Vec<(&'static str, &'a str)>;
 
 /// What a family is: its type in text, in OpenMetrics, and what OpenMetrics adds to its name in samples.
-type Kind = (&'static str, &'static str, &'static str);
-const GAUGE: Kind = ("gauge", "gauge", "");
-const COUNTER: Kind = ("counter", "counter", "_total");
-const INFO: Kind = ("gauge", "info", "_info");
+type Family = (&'static str, &'static str, &'static str);
+const GAUGE: Family = ("gauge", "gauge", "");
+const COUNTER: Family = ("counter", "counter", "_total");
+const INFO: Family = ("gauge", "info", "_info");
 
-struct Page {
+struct Exposition {
     format: Format,
     text: String,
 }
 
-impl Page {
+impl Exposition {
     /// A family of samples; without any, nothing.
-    fn family(&mut self, kind: Kind, name: &str, unit: &str, help: &str, samples: Vec<(Labels<'_>, f64)>) {
+    fn family(&mut self, kind: Family, name: &str, unit: &str, help: &str, samples: Vec<(Labels<'_>, f64)>) {
         if samples.is_empty() {
             return;
         }
@@ -99,7 +99,7 @@ impl Page {
         }
     }
 
-    fn one(&mut self, kind: Kind, name: &str, unit: &str, help: &str, value: Option<f64>) {
+    fn one(&mut self, kind: Family, name: &str, unit: &str, help: &str, value: Option<f64>) {
         self.family(kind, name, unit, help, value.map(|value| (Vec::new(), value)).into_iter().collect());
     }
 }
@@ -109,9 +109,9 @@ fn escaped(text: &str) -> String {
 }
 
 /// A number that a reading may have: name, unit, help, and where it is.
-type Number = (&'static str, &'static str, &'static str, fn(&StateLine) -> Option<f64>);
+type Metric = (&'static str, &'static str, &'static str, fn(&StateLine) -> Option<f64>);
 
-const NUMBERS: [Number; 12] = [
+const NUMBERS: [Metric; 12] = [
     ("cermd_resistance_ohms", "ohms", "The resistance of the sensor.", |s| s.r_ohm),
     ("cermd_resistance_uncertainty_ohms", "ohms", "Its uncertainty, 1 sigma.", |s| s.r_u_ohm),
     ("cermd_resistance_lower_bound_ohms", "ohms", "Open: it is above.", |s| s.r_min_ohm),
@@ -143,7 +143,7 @@ const STATUSES: [(&str, Option<StatusName>); 5] = [
     ("unknown", None),
 ];
 
-fn readings(page: &mut Page, channels: &[(&ChannelInfo, Option<&ReadingLine>)]) {
+fn readings(page: &mut Exposition, channels: &[(&ChannelInfo, Option<&ReadingLine>)]) {
     let known = || channels.iter().filter_map(|(channel, reading)| Some((&*channel.id, (*reading)?)));
     let mut statuses = Vec::new();
     for (channel, reading) in channels {
@@ -172,8 +172,8 @@ fn readings(page: &mut Page, channels: &[(&ChannelInfo, Option<&ReadingLine>)]) 
 }
 
 /// What laws give: any quantity, so the unit is a label.
-fn values(page: &mut Page, channels: &[(&ChannelInfo, Option<&ReadingLine>)]) {
-    const VALUES: [Number; 5] = [
+fn values(page: &mut Exposition, channels: &[(&ChannelInfo, Option<&ReadingLine>)]) {
+    const VALUES: [Metric; 5] = [
         ("cermd_value", "", "What the sensor shows by its law.", |s| s.value),
         ("cermd_value_uncertainty", "", "All of its uncertainty, 1 sigma.", |s| s.value_u),
         ("cermd_value_repeatability", "", "That of the readout alone, 1 sigma.", |s| s.value_repeat_u),
@@ -190,7 +190,7 @@ fn values(page: &mut Page, channels: &[(&ChannelInfo, Option<&ReadingLine>)]) {
     }
 }
 
-fn figures(page: &mut Page, stats: &StatsLine) {
+fn figures(page: &mut Exposition, stats: &StatsLine) {
     let of = &stats.instrument;
     let states = [("ok", of.ok), ("open", of.open), ("short", of.short), ("fault", of.faults.values().sum())];
     let states = states.map(|(name, count)| (vec![("status", name)], count as f64)).to_vec();
@@ -224,31 +224,31 @@ fn figures(page: &mut Page, stats: &StatsLine) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::bridge::board::tests::{event, ok, reading, up};
     use crate::bridge::feed::Heard;
+    use crate::bridge::latest::tests::{event, ok, reading, up};
     use crate::stream::wire::{EventName, InstrumentStats, VersionLine};
     use std::time::Duration;
 
     const AT: Nanos = Nanos(1_000);
 
-    fn board() -> Board {
-        let mut board = Board::new(Duration::from_nanos(100));
-        board.hear(&up(&["thumb", "a\\b\"c", "late"]));
-        board.hear(&reading("thumb", AT.0, StateLine { f_n: Some(4.697), ..ok(2841.3) }));
-        board.hear(&event("thumb", EventName::Pressed, None));
-        board.hear(&event("late", EventName::Released, Some("stale")));
+    fn latest() -> Latest {
+        let mut latest = Latest::new(Duration::from_nanos(100));
+        latest.hear(&up(&["thumb", "a\\b\"c", "late"]));
+        latest.hear(&reading("thumb", AT.0, StateLine { f_n: Some(4.697), ..ok(2841.3) }));
+        latest.hear(&event("thumb", EventName::Pressed, None));
+        latest.hear(&event("late", EventName::Released, Some("stale")));
         let fault = Some("missed-edge".to_owned());
-        board.hear(&reading("a\\b\"c", AT.0, StateLine { fault, ..StateLine::default() }));
-        board.hear(&reading("late", AT.0 - 101, ok(1.0)));
+        latest.hear(&reading("a\\b\"c", AT.0, StateLine { fault, ..StateLine::default() }));
+        latest.hear(&reading("late", AT.0 - 101, ok(1.0)));
         let instrument = InstrumentStats { offset_ns: Some(8012.0), ..InstrumentStats::default() };
         let stats = StatsLine { clients: 1, published: 2, lost: 0, channels: Default::default(), instrument };
-        board.hear(&Heard::Stats(Box::new(stats), String::new()));
-        board
+        latest.hear(&Heard::Stats(Box::new(stats), String::new()));
+        latest
     }
 
     #[test]
     fn both_formats_say_the_same() {
-        let (text, open) = (render(&board(), AT, Format::Text), render(&board(), AT, Format::OpenMetrics));
+        let (text, open) = (render(&latest(), AT, Format::Text), render(&latest(), AT, Format::OpenMetrics));
         insta::assert_snapshot!("openmetrics", open);
         let samples = |page: &str| {
             let lines = page.lines().filter(|line| !line.starts_with('#')).map(str::to_owned);
@@ -261,12 +261,12 @@ mod tests {
 
     #[test]
     fn values_have_their_unit_as_a_label() {
-        let mut board = Board::new(Duration::from_nanos(100));
+        let mut latest = Latest::new(Duration::from_nanos(100));
         let bath = ChannelInfo { id: "bath".to_owned(), unit: Unit::named("degC"), trigger: false };
-        board.hear(&Heard::Up(VersionLine::new(&[bath])));
+        latest.hear(&Heard::Up(VersionLine::new(&[bath])));
         let state = StateLine { value: Some(23.5), value_u: Some(0.25), extrapolated: true, ..ok(2841.3) };
-        board.hear(&reading("bath", AT.0, state));
-        let page = render(&board, AT, Format::Text);
+        latest.hear(&reading("bath", AT.0, state));
+        let page = render(&latest, AT, Format::Text);
         for line in [
             "# TYPE cermd_value gauge",
             "cermd_value{channel=\"bath\",unit=\"degC\"} 23.5",
@@ -280,14 +280,14 @@ mod tests {
 
     #[test]
     fn what_is_unknown_is_absent() {
-        let page = render(&board(), AT, Format::Text);
+        let page = render(&latest(), AT, Format::Text);
         for absent in ["channel=\"late\"} ", "cermd_pin_resistance_ohms", "cermd_leak"] {
             assert!(!page.contains(absent), "{absent}:\n{page}");
         }
         let values = page.lines().filter(|line| !line.starts_with('#')).map(|line| line.rsplit(' ').next());
         assert!(values.map(|value| value.unwrap().parse::<f64>().unwrap()).all(f64::is_finite), "{page}");
         assert!(page.contains("cermd_channel_status{channel=\"late\",status=\"unknown\"} 1\n"), "{page}");
-        let nobody = render(&Board::new(Duration::from_secs(1)), AT, Format::Text);
+        let nobody = render(&Latest::new(Duration::from_secs(1)), AT, Format::Text);
         assert_eq!(nobody.lines().filter(|line| !line.starts_with('#')).collect::<Vec<_>>(), ["cermd_up 0"]);
     }
 

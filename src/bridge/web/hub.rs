@@ -13,7 +13,7 @@ type Event = Arc<[u8]>;
 
 /// The pages that listen, and what a new one must know.
 #[derive(Debug)]
-pub struct Hub {
+pub struct Pages {
     /// A reading that is older is not told.
     patience: Nanos,
     /// The daemon, or that there is none.
@@ -51,10 +51,10 @@ impl Listener {
     }
 }
 
-impl Hub {
-    pub fn new(patience: Duration) -> Hub {
+impl Pages {
+    pub fn new(patience: Duration) -> Pages {
         let patience = Nanos::from_seconds(patience.as_secs_f64());
-        Hub {
+        Pages {
             patience,
             daemon: event("down", "{}"),
             stats: None,
@@ -127,7 +127,7 @@ fn event(name: &str, data: &str) -> Event {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::bridge::board::tests::{event as tests_event, ok, reading, up};
+    use crate::bridge::latest::tests::{event as tests_event, ok, reading, up};
     use crate::stream::wire::EventName;
 
     fn said(listener: &Listener) -> Vec<String> {
@@ -136,7 +136,7 @@ mod tests {
 
     #[test]
     fn a_page_hears_what_is_so_and_then_what_comes() {
-        let mut hub = Hub::new(Duration::from_nanos(10));
+        let mut hub = Pages::new(Duration::from_nanos(10));
         let early = hub.join().unwrap();
         assert_eq!(said(&early), ["event: down\ndata: {}\n\n"]);
         hub.hear(&up(&["thumb"]), Nanos(0));
@@ -161,7 +161,7 @@ mod tests {
 
     #[test]
     fn a_page_that_sleeps_is_sent_away_and_places_come_free() {
-        let mut hub = Hub::new(Duration::from_secs(1));
+        let mut hub = Pages::new(Duration::from_secs(1));
         hub.hear(&up(&["thumb"]), Nanos(0));
         let asleep = hub.join().unwrap();
         for _ in 0..2 * PAGE_EVENTS {

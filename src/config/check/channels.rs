@@ -2,7 +2,7 @@
 
 use crate::config::Findings;
 use crate::config::limits::{ABSURD_ZERO_OHM, EVERY, LARGEST_ZERO_OHM, LONGEST_ID};
-use crate::config::{ChannelTable, Characteristic, LawSource, Severity, Source};
+use crate::config::{ChannelTable, Characteristic, ForceSource, LawSource, Severity};
 use crate::pins::MAX_CHANNELS;
 use crate::sensor::{self, Defect, SCALES, UNCALIBRATED_U, UNLIKE_PINS_OHM};
 use crate::units::Ohm;
@@ -122,9 +122,9 @@ fn scale(index: usize, channel: &ChannelTable, findings: &mut Findings) {
 fn force(key: &str, characteristic: &Characteristic, findings: &mut Findings) {
     let Characteristic { law, u, range_n, tare_n } = characteristic;
     let fault = match law {
-        Source::File(file) if file.as_os_str().is_empty() => Some(no_file()),
-        Source::File(_) => None,
-        Source::Given(law) => law.defect(),
+        ForceSource::File(file) if file.as_os_str().is_empty() => Some(no_file()),
+        ForceSource::File(_) => None,
+        ForceSource::Given(law) => law.defect(),
     };
     let fault = fault.or(sensor::defect_of_bounds(*u, *range_n, *tare_n));
     match fault {

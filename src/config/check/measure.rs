@@ -28,7 +28,7 @@ pub fn check(config: &Config, findings: &mut Findings) {
 }
 
 fn calibration(measure: &Measure, kind: Kind, findings: &mut Findings) {
-    if kind == Kind::SeriesCalibration && measure.calibration == Some(Calibration::Tracked) {
+    if !Method::can_be_tracked(kind) && measure.calibration == Some(Calibration::Tracked) {
         let reason = "a tracked calibration does not know the circuit with series calibration";
         findings.error("measure.calibration", reason, "\"each-reading\"");
     }

@@ -2,7 +2,7 @@
 
 use super::channels::key;
 use crate::config::limits::{HYSTERESIS, LONGEST_WAIT};
-use crate::config::trigger::{Level, Levels};
+use crate::config::trigger::{Level, Thresholds};
 use crate::config::{ChannelTable, Config, Findings};
 use crate::units::{Nanos, Seconds};
 
@@ -29,7 +29,7 @@ pub fn check(config: &Config, findings: &mut Findings) {
 /// What a time that is given is compared with, and what to expect: to be called where times can be predicted.
 pub fn predict(config: &Config, findings: &mut Findings) {
     for (index, channel) in config.channels.iter().enumerate() {
-        let Some(Ok(Levels { keys, on, .. })) = channel.levels() else { continue };
+        let Some(Ok(Thresholds { keys, on, .. })) = channel.levels() else { continue };
         let interval = config.longest_interval(channel);
         // The reading of a mean is as old as half of it, and the next one comes as much later.
         let least = interval + interval;
@@ -89,7 +89,7 @@ fn keys_of_the_other_way(
     }
 }
 
-fn levels(Levels { keys, on, off }: Levels, at: &dyn Fn(&str) -> String, findings: &mut Findings) {
+fn levels(Thresholds { keys, on, off }: Thresholds, at: &dyn Fn(&str) -> String, findings: &mut Findings) {
     for (key, level) in keys.into_iter().zip([on, off]) {
         if level.is_of_a_ratio() && level.value <= 0.0 {
             let example = if level.unit == "N" { "\"2 N\"" } else { "\"5 kohm\"" };

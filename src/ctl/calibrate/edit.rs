@@ -3,9 +3,9 @@
 //! Every other byte stays; the new file is checked before it counts, and the old one is kept.
 
 use super::CtlError;
-use crate::config::{Config, Source};
+use crate::config::{Config, ForceSource};
 use crate::ctl::check;
-use crate::estimate::fit::Pair;
+use crate::estimate::fit::Weighing;
 use crate::files;
 use crate::sensor::{Force, Law};
 use crate::units::{Newton, NewtonOhm, rounded, to_places};
@@ -23,7 +23,7 @@ pub enum Value {
     /// `scale`.
     Scale(f64),
     /// `force`; a table becomes a file beside the configuration.
-    Force(Force, Vec<Pair>),
+    Force(Force, Vec<Weighing>),
     /// `tare` of a force that is there; `None` takes it out.
     Tare(Option<f64>),
 }
@@ -78,7 +78,7 @@ fn check_before(path: &Path, text: &str, id: &str, value: &Value) -> Result<(), 
     let channels = config.iter_mut().flat_map(|config| &mut config.channels);
     let force = channels.filter(|channel| channel.id == id).find_map(|channel| channel.force.as_mut());
     if let (Some(force), Value::Force(Force { law: law @ Law::Table { .. }, .. }, _)) = (force, value) {
-        force.law = Source::Given(law.clone());
+        force.law = ForceSource::Given(law.clone());
     }
     let report = check::usable(path, config);
     let refusal = || {
@@ -185,7 +185,7 @@ fn characteristic(force: &Force, table_name: &str) -> InlineTable {
     pairs.into_iter().chain(u).chain(range).collect()
 }
 
-fn csv(pairs: &[Pair]) -> String {
+fn csv(pairs: &[Weighing]) -> String {
     let rows = pairs.iter().map(|pair| format!("{},{}\n", pair.f_n, pair.r_ohm));
     std::iter::once("force_n,r_ohm\n".to_owned()).chain(rows).collect()
 }

@@ -9,7 +9,7 @@ use crate::ctl::cli::{Connection, Force, Model};
 use crate::ctl::limits::WORST_FIT;
 use crate::ctl::progress::Progress;
 use crate::ctl::stream::Stream;
-use crate::estimate::fit::{self, Fit, Pair};
+use crate::estimate::fit::{self, Fit, Weighing};
 use crate::sensor::{self, Law};
 use crate::stream::wire::{ReadingLine, ServerMessage, StatusName};
 use crate::units::{Newton, Ohm, measured, rounded};
@@ -52,7 +52,7 @@ pub fn run(arguments: &Force) -> Result<(), CtlError> {
 }
 
 /// Pairs from standard input, up to an empty line. Its end without one may be a line that was cut off: no pairs.
-fn typed(target: &Target, arguments: &Force) -> Result<Vec<Pair>, CtlError> {
+fn typed(target: &Target, arguments: &Force) -> Result<Vec<Weighing>, CtlError> {
     eprintln!("Put a weight on the sensor, wait until it rests, then type it: \"1.2 N\" or \"120 g\".");
     eprintln!("With a resistance behind it (\"1.2 N, 11122 ohm\") nothing is measured. An empty line ends.");
     let mut pairs = Vec::new();
@@ -67,10 +67,10 @@ fn typed(target: &Target, arguments: &Force) -> Result<Vec<Pair>, CtlError> {
             break;
         }
         let pair = match pairs::parse(&text) {
-            Ok((f_n, Some(r_ohm))) => Ok(Pair { f_n, r_ohm }),
+            Ok((f_n, Some(r_ohm))) => Ok(Weighing { f_n, r_ohm }),
             Ok((f_n, None)) => {
                 let r_ohm = measure(target, &arguments.connection, arguments.count)?;
-                r_ohm.map(|r_ohm| Pair { f_n, r_ohm })
+                r_ohm.map(|r_ohm| Weighing { f_n, r_ohm })
             }
             // Somebody at the keyboard types it again; a script does not know that it has to.
             Err(reason) if !io::stdin().is_terminal() => return Err(wrong(reason)),
@@ -134,13 +134,13 @@ fn at_resistors(force: &sensor::Force, circuit: &Circuit) -> [Option<f64>; 2] {
 }
 
 /// The least and the greatest, newton.
-fn weights(pairs: &[Pair]) -> [f64; 2] {
+fn weights(pairs: &[Weighing]) -> [f64; 2] {
     let forces = || pairs.iter().map(|pair| pair.f_n);
     [forces().fold(f64::INFINITY, f64::min), forces().fold(0.0, f64::max)]
 }
 
 /// What was fitted, and by how much each pair is off, with a bar to the side that it is off to.
-fn report(fit: &Fit, force: &sensor::Force, pairs: &[Pair], circuit: &Circuit) -> String {
+fn report(fit: &Fit, force: &sensor::Force, pairs: &[Weighing], circuit: &Circuit) -> String {
     let mut text = "   force      resistance        fit    residual\n".to_owned();
     let largest = pairs.iter().map(|&pair| fit.residual(pair).abs()).fold(1e-6, f64::max);
     for &pair in pairs {
@@ -182,7 +182,7 @@ fn report(fit: &Fit, force: &sensor::Force, pairs: &[Pair], circuit: &Circuit) -
 }
 
 /// What the residuals say, and what follows from it.
-fn meaning(fit: &Fit, force: &sensor::Force, pairs: &[Pair], [least, greatest]: [f64; 2]) -> String {
+fn meaning(fit: &Fit, force: &sensor::Force, pairs: &[Weighing], [least, greatest]: [f64; 2]) -> String {
     let mut lines = Vec::new();
     if let Law::Table { .. } = fit.law {
         return format!("readings outside of {} to {} have no force", Newton(least), Newton(greatest));
@@ -210,7 +210,7 @@ fn meaning(fit: &Fit, force: &sensor::Force, pairs: &[Pair], [least, greatest]: 
 }
 
 /// Why a fit is none.
-fn refusal(fit: &Fit, pairs: &[Pair], model: Model) -> Option<String> {
+fn refusal(fit: &Fit, pairs: &[Weighing], model: Model) -> Option<String> {
     let rms = fit.relative_rms(pairs);
     let other = match model {
         Model::Alpha => "or try `--model power` or `table`",
@@ -245,7 +245,7 @@ struct PairLine {
 }
 
 impl ForceLine {
-    fn new(fit: &Fit, force: &sensor::Force, pairs: &[Pair], target: &Target) -> ForceLine {
+    fn new(fit: &Fit, force: &sensor::Force, pairs: &[Weighing], target: &Target) -> ForceLine {
         let [fc1_n, fc2_n] = at_resistors(force, &target.config.circuit);
         let [u, u_exponent] = fit.u;
         let numbers = match fit.law {
@@ -259,7 +259,8 @@ impl ForceLine {
             _ => Vec::new(),
         };
         let numbers = numbers.into_iter().chain([("fc1_n", fc1_n), ("fc2_n", fc2_n), ("u", force.u)]);
-        let line = |pair: &Pair| PairLine { f_n: pair.f_n, r_ohm: pair.r_ohm, residual: fit.residual(*pair) };
+        let line =
+            |pair: &Weighing| PairLine { f_n: pair.f_n, r_ohm: pair.r_ohm, residual: fit.residual(*pair) };
         ForceLine {
             channel: target.id.clone(),
             relative_rms: fit.relative_rms(pairs),

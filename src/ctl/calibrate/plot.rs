@@ -1,6 +1,6 @@
 //! Pairs, fit and residuals as a drawing: an SVG that is legible on white and on black.
 
-use crate::estimate::fit::{Fit, Pair};
+use crate::estimate::fit::{Fit, Weighing};
 use crate::sensor::Law;
 use crate::units::markup::escaped;
 use std::fmt::Write;
@@ -42,7 +42,7 @@ impl Scale {
 }
 
 /// Draws at least one pair.
-pub fn svg(fit: &Fit, pairs: &[Pair], id: &str) -> String {
+pub fn svg(fit: &Fit, pairs: &[Weighing], id: &str) -> String {
     let force = Scale::around(pairs.iter().map(|pair| pair.f_n.ln()), 0.08, [LEFT, RIGHT]);
     let ohm = Scale::around(pairs.iter().map(|pair| pair.r_ohm.ln()), 0.12, [UPPER[1], UPPER[0]]);
     let worst = pairs.iter().map(|&pair| fit.residual(pair).abs()).fold(1e-3, f64::max);
@@ -81,15 +81,15 @@ pub fn svg(fit: &Fit, pairs: &[Pair], id: &str) -> String {
 }
 
 /// The fit between the least and the greatest force; a table is straight between its pairs, as it is interpolated.
-fn curve(fit: &Fit, pairs: &[Pair], force: &Scale, ohm: &Scale) -> String {
+fn curve(fit: &Fit, pairs: &[Weighing], force: &Scale, ohm: &Scale) -> String {
     let mut forces: Vec<f64> = pairs.iter().map(|pair| pair.f_n).collect();
     forces.sort_by(f64::total_cmp);
-    let mut points: Vec<Pair> = match (&fit.law, forces.as_slice()) {
+    let mut points: Vec<Weighing> = match (&fit.law, forces.as_slice()) {
         (Law::Table { .. }, _) | (_, []) => pairs.to_vec(),
         (_, [low, ..]) => {
             let ratio: f64 = forces[forces.len() - 1] / low;
             let steps = (0..=STEPS).map(|step| low * ratio.powf(step as f64 / STEPS as f64));
-            let at = |f_n| Pair { f_n, r_ohm: fit.r_ohm(Pair { f_n, r_ohm: f64::NAN }) };
+            let at = |f_n| Weighing { f_n, r_ohm: fit.r_ohm(Weighing { f_n, r_ohm: f64::NAN }) };
             steps.map(at).collect()
         }
     };
@@ -118,7 +118,7 @@ mod tests {
     #[test]
     fn every_pair_is_inside_both_panels() {
         let pairs = [(0.3, 41_000.0), (1.2, 11_122.0), (6.06, 2200.0)];
-        let pairs = pairs.map(|(f_n, r_ohm)| Pair { f_n, r_ohm });
+        let pairs = pairs.map(|(f_n, r_ohm)| Weighing { f_n, r_ohm });
         for (fit, pairs) in [
             (fit::alpha(&pairs), pairs.as_slice()),
             (fit::power(&pairs), &pairs),

@@ -5,7 +5,7 @@ use crate::characterize::figures::{asked, filled};
 use crate::characterize::folder::Folder;
 use crate::characterize::limits::WARM;
 use crate::characterize::table::Source;
-use crate::characterize::watch::{Found, Watch, watch};
+use crate::characterize::watch::{Found, WatchSpan, watch};
 use crate::config::Config;
 use crate::config::backend::{self, AnyPins, OpenError};
 use crate::ctl::CtlError;
@@ -164,7 +164,7 @@ impl Bench<'_> {
         let channel = settings.channels[0].clone();
         let mut instrument = Instrument::new(pins, settings);
         let start = instrument.pins().now();
-        let asked = Watch { channel, start, from: Some(start + WARM), until: Nanos::MAX, readings };
+        let asked = WatchSpan { channel, start, from: Some(start + WARM), until: Nanos::MAX, readings };
         let found = watch(&mut instrument, &asked, |_, _| r_ohm, || !(self.is_stopped)());
         // Whatever came of it: the last resistor sinks until the next charge.
         let released = instrument.pins().drive(Drives::NONE);

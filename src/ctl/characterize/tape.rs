@@ -8,9 +8,10 @@ use crate::characterize::figures::{blocks, filled};
 use crate::characterize::folder::Folder;
 use crate::characterize::limits::{AVERAGES, WARM};
 use crate::characterize::table::{Row, Source};
-use crate::characterize::watch::{Found, told};
+use crate::characterize::watch::{Found, observed};
 use crate::ctl::CtlError;
 use crate::ctl::cli::Characterize;
+use crate::ctl::limits::TAPE_BLOCKS;
 use crate::ctl::replay::Replay;
 use crate::reading::Method;
 use crate::stream::tape::{Entry, Header, Reader};
@@ -19,9 +20,6 @@ use crate::units::{Nanos, rounded};
 use std::fs::File;
 use std::io::BufReader;
 use std::path::Path;
-
-/// A mean is over so many readings at least, and there are so many of it.
-const BLOCKS: usize = 4;
 
 /// Writes the rows of a tape.
 pub fn run(arguments: &Characterize, path: &Path) -> Result<Folder, CtlError> {
@@ -96,7 +94,9 @@ fn replayed(
         // Where d is needed and the tape does not tell it, this method has nothing to say.
         let Ok(reading) = replay.read(entry) else { return Ok(Found::default()) };
         found.told.extend(
-            reading.filter(|reading| reading.channel == channel).map(|reading| told(&reading, r_ohm, None)),
+            reading
+                .filter(|reading| reading.channel == channel)
+                .map(|reading| observed(&reading, r_ohm, None)),
         );
     }
     // As an instrument is watched, where the tape is long enough.
@@ -128,7 +128,7 @@ fn rows_of(row: Row, found: &Found, entries: &[Entry], channel: usize) -> Vec<Ro
     let mut rows = vec![Row { discharge_s: Some(rounded(discharge_ns * 1e-9, 6)), ..single }];
     for average in AVERAGES {
         let length_s = average.as_seconds();
-        if is_timed && length_s > BLOCKS as f64 * each_s && length_s * BLOCKS as f64 <= whole_s {
+        if is_timed && length_s > TAPE_BLOCKS as f64 * each_s && length_s * TAPE_BLOCKS as f64 <= whole_s {
             let means = blocks(found, Nanos::from_seconds(length_s));
             let row = Row { average_s: Some(length_s), ..row.clone() };
             rows.push(timed(filled(row, &[means], false), Some(length_s)));

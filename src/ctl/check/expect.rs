@@ -89,7 +89,7 @@ pub fn rehearse(settings: &Settings, scene: &Scene, r_ohm: f64, boards: usize) -
         each.push(rehearse_board(settings, &scene, r_ohm)?);
         scene.seed = scene.seed.wrapping_add(1);
     }
-    let all = each.iter().fold(Rehearsed::default(), Rehearsed::and);
+    let all = each.iter().fold(RehearsalSum::default(), RehearsalSum::and);
     let stated = all.stated / all.numbers as f64;
     Some(Expected {
         r_ohm,
@@ -101,7 +101,7 @@ pub fn rehearse(settings: &Settings, scene: &Scene, r_ohm: f64, boards: usize) -
 
 /// The mean square of errors, ohm², where it is above what is stated by more than boards scatter. Those of one board have their
 /// calibration in common, so that of one alone nothing is known.
-fn refuted_by(boards: &[Rehearsed], stated: f64) -> Option<f64> {
+fn refuted_by(boards: &[RehearsalSum], stated: f64) -> Option<f64> {
     let with_numbers = boards.iter().filter(|board| board.numbers > 0);
     let squares: Vec<f64> = with_numbers.map(|board| board.errors / board.numbers as f64).collect();
     let mean = scatter::mean(squares.into_iter())?;
@@ -110,7 +110,7 @@ fn refuted_by(boards: &[Rehearsed], stated: f64) -> Option<f64> {
 
 /// What came of boards; `stated`, `errors`: the sum of the squares of u, and of what it is said of, ohm².
 #[derive(Default)]
-struct Rehearsed {
+struct RehearsalSum {
     readings: usize,
     numbers: usize,
     stated: f64,
@@ -121,9 +121,9 @@ struct Rehearsed {
     until_last: f64,
 }
 
-impl Rehearsed {
-    fn and(self, other: &Rehearsed) -> Rehearsed {
-        Rehearsed {
+impl RehearsalSum {
+    fn and(self, other: &RehearsalSum) -> RehearsalSum {
+        RehearsalSum {
             readings: self.readings + other.readings,
             numbers: self.numbers + other.numbers,
             stated: self.stated + other.stated,
@@ -135,20 +135,36 @@ impl Rehearsed {
     }
 }
 
-/// `None` if it has no offset or state in time.
-fn rehearse_board(settings: &Settings, scene: &Scene, r_ohm: f64) -> Option<Rehearsed> {
-    let mut instrument = Instrument::new(SimPins::new(scene, None), settings.clone());
-    let (mut began, mut now, mut last) = (None, Nanos::ZERO, Nanos::ZERO);
-    let mut found = Rehearsed::default();
-    let least = settings.average.unwrap_or_default().max(settings.period.unwrap_or_default());
-    let end = |began: Nanos| began + REHEARSED.max(Nanos(3 * least.0));
-    let enough = REHEARSED_READINGS * settings.channels.len();
-    while found.readings < enough && began.is_none_or(|began| now < end(began)) {
-        // What is settling, with the offset or the state still to be found, is not what comes after it.
-        let is_warm = began.is_some() || now > WARM && instrument.cycle().offset_is_known();
-        if !is_warm && now > COLD.max(Nanos(2 * least.0)) {
+/// Lets an instrument find its state and its offset; when it has them, `None` if that takes too long.
+pub(super) fn warm_up<P: Pins>(instrument: &mut Instrument<P>, settings: &Settings) -> Option<Nanos> {
+    let cold = COLD.max(Nanos(2 * longest(settings).0));
+    loop {
+        let now = instrument.pins().now();
+        if now > WARM && instrument.cycle().offset_is_known() {
+            return Some(now);
+        }
+        if now > cold {
             return None;
         }
+        instrument.step(&mut |_| {}).ok()?;
+    }
+}
+
+/// The longest that readings may have to be waited for.
+pub(super) fn longest(settings: &Settings) -> Nanos {
+    settings.average.unwrap_or_default().max(settings.period.unwrap_or_default())
+}
+
+/// `None` if it has no offset or state in time.
+fn rehearse_board(settings: &Settings, scene: &Scene, r_ohm: f64) -> Option<RehearsalSum> {
+    let mut instrument = Instrument::new(SimPins::new(scene, None), settings.clone());
+    // What is settling, with the offset or the state still to be found, is not what comes after it.
+    let mut now = warm_up(&mut instrument, settings)?;
+    let (mut began, mut last) = (None, Nanos::ZERO);
+    let mut found = RehearsalSum::default();
+    let end = |began: Nanos| began + REHEARSED.max(Nanos(3 * longest(settings).0));
+    let enough = REHEARSED_READINGS * settings.channels.len();
+    while found.readings < enough && began.is_none_or(|began| now < end(began)) {
         let step = instrument.step(&mut |message| match message {
             Message::Reading(reading) if began.is_some() => {
                 found.readings += 1;
@@ -159,7 +175,7 @@ fn rehearse_board(settings: &Settings, scene: &Scene, r_ohm: f64) -> Option<Rehe
                     found.numbers += 1;
                 }
             }
-            Message::Reading(_) if is_warm => began = Some(now),
+            Message::Reading(_) => began = Some(now),
             Message::Discharge { .. } if began.is_some() => found.discharges += 1,
             _ => {}
         });
@@ -168,7 +184,7 @@ fn rehearse_board(settings: &Settings, scene: &Scene, r_ohm: f64) -> Option<Rehe
     }
     let began = began?;
     let [seconds, until_last] = [now, last].map(|end| (end - began).as_seconds().max(f64::MIN_POSITIVE));
-    Some(Rehearsed { seconds, until_last, ..found })
+    Some(RehearsalSum { seconds, until_last, ..found })
 }
 
 /// Adds what readings are to be expected: their errors, their forces, and how often they come.

@@ -4,7 +4,7 @@
 use super::expect;
 use super::metered::Metered;
 use crate::config::Config;
-use crate::ctl::limits::{COLD, METERED, WARM};
+use crate::ctl::limits::METERED;
 use crate::instrument::settings::Settings;
 use crate::instrument::{Instrument, Message};
 use crate::pins::sim::{Scene, Sensor, SimPins};
@@ -63,32 +63,23 @@ fn rehearse(settings: &Settings, scene: &Scene, r_ohm: f64) -> Option<Cost> {
     let sensors = settings.channels.iter().map(|channel| Sensor::Constant(Ohm(channel.as_read(r_ohm))));
     let scene = scene.clone().with_sensors(sensors.collect()).ok()?;
     let mut instrument = Instrument::new(Metered::new(SimPins::new(&scene, None)), settings.clone());
-    let least = settings.average.unwrap_or_default().max(settings.period.unwrap_or_default());
-    let mut began: Option<(Nanos, Nanos, [Nanos; 2])> = None;
+    let (since, used) = (expect::warm_up(&mut instrument, settings)?, time());
+    let counts = |pins: &Metered| [pins.calls, pins.spun];
+    let (before, until) = (counts(instrument.pins()), since + METERED.max(expect::longest(settings)));
     let mut discharges = 0usize;
-    loop {
-        let now = instrument.pins().now();
-        let counts = [instrument.pins().calls, instrument.pins().spun];
-        match began {
-            None if now > WARM && instrument.cycle().offset_is_known() => {
-                (began, discharges) = (Some((now, time(), counts)), 0);
-            }
-            None if now > COLD.max(Nanos(2 * least.0)) => return None,
-            Some((since, used, before)) if now > since + METERED.max(least) => {
-                let per_discharge = |spent: Nanos| spent.as_seconds() / discharges.max(1) as f64;
-                return Some(Cost {
-                    r_ohm,
-                    discharges_hz: discharges as f64 / (now - since).as_seconds(),
-                    computing: per_discharge(time() - used),
-                    calls: per_discharge(counts[0] - before[0]),
-                    spun: per_discharge(counts[1] - before[1]),
-                });
-            }
-            _ => {}
-        }
+    while instrument.pins().now() <= until {
         let count = &mut |message| discharges += usize::from(matches!(message, Message::Discharge { .. }));
         instrument.step(count).ok()?;
     }
+    let per_discharge = |spent: Nanos| spent.as_seconds() / discharges.max(1) as f64;
+    let (now, after) = (instrument.pins().now(), counts(instrument.pins()));
+    Some(Cost {
+        r_ohm,
+        discharges_hz: discharges as f64 / (now - since).as_seconds(),
+        computing: per_discharge(time() - used),
+        calls: per_discharge(after[0] - before[0]),
+        spun: per_discharge(after[1] - before[1]),
+    })
 }
 
 #[cfg(test)]

@@ -1,33 +1,22 @@
 //! The wiring test: what a person with a multimeter would look for, done by the pins themselves.
 //!
 //! What the discharges through known resistors say of the board is judged by the rules of the running instrument,
-//! [`Board`]; only here a node is watched while nothing drives, and times are held against the printed values.
+//! [`Nominal`]; only here a node is watched while nothing drives, and times are held against the printed values.
 
 use crate::circuit::{Kind, Node};
 use crate::config::{Config, Findings, Severity};
 use crate::ctl::check::full_plan;
+use crate::ctl::limits::{NO_PULL, PATIENCE, PLAUSIBLE, PLAUSIBLE_RATIO, SMALLEST_LEAK};
 use crate::estimate::leak::LeakTest;
 use crate::estimate::limits::{LEAK_FIRST, LEAK_HELD_AT, LEAK_HOLD};
 use crate::estimate::scatter;
-use crate::instrument::diagnosis::Board;
+use crate::instrument::diagnosis::Nominal;
 use crate::instrument::discharge::{self, Plan};
 use crate::pins::{Drives, Pins, PinsError};
 use crate::reading::{Fault, Suspect};
 use crate::record::{Record, Through};
 use crate::units::{Nanos, Ohm, Seconds};
 
-/// A charged node that holds its level as long as a discharge through this resistance takes has no pull beside it: those
-/// of processors are 30 to 100 kohm.
-const NO_PULL: Ohm = Ohm(200e3);
-/// Printed capacitors are within 20 %, thresholds between a quarter and a half of the supply: times beyond this factor
-/// have another cause.
-const PLAUSIBLE: f64 = 2.0;
-/// Resistors are known better than capacitors: the ratio of their times may differ by this factor.
-const PLAUSIBLE_RATIO: f64 = 1.2;
-/// The smallest leak that is told, siemens: a smaller one is that of the capacitors.
-const SMALLEST_LEAK: f64 = 1e-7;
-/// How many predicted discharges to wait for the real one.
-const PATIENCE: f64 = 5.0;
 /// What to try after a fault of a discharge.
 const AGAIN: &str = "the same again; the kernel's log (dmesg)";
 
@@ -37,31 +26,31 @@ const AGAIN: &str = "the same again; the kernel's log (dmesg)";
 /// If the pins cannot be used.
 pub fn test(pins: &mut dyn Pins, config: &Config, findings: &mut Findings) -> Result<(), PinsError> {
     let circuit = &config.circuit;
-    let board = Board {
+    let nominal = Nominal {
         kind: circuit.kind(),
         nodes: circuit.kind().nodes(),
         r_ohm: [circuit.r_c1.0, circuit.r_second().0],
         nominal_ns: circuit.crossing(Node::A, circuit.r_c1).unwrap_or_default().0 * 1e9,
     };
-    let mut bench = Bench { pins, config, board, findings };
-    bench.run()?;
-    bench.pins.drive(Drives::NONE).map(drop)
+    let mut inspection = Inspection { pins, config, nominal, findings };
+    inspection.run()?;
+    inspection.pins.drive(Drives::NONE).map(drop)
 }
 
-struct Bench<'a> {
+struct Inspection<'a> {
     pins: &'a mut dyn Pins,
     config: &'a Config,
-    board: Board,
+    nominal: Nominal,
     findings: &'a mut Findings,
 }
 
-impl Bench<'_> {
+impl Inspection<'_> {
     fn run(&mut self) -> Result<(), PinsError> {
         self.drain()?;
         if !self.charges()? || !self.holds(true)? {
             return Ok(());
         }
-        let is_series = self.board.kind == Kind::SeriesCalibration;
+        let is_series = self.nominal.kind == Kind::SeriesCalibration;
         let second = if is_series { Through::C12 } else { Through::C2 };
         let c1 = self.calibration(Through::C1)?;
         // If nothing fell, the other resistor tells whether it is the resistor's wire or a node.
@@ -76,7 +65,7 @@ impl Bench<'_> {
         let (Some(c1), Some(c2)) = (c1, c2) else { return Ok(()) };
         self.resistors(&c1, &c2);
         self.times(&c1, "Rc1", self.config.circuit.r_c1);
-        self.times(&c2, self.board.kind.second(), self.config.circuit.r_second());
+        self.times(&c2, self.nominal.kind.second(), self.config.circuit.r_second());
         self.leak(&c2)?;
         for channel in 0..self.config.channels.len() {
             self.sensor(channel, &c1, &c2)?;
@@ -87,8 +76,8 @@ impl Bench<'_> {
     /// Whether the discharges through known resistors show what is wrong with the board.
     fn is_suspect(&mut self, c1: Option<Record>, c2: Option<Record>) -> bool {
         let known = [c1, c2].map(|record| record.map(|record| record.crossings()));
-        let Some(suspect) = self.board.suspect(known) else { return false };
-        let names = ["Rc1", self.board.kind.second()].into_iter().zip([c1, c2]);
+        let Some(suspect) = self.nominal.suspect(known) else { return false };
+        let names = ["Rc1", self.nominal.kind.second()].into_iter().zip([c1, c2]);
         let taken = names.filter_map(|(name, record)| Some(format!("{} through {name}", times(&record?))));
         let taken = taken.collect::<Vec<_>>().join("; ");
         self.suspect(Severity::Error, suspect, suspect, &format!("{} ({taken})", suspect.seen()));
@@ -118,7 +107,7 @@ impl Bench<'_> {
         self.pins.sleep_until(charging.after + time)?;
         self.pins.drive(Drives::NONE)?;
         let levels = self.pins.arm()?.levels;
-        let suspects: Vec<Suspect> = self.board.uncharged(levels).collect();
+        let suspects: Vec<Suspect> = self.nominal.uncharged(levels).collect();
         for suspect in &suspects {
             let reason = format!("{} of {:.3}", suspect.seen(), Seconds::from(time));
             self.suspect(Severity::Error, *suspect, *suspect, &reason);
@@ -133,7 +122,7 @@ impl Bench<'_> {
         let until = self.pins.now() + Nanos::from_seconds(time.0);
         self.pins.sleep_until(until)?;
         let levels = self.pins.levels()?;
-        let moved = || self.board.nodes.iter().filter(|node| levels.of(**node) != high);
+        let moved = || self.nominal.nodes.iter().filter(|node| levels.of(**node) != high);
         let all_hold = moved().count() == 0;
         for &node in moved() {
             let reason = format!("node {node:?} {moves} by itself within {time:.3} while nothing drives");
@@ -173,7 +162,7 @@ impl Bench<'_> {
         let variance = lost_ns.len() as f64 * u_ns.powi(2);
         let mut test = LeakTest::default();
         for lost_ns in lost_ns {
-            test.add(Some((lost_ns, variance)), self.board.r_ohm[1], Nanos::ZERO);
+            test.add(Some((lost_ns, variance)), self.nominal.r_ohm[1], Nanos::ZERO);
         }
         if let Some(siemens) = test.siemens().filter(|siemens| siemens.abs() > SMALLEST_LEAK) {
             let (like, what) = match siemens > 0.0 {
@@ -201,7 +190,7 @@ impl Bench<'_> {
     fn calibration(&mut self, through: Through) -> Result<Option<Record>, PinsError> {
         let (suspect, name) = match through {
             Through::C1 => (Suspect::FirstOpen, "Rc1"),
-            _ => (Suspect::SecondOpen, self.board.kind.second()),
+            _ => (Suspect::SecondOpen, self.nominal.kind.second()),
         };
         let result = self.discharge(self.calibration_plan(through))?;
         if let Err(fault) = result {
@@ -212,14 +201,14 @@ impl Bench<'_> {
 
     /// Crossings have to come about when the capacitors promise them.
     fn times(&mut self, record: &Record, name: &str, r: Ohm) {
-        for &node in self.board.nodes {
+        for &node in self.nominal.nodes {
             let predicted = self.config.circuit.crossing(node, r);
             let Some((measured_ns, predicted)) = record.crossing(node).zip(predicted) else { continue };
             let measured = Seconds(measured_ns * 1e-9);
             if (1.0 / PLAUSIBLE..=PLAUSIBLE).contains(&(measured.0 / predicted.0)) {
                 continue;
             }
-            let capacitor = match (self.board.kind, node) {
+            let capacitor = match (self.nominal.kind, node) {
                 (Kind::TwoCapacitor, Node::A) => Suspect::NoCA,
                 (Kind::TwoCapacitor, Node::B) => Suspect::NoCB,
                 _ => Suspect::NoCapacitor,
@@ -236,7 +225,7 @@ impl Bench<'_> {
 
     /// Whether the two calibration resistors are as the configuration says.
     fn resistors(&mut self, c1: &Record, c2: &Record) {
-        let expected = self.board.r_ohm[1] / self.board.r_ohm[0];
+        let expected = self.nominal.r_ohm[1] / self.nominal.r_ohm[0];
         let ratio = c1.a_ns.zip(c2.a_ns).map_or(expected, |(t1, t2)| t2 / t1);
         if !(1.0 / PLAUSIBLE_RATIO..=PLAUSIBLE_RATIO).contains(&(ratio / expected)) {
             self.findings.warning(
@@ -264,7 +253,7 @@ impl Bench<'_> {
             }
         };
         if let (Some(t1), Some(t2), Some(x)) = (c1.a_ns, c2.a_ns, record.a_ns) {
-            let [r1, r2] = self.board.r_ohm;
+            let [r1, r2] = self.nominal.r_ohm;
             let r = Ohm((r1 + (r2 - r1) * (x - t1) / (t2 - t1)).max(0.0));
             self.findings.info(key, format!("the sensor is there and reads about {r:.3}"));
         } else {

@@ -1,6 +1,6 @@
 //! The command lines of what changes a configuration: `cermctl calibrate` and `cermctl zero`.
 
-use super::{ConfigFile, Connection, Shown};
+use super::{ConfigFile, Connection, ForceUnitArg};
 use crate::units::Ohm;
 use clap::{Args, Subcommand, ValueEnum};
 use std::path::PathBuf;
@@ -88,7 +88,7 @@ pub struct Tare {
     #[arg(long, value_name = "NUMBER", default_value = "20", value_parser = clap::value_parser!(u64).range(1..=100_000))]
     pub count: u64,
     #[command(flatten)]
-    pub shown: Shown,
+    pub shown: ForceUnitArg,
     #[command(flatten)]
     pub update: Update,
     #[command(flatten)]

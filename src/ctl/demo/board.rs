@@ -2,7 +2,7 @@
 //! can know.
 
 use super::super::CtlError;
-use crate::config::{ChannelTable, Characteristic, Config, Measure, Mock, Server, Source, backend};
+use crate::config::{ChannelTable, Characteristic, Config, ForceSource, Measure, Mock, Server, backend};
 use crate::ctl::cli;
 use crate::pins::Drives;
 use crate::pins::sim::network::line_index;
@@ -84,7 +84,7 @@ fn name_of(index: usize) -> String {
 fn config(scene: &Scene, arguments: &cli::Demo, socket: &Path) -> Config {
     let channel = |index: usize| ChannelTable {
         force: Some(Characteristic {
-            law: Source::Given(Law::Alpha { alpha_n_ohm: FSR_402.0 }),
+            law: ForceSource::Given(Law::Alpha { alpha_n_ohm: FSR_402.0 }),
             u: None,
             range_n: None,
             tare_n: None,

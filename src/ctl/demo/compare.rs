@@ -20,7 +20,7 @@ use crate::units::Nanos;
 use console::style;
 use std::path::Path;
 use std::time::{Duration, Instant};
-use table::Row;
+use table::MethodRow;
 
 /// Where to go on.
 const HINTS: [(&str, &str); 3] = [
@@ -83,7 +83,7 @@ fn go_on(runners: &mut [Runner], until: Nanos) -> Result<(), CtlError> {
 struct Runner {
     instrument: Instrument<SimPins>,
     truth: SimPins,
-    row: Row,
+    row: MethodRow,
 }
 
 impl Runner {
@@ -104,7 +104,7 @@ impl Runner {
     fn new(method: Method, board: &Board) -> Result<Runner, CtlError> {
         let settings = board.config.settings().map_err(CtlError::said)?;
         let instrument = Instrument::new(board.simulation(), settings);
-        Ok(Runner { instrument, truth: board.simulation(), row: Row::new(method) })
+        Ok(Runner { instrument, truth: board.simulation(), row: MethodRow::new(method) })
     }
 
     fn go_on(&mut self, until: Nanos) -> Result<(), CtlError> {

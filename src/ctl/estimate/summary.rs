@@ -1,6 +1,6 @@
 //! What the estimates of a tape come to: how many, their mean, how they scatter, and whether their uncertainties say so.
 
-use crate::ctl::replay::Estimate;
+use crate::ctl::replay::EstimateLine;
 use crate::estimate::scatter;
 use crate::units::sample::rms;
 use crate::units::{measured, rounded};
@@ -18,7 +18,7 @@ pub struct Summary(BTreeMap<[String; 2], (Numbers, u64)>);
 /// Those of one channel by one method; what is not known is absent.
 #[derive(Debug, Serialize)]
 #[serde(tag = "class", rename = "SUMMARY")]
-pub struct Row {
+pub struct SummaryLine {
     channel: String,
     method: String,
     /// How many numbers there are, and how many estimates are none.
@@ -39,7 +39,7 @@ pub struct Row {
 
 impl Summary {
     /// One more.
-    pub fn add(&mut self, estimate: Estimate) {
+    pub fn add(&mut self, estimate: EstimateLine) {
         let method = estimate.state.method.unwrap_or_default();
         let (numbers, others) = self.0.entry([estimate.channel, method]).or_default();
         match estimate.state.r_ohm {
@@ -49,15 +49,15 @@ impl Summary {
     }
 
     /// In the order of channels and methods.
-    pub fn rows(&self) -> Vec<Row> {
+    pub fn rows(&self) -> Vec<SummaryLine> {
         let rows = self.0.iter();
-        rows.map(|([channel, method], (numbers, others))| Row::new(channel, method, numbers, *others))
+        rows.map(|([channel, method], (numbers, others))| SummaryLine::new(channel, method, numbers, *others))
             .collect()
     }
 }
 
-impl Row {
-    fn new(channel: &str, method: &str, numbers: &[(f64, Option<f64>)], others: u64) -> Row {
+impl SummaryLine {
+    fn new(channel: &str, method: &str, numbers: &[(f64, Option<f64>)], others: u64) -> SummaryLine {
         let n = numbers.len();
         let mean = scatter::mean(numbers.iter().map(|(r_ohm, _)| *r_ohm));
         let square = |of: &dyn Fn(f64, f64) -> f64| {
@@ -67,7 +67,7 @@ impl Row {
         let freedom = (n as f64 / (n as f64 - 1.0).max(1.0)).sqrt();
         let pulls = mean.filter(|_| n > 1).and_then(|mean| square(&|r_ohm, u| (r_ohm - mean.value) / u));
         let digits = |value: Option<f64>, digits| value.map(|value| rounded(value, digits));
-        Row {
+        SummaryLine {
             channel: channel.to_owned(),
             method: method.to_owned(),
             n,
@@ -80,9 +80,9 @@ impl Row {
     }
 }
 
-impl fmt::Display for Row {
+impl fmt::Display for SummaryLine {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Row { channel, method, n, others, r_mean_ohm, r_sd_ohm, r_u_ohm, rms_u } = self;
+        let SummaryLine { channel, method, n, others, r_mean_ohm, r_sd_ohm, r_u_ohm, rms_u } = self;
         write!(f, "{channel}  {method}  n {n}")?;
         if *others > 0 {
             write!(f, " ({others} no number)")?;

@@ -2,12 +2,12 @@
 
 /// What a bar is empty and full at.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Scale {
+pub struct Ends {
     /// In words; an empty one is 0.
     pub ends: [String; 2],
 }
 
-impl Scale {
+impl Ends {
     pub fn in_words(&self) -> String {
         let [from, to] = &self.ends;
         format!("{} to {to}", if from.is_empty() { "0" } else { from })

@@ -1,7 +1,7 @@
 //! One channel: its last reading in words, and what it did before.
 
-use super::bar::Scale;
-use crate::ctl::limits::{BAR_OHM, FULL_N, HISTORY, RATE_WINDOW_NS, SILENT_READINGS, SILENT_S};
+use super::bar::Ends;
+use crate::ctl::limits::{BAR_OHM, FULL_N, HISTORY, RATE_WINDOW, SILENT_READINGS, SILENT_S};
 use crate::stream::wire::{ChannelInfo, ReadingLine, StateLine, StatusName, Unit};
 use crate::units::{ForceUnit, Nanos, Ohm, measured, rough, rounded};
 use console::Style;
@@ -9,7 +9,7 @@ use std::collections::VecDeque;
 
 /// One channel.
 #[derive(Debug)]
-pub struct Row {
+pub struct ChannelRow {
     pub id: String,
     pub measures: Unit,
     /// Known to be, by its trigger.
@@ -38,12 +38,12 @@ pub struct Words {
     pub style: Style,
 }
 
-impl Row {
-    pub fn new(info: &ChannelInfo, unit: ForceUnit) -> Row {
+impl ChannelRow {
+    pub fn new(info: &ChannelInfo, unit: ForceUnit) -> ChannelRow {
         // The power of ten that is nearest.
         let full = 10f64.powf((FULL_N / unit.newton()).log10().round());
         let (id, measures) = (info.id.clone(), info.unit.clone());
-        Row {
+        ChannelRow {
             id,
             measures,
             is_pressed: false,
@@ -90,7 +90,7 @@ impl Row {
     }
 
     /// Of the bar. Forces begin at 0; ohms are logarithmic, and little of them is much pressure.
-    pub fn scale(&self) -> Scale {
+    pub fn scale(&self) -> Ends {
         let ends = match &self.measures {
             Unit::Other(unit) => match self.span {
                 Some(([low, high], _)) => {
@@ -104,7 +104,7 @@ impl Row {
                 [empty, full]
             }
         };
-        Scale { ends }
+        Ends { ends }
     }
 
     /// How far the bar is filled; `None` where nothing is known.
@@ -131,7 +131,7 @@ impl Row {
     /// Readings per second.
     pub fn rate(&self) -> Option<f64> {
         let (newest, _) = *self.history.back()?;
-        let since = self.history.partition_point(|(at, _)| newest - at > RATE_WINDOW_NS);
+        let since = self.history.partition_point(|(at, _)| newest - at > RATE_WINDOW.0);
         let (oldest, _) = *self.history.get(since)?;
         let intervals = self.history.len() - since - 1;
         (intervals > 0 && newest > oldest).then(|| intervals as f64 * 1e9 / (newest - oldest) as f64)

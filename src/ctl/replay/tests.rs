@@ -54,7 +54,7 @@ fn measured(kind: &str, method: &str, cycles: u64) -> (Vec<(i64, StateLine)>, St
     (readings, tape.join("\n") + "\n")
 }
 
-fn replayed(tape: &str, method: Method) -> Vec<Estimate> {
+fn replayed(tape: &str, method: Method) -> Vec<EstimateLine> {
     let tape = Reader::open(tape.as_bytes()).unwrap();
     let mut replay = Replay::new(tape.header(), method, None).unwrap();
     tape.filter_map(|entry| replay.take(&entry.unwrap()).unwrap()).collect()
@@ -86,7 +86,7 @@ fn a_tape_tells_what_the_instrument_has_told() {
         let estimates = replayed(&tape, method);
         assert_eq!(readings.len(), estimates.len(), "{name}");
         let mut states = std::collections::BTreeMap::new();
-        for ((at, read), Estimate { t_mono_ns, state, .. }) in readings.iter().zip(&estimates) {
+        for ((at, read), EstimateLine { t_mono_ns, state, .. }) in readings.iter().zip(&estimates) {
             // Before the first look for a leak is over, which the tape tells as it comes, there is nothing to compare.
             if *at < 3_000_000_000 {
                 continue;
@@ -122,7 +122,7 @@ fn a_switch_of_unknown_uncertainty_is_not_taken_for_exact() {
     let (_, tape) = measured("two-capacitor", "method = \"cerm\"\nt-l = \"1 ms\"", 1000);
     let (read, unsaid) = (replayed(&tape, Method::Cerm), tape.lines().map(without_u).collect::<String>());
     let estimates = replayed(&unsaid, Method::Cerm);
-    let inferred = |estimates: &[Estimate]| -> Vec<f64> {
+    let inferred = |estimates: &[EstimateLine]| -> Vec<f64> {
         let of = estimates.iter().filter(|one| one.state.branch.as_deref() == Some("inferred"));
         of.filter_map(|one| one.state.r_u_ohm).collect()
     };
@@ -142,7 +142,7 @@ fn without_u(line: &str) -> String {
 #[test]
 fn a_tape_may_end_in_the_middle_of_a_line() {
     let (_, tape) = measured("two-capacitor", "method = \"tcdic\"", 20);
-    let whole: Vec<Estimate> = replayed(&tape, Method::Tcdic);
+    let whole: Vec<EstimateLine> = replayed(&tape, Method::Tcdic);
     let mut cut = Reader::open(&tape.as_bytes()[..tape.len() - 20]).unwrap();
     let entries: Vec<_> = cut.by_ref().collect();
     let (last, rest) = entries.split_last().unwrap();

@@ -4,7 +4,7 @@ use crate::circuit::Kind;
 use crate::ctl::{CtlError, cli};
 use crate::pins::sim::Scene;
 use crate::sensor::FSR_402;
-use crate::size::{Board, Need, Search, Stock, Tolerance, Wanted};
+use crate::size::{Need, Platform, Search, Stock, Tolerance, Wanted};
 use crate::units::rough;
 use std::path::Path;
 
@@ -48,11 +48,11 @@ pub fn asked(arguments: &cli::Size) -> Result<Asked, CtlError> {
         }
         Some(kind) => vec![kind],
     };
-    let board = Board::of(&scene);
+    let platform = Platform::of(&scene);
     let need = Need { r_ohm, tolerance, rate_hz: arguments.rate.map(|rate| rate.0) };
     let stock = arguments.have.clone().unwrap_or(Stock::Shop);
     let pin_a = arguments.pin_current.map_or(usual_pin_a(&arguments.scene), |current| current.0);
-    let search = Search { need, board, stock, pin_a, kinds };
+    let search = Search { need, platform, stock, pin_a, kinds };
     if !search.can_calibrate() {
         return Err(CtlError::said(format!(
             "--have: two resistors are needed to calibrate with, of at least {} so that no pin carries more than {}, the \

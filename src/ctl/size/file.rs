@@ -19,7 +19,7 @@ pub fn parsed(asked: &Asked, design: &Design) -> Result<Config, CtlError> {
 }
 
 fn circuit(asked: &Asked, design: &Design) -> String {
-    let (board, [r_c1, r_c2]) = (&asked.search.board, design.r_c);
+    let (platform, [r_c1, r_c2]) = (&asked.search.platform, design.r_c);
     let mut text = format!(
         "# Written by `cermctl size` for board {}, whose noise is simulated. To build: hw/wiring.md.\n\n[circuit]\nkind = \"{}\"\n\
          # As printed. Film; they never enter a reading.\n",
@@ -37,10 +37,10 @@ fn circuit(asked: &Asked, design: &Design) -> String {
          # Nominal, for planning only: supply, threshold of an input, and Rp = {} with a pin of {}.\n\
          v-dd = \"{}\"\nv-th = \"{}\"\nr-charge = \"{}\"\n",
         design.r_p,
-        board.r_o,
-        board.v_dd,
-        board.v_th,
-        Ohm(design.r_p.0 + board.r_o.0),
+        platform.r_o,
+        platform.v_dd,
+        platform.v_th,
+        Ohm(design.r_p.0 + platform.r_o.0),
     );
     text
 }

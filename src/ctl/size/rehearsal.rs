@@ -153,7 +153,7 @@ pub(super) fn rehearsed(
         (channel.zero_ohm, channel.scale) = (Some(design.r_lim.0), Some(1.0));
     }
     let settings = config.settings().map_err(CtlError::said)?;
-    let scene = built(asked.scene.clone(), &design.circuit(&asked.search.board));
+    let scene = built(asked.scene.clone(), &design.circuit(&asked.search.platform));
     let resistances = need.resistances(REHEARSED_RESISTANCES);
     let of =
         |r_ohm: &f64| rehearse(&settings, scene.as_ref()?, *r_ohm, boards).filter(|one| one.u_ohm.is_some());

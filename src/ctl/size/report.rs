@@ -89,7 +89,7 @@ fn build(asked: &Asked, best: &Rehearsed) -> Vec<String> {
 }
 
 fn settings(asked: &Asked, design: &Design) -> String {
-    let config = design.config(&asked.search.board);
+    let config = design.config(&asked.search.platform);
     let pace = match design.pace {
         Pace::Each => "each discharge a reading".to_owned(),
         Pace::Mean(time) => format!("means over {}", Seconds::from(time)),
@@ -100,7 +100,7 @@ fn settings(asked: &Asked, design: &Design) -> String {
 }
 
 fn currents(asked: &Asked, design: &Design) -> [String; 3] {
-    let each = design.currents(&asked.search.board);
+    let each = design.currents(&asked.search.platform);
     each.map(|(name, ampere)| format!("   {:<9}{:<15}{name}", "current", milliampere(ampere)))
 }
 
@@ -189,7 +189,7 @@ fn second(found: &[Rehearsed]) -> Option<&Rehearsed> {
 /// A line of JSON.
 #[derive(Serialize)]
 #[serde(tag = "class", rename = "SIZE")]
-pub struct Line {
+pub struct SizeLine {
     scene: String,
     simulated: bool,
     r_from_ohm: f64,
@@ -231,10 +231,10 @@ struct ExpectedLine {
     rate_hz: f64,
 }
 
-impl Line {
-    pub fn new(asked: &Asked, found: &[Rehearsed], why_not: Option<&str>) -> Line {
+impl SizeLine {
+    pub fn new(asked: &Asked, found: &[Rehearsed], why_not: Option<&str>) -> SizeLine {
         let [r_from_ohm, r_to_ohm] = asked.search.need.r_ohm.map(|r_ohm| rounded(r_ohm, 6));
-        Line {
+        SizeLine {
             scene: asked.name.clone(),
             simulated: true,
             r_from_ohm,
@@ -250,9 +250,9 @@ impl Line {
 impl CircuitLine {
     fn new(asked: &Asked, one: &Rehearsed) -> CircuitLine {
         let design = &one.design;
-        let config = design.config(&asked.search.board);
+        let config = design.config(&asked.search.platform);
         let seconds = |time: crate::units::Nanos| rounded(time.as_seconds(), 6);
-        let [charger, c1, x] = design.currents(&asked.search.board).map(|(_, ampere)| rounded(ampere, 4));
+        let [charger, c1, x] = design.currents(&asked.search.platform).map(|(_, ampere)| rounded(ampere, 4));
         let expected = one.expected.iter().map(|one| {
             let r_u_ohm = one.u_ohm.unwrap_or_default();
             let force = asked.alpha_n_ohm.map(|alpha| rounded(alpha * r_u_ohm / one.r_ohm.powi(2), 4));

@@ -143,7 +143,7 @@ fn what_is_written_is_in_order_and_says_what_to_measure() {
                 "{text}"
             );
             // It is the circuit that the report shows.
-            let planned = one.design.config(&asked.search.board);
+            let planned = one.design.config(&asked.search.platform);
             assert_eq!((config.circuit, config.charges()), (planned.circuit, planned.charges()), "{text}");
             let times =
                 |config: &crate::config::Config| (config.average(), config.deadline(), config.period());

@@ -2,12 +2,13 @@
 
 use super::*;
 use crate::reading::{Bound, Method, Status};
-use crate::trigger::{Quantity, Rules, Why};
+use crate::trigger::{Compared, TriggerRules, Why};
 
 const STALE: Nanos = Nanos(200_000_000);
 
 fn settings(channel: usize) -> TriggerSettings {
-    let rules = Rules { quantity: Quantity::Shown, on: 2.0, off: 1.0, hold: Nanos::ZERO, stale: STALE };
+    let rules =
+        TriggerRules { quantity: Compared::Shown, on: 2.0, off: 1.0, hold: Nanos::ZERO, stale: STALE };
     let [chip, line, consumer] = ["simulated", "GPIO17", "cermd"].map(str::to_owned);
     let line = OutputLine { chip, line, active_low: false, consumer };
     TriggerSettings { channel, id: format!("x{channel}"), rules, output: Some((line, When::Pressed)) }
@@ -31,7 +32,7 @@ fn pressed(channel: usize, at: Nanos) -> Reading {
 }
 
 /// Waits for what is told next.
-fn next(triggering: &mut Triggering) -> Vec<Told> {
+fn next(triggering: &mut Triggering) -> Vec<ChannelEvent> {
     let until = monotonic() + Nanos(20_000_000_000);
     loop {
         let told = triggering.take();
@@ -51,9 +52,12 @@ fn a_measuring_thread_that_hangs_is_noticed() {
     for channel in [1, 2, 7] {
         tap.give(&pressed(channel, at));
     }
-    assert_eq!(next(&mut triggering), [Told { channel: 2, event: Event { state: State::Pressed, at } }]);
+    assert_eq!(
+        next(&mut triggering),
+        [ChannelEvent { channel: 2, event: Event { state: State::Pressed, at } }]
+    );
     let beat = triggering.beat();
-    let [Told { channel: 2, event }] = next(&mut triggering)[..] else { panic!() };
+    let [ChannelEvent { channel: 2, event }] = next(&mut triggering)[..] else { panic!() };
     assert_eq!(event.state, State::Unknown(Why::Stale));
     assert!(event.at - at >= STALE);
     // It naps, and still shows that it is alive.
@@ -69,5 +73,8 @@ fn an_output_that_cannot_be_had_is_tried_again_and_delays_nothing() {
         Triggering::start(triggers, vec![None], Way::V2, &Wishes::default()).unwrap();
     let at = monotonic();
     tap.give(&pressed(0, at));
-    assert_eq!(next(&mut triggering), [Told { channel: 0, event: Event { state: State::Pressed, at } }]);
+    assert_eq!(
+        next(&mut triggering),
+        [ChannelEvent { channel: 0, event: Event { state: State::Pressed, at } }]
+    );
 }

@@ -11,8 +11,8 @@ const ALPHA: f64 = 13346.46;
 /// force repeatability of a single part).
 const REPEATABILITY: f64 = 0.02;
 
-fn pair(f_n: f64, r_ohm: f64) -> Pair {
-    Pair { f_n, r_ohm }
+fn pair(f_n: f64, r_ohm: f64) -> Weighing {
+    Weighing { f_n, r_ohm }
 }
 
 #[test]
@@ -65,7 +65,7 @@ fn between(rng: &mut ChaCha8Rng, low: f64, high: f64) -> f64 {
 fn alpha_is_off_by_what_its_uncertainty_says() {
     let rms = pulls(|rng| {
         let (truth, sigma_ohm) = (between(rng, 1e3, 1e5), between(rng, 1.0, 100.0));
-        let pairs: Vec<Pair> = (0..12)
+        let pairs: Vec<Weighing> = (0..12)
             .map(|_| {
                 let f_n = between(rng, 0.5, 20.0);
                 pair(f_n, truth / f_n + sigma_ohm * normal(rng))
@@ -81,7 +81,7 @@ fn alpha_is_off_by_what_its_uncertainty_says() {
 
 fn random_power(rng: &mut ChaCha8Rng) -> ([f64; 2], [Measured; 2]) {
     let (f_1k, p) = (between(rng, 2.0, 30.0), between(rng, 0.6, 1.6));
-    let pairs: Vec<Pair> = (0..14)
+    let pairs: Vec<Weighing> = (0..14)
         .map(|_| {
             let f_n = between(rng, 0.5, 20.0);
             pair(f_n, 1000.0 * (f_n / f_1k).powf(-1.0 / p) * (0.01 * normal(rng)).exp())
@@ -108,7 +108,7 @@ fn a_power_law_is_off_by_what_its_uncertainties_say() {
 
 #[test]
 fn every_fit_goes_through_pairs_that_follow_it() {
-    let pairs: Vec<Pair> = [0.5, 1.2, 6.06, 20.0].map(|f_n| pair(f_n, ALPHA / f_n)).to_vec();
+    let pairs: Vec<Weighing> = [0.5, 1.2, 6.06, 20.0].map(|f_n| pair(f_n, ALPHA / f_n)).to_vec();
     for fit in [alpha(&pairs).unwrap(), power(&pairs).unwrap(), table(&pairs).unwrap()] {
         assert!(fit.relative_rms(&pairs) < 1e-12, "{fit:?}");
         for pair in &pairs {

@@ -21,7 +21,7 @@ pub(super) const RULES: Rules = Rules {
         Branch::Direct => tcdic::evidence(times, scale),
         Branch::Inferred => evidence(times, scale),
     },
-    ..Rules::USUAL
+    ..Rules::usual('C')
 };
 
 /// The inferred crossings T_i,xA (16) and T_i,xB (18), d subtracted.

@@ -24,7 +24,7 @@ pub(super) const RULES: Rules = Rules {
     ratio,
     evidence: |times, branch, _| through_x(times, branch).map(|end| Evidence::over(end.value)),
     certain_ns,
-    ..Rules::USUAL
+    ..Rules::usual('Q')
 };
 
 fn certain_ns(crossing_ns: f64, c2_ns: f64, late_ns2: f64) -> Option<f64> {

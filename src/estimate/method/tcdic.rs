@@ -1,6 +1,9 @@
 //! Two-capacitor direct interface circuit: both nodes, eq. (11). The offset d cancels in the differences.
 
-use super::{Dual, Evidence, Node, Number, Scale, Times, tpcm};
+use super::{Dual, Evidence, Node, Number, Rules, Scale, Times, tpcm};
+
+/// What it decides.
+pub(super) const RULES: Rules = Rules::usual('D');
 
 /// The ratio by eq. (11).
 pub fn ratio<T: Number>(times: &Times<T>) -> Option<T> {

@@ -8,7 +8,7 @@ pub(super) const RULES: Rules = Rules {
     only_a: true,
     ratio: |times, _| ratio(times, Node::A),
     evidence: |times, _, _| evidence(times),
-    ..Rules::USUAL
+    ..Rules::usual('P')
 };
 
 /// One stretch: until A crossed.

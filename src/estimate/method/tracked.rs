@@ -30,7 +30,7 @@ pub(super) const RULES: Rules = Rules {
     switching: Switching::WhereBest,
     ratio: |times, _| tcdic::ratio(times).or_else(|| tpcm::ratio(times, Node::A)),
     evidence: |times, _, scale| tcdic::evidence(times, scale).or_else(|| tpcm::evidence(times)),
-    ..Rules::USUAL
+    ..Rules::usual('T')
 };
 
 /// An x discharge as it is used.
@@ -71,7 +71,7 @@ pub struct Solution {
 /// [`Fault::Implausible`] if no resistance fits.
 pub fn solve(tracker: &Tracker, observed: &Observed) -> Result<Solution, Fault> {
     let solve = || {
-        let fit = Fit::new(tracker, observed, None)?;
+        let fit = Conductance::new(tracker, observed, None)?;
         let solution = fit.solution(tracker.state()[R_O])?;
         match fit.branch {
             Branch::Direct => Some(solution),
@@ -95,19 +95,19 @@ pub fn predict(
         [0, 1].map(|node| (node <= last.index()).then(|| route.crossing(tracker.state(), node).ns));
     let observed = Observed { crossings, switch, u_switch_ns, later_ns: 0.0 };
     let siemens = 1.0 / (r_ohm + tracker.state()[R_O]);
-    Fit::new(tracker, &observed, Some(siemens))?.solution(tracker.state()[R_O])
+    Conductance::new(tracker, &observed, Some(siemens))?.solution(tracker.state()[R_O])
 }
 
 /// The lower bound of a resistance that cannot be told from an open circuit, ohm; `None` where it can. Beside a low one the
 /// clock is coarse, which makes none of it open: what counts is how well a sensor above `r2_ohm` would be known.
 pub fn beyond(tracker: &Tracker, observed: &Observed, r2_ohm: f64) -> Option<f64> {
     let r_o_ohm = tracker.state()[R_O];
-    let fit = Fit::new(tracker, observed, None)?;
+    let fit = Conductance::new(tracker, observed, None)?;
     if fit.is_resolved() || fit.evidence.contradicts {
         return None;
     }
     let above = 1.0 / (r2_ohm + r_o_ohm);
-    if fit.siemens > above && Fit::new(tracker, observed, Some(above))?.is_resolved() {
+    if fit.siemens > above && Conductance::new(tracker, observed, Some(above))?.is_resolved() {
         return None;
     }
     let highest = fit.siemens.max(0.0) + COVERAGE * fit.u_siemens;
@@ -191,7 +191,7 @@ impl Equation {
 }
 
 /// The conductance of the sensor and its pin that fits a discharge best.
-struct Fit {
+struct Conductance {
     /// y = 1/(R_x+Ro), siemens.
     siemens: f64,
     /// 1 sigma, siemens.
@@ -205,14 +205,14 @@ struct Fit {
     evidence: Evidence,
 }
 
-impl Fit {
+impl Conductance {
     /// The sensor conducts for certain.
     fn is_resolved(&self) -> bool {
         self.siemens > RESOLVED * self.u_siemens
     }
 
     /// `siemens`: where that is known before.
-    fn new(tracker: &Tracker, observed: &Observed, siemens: Option<f64>) -> Option<Fit> {
+    fn new(tracker: &Tracker, observed: &Observed, siemens: Option<f64>) -> Option<Conductance> {
         let (state, branch) = (tracker.state(), observed.branch(tracker));
         // A switch after the last crossing has changed nothing.
         let switch = observed.switch.filter(|_| branch == Branch::Inferred);
@@ -226,7 +226,7 @@ impl Fit {
         let noise = tracker.noise().covariance(nodes.map(|node| node.map_or(0.0, |one| one.late_ns)))?;
         let u_switch_ns = tracker.u_switch_ns(observed.u_switch_ns);
         let u_ns = [u_switch_ns, observed.later_ns];
-        let near = |y: f64| Fit::near(y.max(0.0), tracker, &noise, u_ns, &nodes, branch);
+        let near = |y: f64| Conductance::near(y.max(0.0), tracker, &noise, u_ns, &nodes, branch);
         // The weights depend on y, but hardly: the last node's own value does for a start.
         let last = b.or(a)?;
         let first = || Some(near(last.missing / last.through_ns)?.siemens);
@@ -242,7 +242,7 @@ impl Fit {
         [u_switch_ns, later_ns]: [f64; 2],
         nodes: &[Option<Equation>; 2],
         branch: Branch,
-    ) -> Option<Fit> {
+    ) -> Option<Conductance> {
         let (state, seen) = (tracker.state(), nodes.map(|node| node.is_some()));
         let of_nodes = |of: &dyn Fn(&Equation) -> f64| nodes.map(|node| node.as_ref().map_or(0.0, of));
         let (through, missing) = (of_nodes(&|one| one.through_ns), of_nodes(&|one| one.missing));
@@ -282,7 +282,7 @@ impl Fit {
             }
             [one, other] => Evidence::over(one.or(*other)?.through_ns),
         };
-        let fit = Fit {
+        let fit = Conductance {
             siemens: y,
             u_siemens: (doubt / information).sqrt(),
             bound_siemens: (1.0 / own.of(through[0], through[1])).sqrt(),
@@ -296,7 +296,8 @@ impl Fit {
 
     /// R_x = 1/y - Ro, to the first order.
     fn solution(&self, r_o_ohm: f64) -> Option<Solution> {
-        let Fit { siemens: y, u_siemens: u, bound_siemens, by_state, by_switch, branch, evidence } = *self;
+        let Conductance { siemens: y, u_siemens: u, bound_siemens, by_state, by_switch, branch, evidence } =
+            *self;
         let solution = Solution {
             r_ohm: 1.0 / y - r_o_ohm,
             variance: (u / (y * y)).powi(2),

@@ -3,7 +3,7 @@
 use super::speeds::Speeds;
 use super::{Counts, Matrix, Tracker};
 use crate::estimate::law::State;
-use crate::estimate::limits::{BEGINNINGS, MOST_REJECTED, RATE_AT_FIRST, ROUGH_ROUNDS};
+use crate::estimate::limits::{BEGINNINGS, MOST_REJECTED, RATE_AT_FIRST, ROUGH_ROUNDS, UNKNOWN_STATE};
 use crate::record::Record;
 
 impl Tracker {
@@ -73,12 +73,12 @@ impl Tracker {
         rejected * MOST_REJECTED <= 3 * rounds.len()
     }
 
-    /// As little knowledge as physics leaves: g to 5 %, Ro to 50 ohm, each d to 50 us, a drift to what boards do.
+    /// As little knowledge as physics leaves.
     fn open(&mut self) {
         self.covariance = Matrix::default();
-        let d_b = if self.nodes == 2 { 50_000.0 } else { 0.0 };
-        let [rate, rate_b] = [RATE_AT_FIRST, if self.nodes == 2 { RATE_AT_FIRST } else { 0.0 }];
-        let sigma = [0.05 * self.state[0], 0.05 * self.state[1], 50.0, 50_000.0, d_b, rate, rate_b];
+        let [g, r_o, d] = UNKNOWN_STATE;
+        let [d_b, rate_b] = if self.nodes == 2 { [d, RATE_AT_FIRST] } else { [0.0; 2] };
+        let sigma = [g * self.state[0], g * self.state[1], r_o, d, d_b, RATE_AT_FIRST, rate_b];
         for (index, sigma) in sigma.into_iter().enumerate() {
             self.covariance[index][index] = sigma * sigma;
         }

@@ -18,12 +18,12 @@ use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
 
 /// A way down the tree: at each fork, which branch of how many.
 #[derive(Default)]
-struct Way {
+struct Branches {
     forks: Vec<(usize, usize)>,
     at: usize,
 }
 
-impl Way {
+impl Branches {
     fn choose(&mut self, of: usize) -> usize {
         if self.at == self.forks.len() {
             self.forks.push((0, of));
@@ -59,8 +59,8 @@ const MOST_EDGES: u32 = 3;
 const CALL: Nanos = Nanos(10);
 const WIDEST: Nanos = Nanos(100);
 
-struct Board<'a> {
-    way: &'a mut Way,
+struct Adversary<'a> {
+    way: &'a mut Branches,
     on: Drives,
     now: Nanos,
     armed: bool,
@@ -72,9 +72,9 @@ struct Board<'a> {
     is_flawed: bool,
 }
 
-impl Board<'_> {
-    fn new(way: &mut Way, on: Drives) -> Board<'_> {
-        Board {
+impl Adversary<'_> {
+    fn new(way: &mut Branches, on: Drives) -> Adversary<'_> {
+        Adversary {
             way,
             on,
             now: Nanos::ZERO,
@@ -117,7 +117,7 @@ impl Board<'_> {
     }
 }
 
-impl Pins for Board<'_> {
+impl Pins for Adversary<'_> {
     fn now(&mut self) -> Nanos {
         self.now
     }
@@ -220,8 +220,8 @@ struct Leaf {
     conflicts: u64,
 }
 
-fn walk(plan: Plan, on: Drives, way: &mut Way, is_flawed: bool) -> Leaf {
-    let mut board = Board { is_flawed, ..Board::new(way, on) };
+fn walk(plan: Plan, on: Drives, way: &mut Branches, is_flawed: bool) -> Leaf {
+    let mut board = Adversary { is_flawed, ..Adversary::new(way, on) };
     let outcome = catch_unwind(AssertUnwindSafe(|| run(&mut board, plan).map(drop)));
     let is_whole = matches!(outcome, Ok(Ok(())));
     assert_eq!(is_whole, board.mishap.is_none(), "a mishap is told, and only that");
@@ -234,7 +234,7 @@ fn whatever_happens_no_outputs_oppose_each_other_and_every_line_ends_as_an_input
     let (mut leaves, mut conflicts, mut left_driving) = ([0u64; 4], 0, 0u64);
     let mut left_by_the_dead = HashSet::from([Drives::NONE]);
     for plan in &plans {
-        let mut way = Way::default();
+        let mut way = Branches::default();
         loop {
             let leaf = walk(*plan, Drives::NONE, &mut way, false);
             leaves[leaf.mishap.map_or(0, |mishap| 1 + mishap as usize)] += 1;
@@ -259,7 +259,7 @@ fn whatever_happens_no_outputs_oppose_each_other_and_every_line_ends_as_an_input
         }
         left_driving += u64::from(!rest.is_none());
         for plan in &plans {
-            let leaf = walk(*plan, *on, &mut Way::default(), false);
+            let leaf = walk(*plan, *on, &mut Branches::default(), false);
             next_lives += 1;
             conflicts += leaf.conflicts;
             left_driving += u64::from(!leaf.on.is_none());
@@ -279,8 +279,8 @@ fn whatever_happens_no_outputs_oppose_each_other_and_every_line_ends_as_an_input
 #[test]
 fn the_walk_sees_lines_that_are_made_before_others_are_broken() {
     let plan = plans().into_iter().find(|plan| plan.drain > Nanos::ZERO).unwrap();
-    assert!(walk(plan, Drives::NONE, &mut Way::default(), true).conflicts > 0);
-    assert_eq!(walk(plan, Drives::NONE, &mut Way::default(), false).conflicts, 0);
+    assert!(walk(plan, Drives::NONE, &mut Branches::default(), true).conflicts > 0);
+    assert_eq!(walk(plan, Drives::NONE, &mut Branches::default(), false).conflicts, 0);
 }
 
 /// What of a plan decides which lines switch in which order.

@@ -49,12 +49,12 @@ impl OutputPin for FakePin {
     }
 }
 
-fn switches(c2: &'static str) -> (Vec<Switch<FakePin>>, Rc<RefCell<Vec<String>>>) {
+fn switches(c2: &'static str) -> (Vec<DriveLine<FakePin>>, Rc<RefCell<Vec<String>>>) {
     let log = Rc::default();
     let lines = [(Drives::x(0), "x0"), (Drives::C2, c2), (Drives::CHARGE_A, "charge-a")];
     let switch = |(part, name): (Drives, &'static str)| {
         let line = WiredLine { part, offset: 0, title: name.to_string() };
-        Switch { line, pin: FakePin { name, log: Rc::clone(&log) } }
+        DriveLine { line, pin: FakePin { name, log: Rc::clone(&log) } }
     };
     (lines.map(switch).into(), log)
 }

@@ -3,7 +3,7 @@
 
 use super::network::{Flow, SimCircuit, line_index};
 use super::scene::{DriftScene, NoiseScene, Scene, WalkScene};
-use super::sensor::Source;
+use super::sensor::ActiveSensor;
 use crate::circuit::Node;
 use crate::pins::limits::SAMPLE_NS;
 use crate::pins::{Drives, Levels};
@@ -41,11 +41,11 @@ struct Stretch {
 #[derive(Debug, Clone)]
 pub(super) struct Analog {
     pub circuit: SimCircuit,
-    sources: Vec<Source>,
+    sources: Vec<ActiveSensor>,
     /// Lines of the sensors that change with time.
     varying: Drives,
     noise: Option<NoiseScene>,
-    drift: Option<Drift>,
+    drift: Option<DriftSoFar>,
     walk: Option<Walk>,
     rng: ChaCha8Rng,
     on: Drives,
@@ -54,12 +54,12 @@ pub(super) struct Analog {
 
 /// Slow changes of the circuit, and until when they are in it.
 #[derive(Debug, Clone, Copy)]
-struct Drift {
+struct DriftSoFar {
     rates: DriftScene,
     applied_minutes: f64,
 }
 
-impl Drift {
+impl DriftSoFar {
     fn apply(&mut self, circuit: &mut SimCircuit, now_ns: i64) {
         let now_minutes = seconds(now_ns) / 60.0;
         let minutes = now_minutes - self.applied_minutes;
@@ -105,7 +105,7 @@ impl Analog {
     pub fn new(
         scene: &Scene,
         circuit: SimCircuit,
-        sources: Vec<Source>,
+        sources: Vec<ActiveSensor>,
         rng: ChaCha8Rng,
         walk_rng: ChaCha8Rng,
     ) -> Analog {
@@ -115,7 +115,7 @@ impl Analog {
             sources,
             varying: Drives::NONE,
             noise: scene.noise,
-            drift: scene.drift.map(|rates| Drift { rates, applied_minutes: 0.0 }),
+            drift: scene.drift.map(|rates| DriftSoFar { rates, applied_minutes: 0.0 }),
             walk: scene.walk.map(|scene| Walk { scene, applied_ns: 0, rng: walk_rng }),
             rng,
             on: Drives::NONE,
@@ -126,7 +126,7 @@ impl Analog {
     }
 
     /// Connects another sensor; to be followed by [`Analog::switch`].
-    pub fn connect(&mut self, channel: usize, source: Source) {
+    pub fn connect(&mut self, channel: usize, source: ActiveSensor) {
         if let Some(place) = self.sources.get_mut(channel) {
             *place = source;
             self.sensors_changed();

@@ -5,7 +5,7 @@ use super::analog::Analog;
 use super::kernel::Events;
 use super::network::{Branch, LINES, Sense, line_index};
 use super::scene::{AbsorptionScene, BranchScene, NodeScene, Scene, Threshold, line_named};
-use super::sensor::{Sensor, Source};
+use super::sensor::{ActiveSensor, Sensor};
 use super::truth::Truth;
 use super::{Kind, SimCircuit, SimPins};
 use crate::circuit::Network;
@@ -83,8 +83,9 @@ impl SimPins {
     pub fn new(scene: &Scene, seed_override: Option<u64>) -> SimPins {
         let seed = seed_override.unwrap_or(scene.seed);
         let circuit = scene.network();
-        let sources =
-            (SENSORS..).zip(&scene.sensors).map(|(number, sensor)| Source::new(sensor.clone(), seed, number));
+        let sources = (SENSORS..)
+            .zip(&scene.sensors)
+            .map(|(number, sensor)| ActiveSensor::new(sensor.clone(), seed, number));
         let sense_lines = if circuit.has_b() { 2 } else { 1 };
         SimPins {
             now_ns: 0,
@@ -105,7 +106,7 @@ impl SimPins {
     /// Connects another sensor to a channel of the scene, now.
     pub fn connect(&mut self, channel: usize, sensor: Sensor) {
         self.catch_up(self.now_ns);
-        self.analog.connect(channel, Source::new(sensor, self.scene.seed, SENSORS + channel as u64));
+        self.analog.connect(channel, ActiveSensor::new(sensor, self.scene.seed, SENSORS + channel as u64));
         self.analog.switch(self.analog.on(), self.now_ns);
     }
 

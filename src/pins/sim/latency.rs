@@ -39,7 +39,7 @@ impl DelayScene {
 
 /// The timing of one call that switches lines.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Call {
+pub(super) struct CallTiming {
     fixed_ns: f64,
     slot_ns: f64,
     moves_at: [f64; 2],
@@ -53,7 +53,7 @@ pub(super) struct Call {
 
 impl CallsScene {
     /// Draws what is common to one call that switches so many lines of a chip that was left alone for `idle_ns`.
-    pub(super) fn begin(&self, lines: usize, idle_ns: i64, rng: &mut impl Rng) -> Call {
+    pub(super) fn begin(&self, lines: usize, idle_ns: i64, rng: &mut impl Rng) -> CallTiming {
         let scale = match self.jitter {
             None | Some(0.0) => 1.0,
             Some(jitter) => (1.0 + jitter * rng.sample::<f64, _>(StandardNormal)).max(SHORTEST_CALL),
@@ -64,11 +64,11 @@ impl CallsScene {
         let moves_at = self.moves_at.unwrap_or(MIDDLE_OF_SLOT);
         let is_asleep = self.asleep_after.is_some_and(|after| idle_ns > whole_ns(after));
         let wakes_ns = if is_asleep { ns(self.wakes_in) } else { 0.0 };
-        Call { fixed_ns, slot_ns, moves_at, scale, pause_ns, pause_before, lines, wakes_ns }
+        CallTiming { fixed_ns, slot_ns, moves_at, scale, pause_ns, pause_before, lines, wakes_ns }
     }
 }
 
-impl Call {
+impl CallTiming {
     /// When the line at `position` moves, ns since the call began; it may be over by then.
     pub fn moves_ns(&self, position: usize, rng: &mut impl Rng) -> f64 {
         let [low, high] = self.moves_at;

@@ -1,9 +1,10 @@
 //! What is connected in a sensor's place: R_x as a function of time.
 
 use crate::pins::limits::{
-    FSR_402_NEWTON_OHM, PEAK_NEWTON, PERIOD_SECONDS, PRESS_BEGINS, PRESS_FORCE, PRESS_HOLDS, PRESS_RISES,
-    TREMOR_HZ, TREMOR_SHARE, UNTOUCHED_OHM,
+    PEAK_NEWTON, PERIOD_SECONDS, PRESS_BEGINS, PRESS_FORCE, PRESS_HOLDS, PRESS_RISES, TREMOR_HZ,
+    TREMOR_SHARE, UNTOUCHED_OHM,
 };
+use crate::sensor::FSR_402;
 use crate::units::{Hertz, Newton, NewtonOhm, Ohm, Seconds};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
@@ -76,7 +77,7 @@ impl Sensor {
 }
 
 fn fsr_402() -> NewtonOhm {
-    NewtonOhm(FSR_402_NEWTON_OHM)
+    FSR_402
 }
 
 fn firm() -> Newton {
@@ -89,7 +90,7 @@ fn unhurried() -> Seconds {
 
 /// A sensor in use: with the press that a hand is just making.
 #[derive(Debug, Clone)]
-pub(super) struct Source {
+pub(super) struct ActiveSensor {
     sensor: Sensor,
     rng: ChaCha8Rng,
     press: Option<Press>,
@@ -105,12 +106,12 @@ struct Press {
     force: f64,
 }
 
-impl Source {
+impl ActiveSensor {
     /// `stream` keeps the hands of several channels apart.
-    pub fn new(sensor: Sensor, seed: u64, stream: u64) -> Source {
+    pub fn new(sensor: Sensor, seed: u64, stream: u64) -> ActiveSensor {
         let mut rng = ChaCha8Rng::seed_from_u64(seed);
         rng.set_stream(stream);
-        Source { sensor, rng, press: None }
+        ActiveSensor { sensor, rng, press: None }
     }
 
     pub fn is_constant(&self) -> bool {
@@ -189,11 +190,11 @@ mod tests {
 
     #[test]
     fn a_hand_presses_differently_each_time_and_lets_go() {
-        let mut source = Source::new(Sensor::hand(), 1, 16);
+        let mut source = ActiveSensor::new(Sensor::hand(), 1, 16);
         let strongest: Vec<f64> = (0..20)
             .map(|press| {
                 let r = (0..200).map(|i| source.r_x(f64::from(press) * 2.0 + f64::from(i) * 0.01));
-                13_346.46 / r.fold(f64::INFINITY, f64::min)
+                FSR_402.0 / r.fold(f64::INFINITY, f64::min)
             })
             .collect();
         assert!(strongest.iter().all(|force| (0.9..10.3).contains(force)), "{strongest:?}");
@@ -206,19 +207,19 @@ mod tests {
     #[test]
     fn a_hand_is_the_same_from_whichever_side_it_is_looked_at() {
         let (mut forward, mut backward) =
-            (Source::new(Sensor::hand(), 5, 16), Source::new(Sensor::hand(), 5, 16));
+            (ActiveSensor::new(Sensor::hand(), 5, 16), ActiveSensor::new(Sensor::hand(), 5, 16));
         let times: Vec<f64> = (0..400).map(|i| 0.05 * f64::from(i)).collect();
         let there: Vec<f64> = times.iter().map(|t| forward.r_x(*t)).collect();
         let mut back: Vec<f64> = times.iter().rev().map(|t| backward.r_x(*t)).collect();
         back.reverse();
         assert_eq!(there, back);
-        let mut other = Source::new(Sensor::hand(), 6, 16);
+        let mut other = ActiveSensor::new(Sensor::hand(), 6, 16);
         assert_ne!(there, times.iter().map(|t| other.r_x(*t)).collect::<Vec<_>>());
     }
 
     #[test]
     fn the_other_profiles_are_what_they_say() {
-        let r = |sensor: Sensor, t: f64| Source::new(sensor, 1, 16).r_x(t);
+        let r = |sensor: Sensor, t: f64| ActiveSensor::new(sensor, 1, 16).r_x(t);
         let step = || Sensor::Step { before: Ohm(1.0), after: Ohm(2.0), at: Seconds(3.0) };
         assert_eq!((r(step(), 2.9), r(step(), 3.0)), (1.0, 2.0));
         let ramp =

@@ -1,13 +1,15 @@
 //! Every number of section V: the paper's, ours, their ratio, and what is to be said of it.
 
-use super::{ALPHA, METHODS};
+use super::METHODS;
 use crate::characterize::table::Row;
 use crate::reading::Method;
+use crate::report::limits::SAME;
+use crate::sensor::FSR_402;
 use crate::units::markup::escaped;
 use crate::units::rounded;
 
 /// One number of the paper.
-struct Number {
+struct Claim {
     what: &'static str,
     paper: f64,
     ours: fn(&[&Row]) -> Option<f64>,
@@ -15,7 +17,7 @@ struct Number {
 }
 
 fn at(rows: &[&Row], method: Method, r_ohm: f64) -> Option<Row> {
-    let own = rows.iter().filter(|row| row.method == method && (row.r_ohm / r_ohm - 1.0).abs() < 0.005);
+    let own = rows.iter().filter(|row| row.method == method && (row.r_ohm / r_ohm - 1.0).abs() < SAME);
     own.map(|row| (*row).clone()).next()
 }
 
@@ -55,102 +57,97 @@ const CLOCK: &str = "one cycle is 1.2 ohm of 20 nF: quantisation alone stays bel
 const NOISE: &str = "the scene's noise was fitted to this number";
 const TIMES: &str = "a mean, extra calibration discharges included; the stated times imply three thresholds, the scene has one";
 
-const NUMBERS: [Number; 20] = [
-    Number {
+const NUMBERS: [Claim; 20] = [
+    Claim {
         what: "MAE at 100 ohm, TPCM, ohm",
         paper: 5.23,
         ours: |rows| mae(rows, Method::Tpcm, 100.0),
         remark: CLOCK,
     },
-    Number {
+    Claim {
         what: "MAE at 100 ohm, TCDIC, ohm",
         paper: 1.94,
         ours: |rows| mae(rows, Method::Tcdic, 100.0),
         remark: "",
     },
-    Number {
+    Claim {
         what: "MAE at 100 ohm, CERM, ohm",
         paper: 0.88,
         ours: |rows| mae(rows, Method::Cerm, 100.0),
         remark: "ours subtracts the offset, half a cycle, that eq. (16) as printed does not know",
     },
-    Number {
+    Claim {
         what: "MAE at 16.2 kohm, TPCM, ohm",
         paper: 13.1,
         ours: |rows| mae(rows, Method::Tpcm, 16_200.0),
         remark: NOISE,
     },
-    Number {
+    Claim {
         what: "MAE at 15.01 kohm, CERM, ohm",
         paper: 6.2,
         ours: |rows| mae(rows, Method::Cerm, 15_010.0),
         remark: "better than eq. (12) allows beside 13.1 ohm for TPCM: 8.6 ohm",
     },
-    Number { what: "lowest MRE, CERM, %", paper: 0.023, ours: |rows| least(rows, Method::Cerm), remark: "" },
-    Number { what: "lowest MRE, TPCM, %", paper: 0.036, ours: |rows| least(rows, Method::Tpcm), remark: "" },
-    Number { what: "largest MRE, CERM, %", paper: 0.88, ours: |rows| most(rows, Method::Cerm), remark: "" },
-    Number { what: "largest MRE, TCDIC, %", paper: 1.94, ours: |rows| most(rows, Method::Tcdic), remark: "" },
-    Number {
-        what: "largest MRE, TPCM, %",
-        paper: 5.23,
-        ours: |rows| most(rows, Method::Tpcm),
-        remark: CLOCK,
-    },
-    Number {
+    Claim { what: "lowest MRE, CERM, %", paper: 0.023, ours: |rows| least(rows, Method::Cerm), remark: "" },
+    Claim { what: "lowest MRE, TPCM, %", paper: 0.036, ours: |rows| least(rows, Method::Tpcm), remark: "" },
+    Claim { what: "largest MRE, CERM, %", paper: 0.88, ours: |rows| most(rows, Method::Cerm), remark: "" },
+    Claim { what: "largest MRE, TCDIC, %", paper: 1.94, ours: |rows| most(rows, Method::Tcdic), remark: "" },
+    Claim { what: "largest MRE, TPCM, %", paper: 5.23, ours: |rows| most(rows, Method::Tpcm), remark: CLOCK },
+    Claim {
         what: "MAE at 100 ohm, TPCM over CERM",
         paper: 5.94,
         ours: |rows| Some(mae(rows, Method::Tpcm, 100.0)? / mae(rows, Method::Cerm, 100.0)?),
         remark: "\"fivefold\"",
     },
-    Number {
+    Claim {
         what: "MAE at 100 ohm, TCDIC over CERM",
         paper: 2.20,
         ours: |rows| Some(mae(rows, Method::Tcdic, 100.0)? / mae(rows, Method::Cerm, 100.0)?),
         remark: "\"by up to half\"",
     },
-    Number {
+    Claim {
         what: "up to here CERM is better than TCDIC, ohm",
         paper: 681.0,
         ours: last_gain,
         remark: "T_L = 616 cycles in both; ours: better by 5 %",
     },
-    Number {
+    Claim {
         what: "longest reading, TPCM, us",
         paper: 1051.42,
         ours: |rows| longest_us(rows, Method::Tpcm),
         remark: TIMES,
     },
-    Number {
+    Claim {
         what: "longest reading, TCDIC, us",
         paper: 1076.82,
         ours: |rows| longest_us(rows, Method::Tcdic),
         remark: TIMES,
     },
-    Number {
+    Claim {
         what: "longest reading, CERM, us",
         paper: 1076.82,
         ours: |rows| longest_us(rows, Method::Cerm),
         remark: TIMES,
     },
-    Number {
+    Claim {
         what: "F_c1, N",
         paper: 5.75,
-        ours: |rows| Some(ALPHA / rows.first()?.r_c1_ohm),
+        ours: |rows| Some(FSR_402.0 / rows.first()?.r_c1_ohm),
         remark: "computed: 13346.46 N ohm, the paper's fit, over Rc1; its 17 pairs are not printed",
     },
-    Number {
+    Claim {
         what: "F_c2, N",
         paper: 1.05,
-        ours: |rows| Some(ALPHA / rows.first()?.r_c2_ohm),
+        ours: |rows| Some(FSR_402.0 / rows.first()?.r_c2_ohm),
         remark: "computed, the same",
     },
-    Number {
+    Claim {
         what: "largest force, N",
         paper: 133.0,
-        ours: |rows| Some(ALPHA / at(rows, Method::Cerm, 100.0)?.r_ohm),
+        ours: |rows| Some(FSR_402.0 / at(rows, Method::Cerm, 100.0)?.r_ohm),
         remark: "computed, the same, at 100 ohm",
     },
-    Number {
+    Claim {
         what: "largest error of a force, CERM, %",
         paper: 0.88,
         ours: |rows| most(rows, Method::Cerm),

@@ -54,11 +54,11 @@ pub(super) struct Hub {
     pub published: u64,
     /// Summed over the clients.
     pub lost: u64,
-    channels: Vec<Channel>,
+    channels: Vec<ChannelState>,
 }
 
 #[derive(Debug)]
-struct Channel {
+struct ChannelState {
     id: String,
     unit: Unit,
     last: Option<(Reading, Timestamp)>,
@@ -67,7 +67,7 @@ struct Channel {
     tallies: [ReadingTally; 2],
 }
 
-impl Channel {
+impl ChannelState {
     fn count(&mut self, reading: &Reading) {
         if self.tallies[0].span_s() > ACHIEVED_OVER_S {
             self.tallies = [ReadingTally::default(), self.tallies[0]];
@@ -89,7 +89,7 @@ impl Channel {
 impl Hub {
     pub fn new(channels: &[ChannelInfo]) -> Hub {
         let version = Published::new(Content::Version, &VersionLine::new(channels));
-        let new = |channel: &ChannelInfo| Channel {
+        let new = |channel: &ChannelInfo| ChannelState {
             id: channel.id.clone(),
             unit: channel.unit.clone(),
             last: None,

@@ -19,7 +19,7 @@ mod reader;
 pub use reader::Reader;
 
 pub(crate) use super::limits::PROTO_MAJOR;
-use super::line::{Class, is_unknown, ns, uncertainty, value};
+use super::line::{Tagged, is_unknown, ns, uncertainty, value};
 use crate::circuit::Kind;
 use crate::record::{Record, Switch, Through};
 use crate::sensor::Channel;
@@ -295,7 +295,7 @@ impl From<Through> for Resistor {
 
 /// Reads a line of this class.
 fn read<T: DeserializeOwned>(text: &str, class: &str) -> serde_json::Result<T> {
-    let found: Class = serde_json::from_str(text)?;
+    let found: Tagged = serde_json::from_str(text)?;
     if found.class != class {
         return Err(serde_json::Error::custom(format!("the class is {:?}, not {class:?}", found.class)));
     }

@@ -46,17 +46,17 @@ pub struct ReadingTally {
     /// The first and the last instant, ns.
     span_ns: Option<[i64; 2]>,
     /// Of ohm, newton and what a law gives.
-    squares: [Squares; 3],
+    squares: [SquareSum; 3],
 }
 
 /// A sum of squares, and of how many.
 #[derive(Debug, Clone, Copy, Default)]
-struct Squares(f64, u64);
+struct SquareSum(f64, u64);
 
-impl Squares {
+impl SquareSum {
     fn add(&mut self, value: Option<f64>) {
         if let Some(value) = value {
-            *self = Squares(self.0 + value * value, self.1 + 1);
+            *self = SquareSum(self.0 + value * value, self.1 + 1);
         }
     }
 
@@ -119,7 +119,7 @@ impl ReadingTally {
     /// What they come to.
     pub fn stats(&self) -> ChannelStats {
         let (span_s, intervals) = (self.span_s(), self.counts.readings.saturating_sub(1));
-        let [r_u_ohm, f_u_n, value_u] = self.squares.map(Squares::rms);
+        let [r_u_ohm, f_u_n, value_u] = self.squares.map(SquareSum::rms);
         let rate_hz = (span_s > 0.0).then(|| intervals as f64 / span_s);
         ChannelStats { span_s, rate_hz, r_u_ohm, f_u_n, value_u, ..self.counts }
     }

@@ -2,7 +2,7 @@
 
 use super::{EventLine, PROTO_MAJOR, PROTO_MINOR, StatsLine};
 use crate::reading::{Bound, Measured, MeasuredValue, Method, Reading, Status};
-use crate::stream::line::{Class, is_unknown, uncertainty, value};
+use crate::stream::line::{Tagged, is_unknown, uncertainty, value};
 use crate::stream::tape::{DischargeLine, Header};
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
@@ -45,7 +45,7 @@ impl ServerMessage {
         fn read<T: DeserializeOwned>(line: &[u8]) -> Result<T, UnreadableLine> {
             serde_json::from_slice(line).map_err(|error| UnreadableLine(error.to_string()))
         }
-        let Class { class } = read(line)?;
+        let Tagged { class } = read(line)?;
         Ok(match class.as_str() {
             "VERSION" => ServerMessage::Version(read(line)?),
             "READING" => ServerMessage::Reading(read(line)?),

@@ -2,7 +2,7 @@
 
 use super::*;
 use crate::config::When;
-use crate::trigger::{Quantity, Rules};
+use crate::trigger::{Compared, TriggerRules};
 
 /// One complaint about added lines of the channel, which has a force.
 #[track_caller]
@@ -10,7 +10,7 @@ fn one_trigger(lines: &str, beginning: &str) {
     one(|c| c.lines("channel.thumb", lines), beginning);
 }
 
-fn rules(change: impl FnOnce(&mut ConfigFile) -> &mut ConfigFile) -> Rules {
+fn rules(change: impl FnOnce(&mut ConfigFile) -> &mut ConfigFile) -> TriggerRules {
     config(change).triggers().unwrap()[0].rules
 }
 
@@ -102,10 +102,10 @@ fn thresholds_are_in_the_unit_of_a_law() {
         let config = with_law(&law, &format!("on-above = '{on}'\noff-below = '{off}'"));
         assert_eq!(complaints(&config), Vec::<String>::new(), "{law}");
         let rules = config.triggers().unwrap()[0].rules;
-        assert_eq!((rules.quantity, [rules.on, rules.off]), (Quantity::Shown, wanted), "{law}");
+        assert_eq!((rules.quantity, [rules.on, rules.off]), (Compared::Shown, wanted), "{law}");
         // Any channel has ohms, and their default.
         let rules = with_law(&law, "on-below = '5 kohm'").triggers().unwrap()[0].rules;
-        assert_eq!((rules.quantity, rules.on, rules.off), (Quantity::Resistance, 5e3, 6.25e3), "{law}");
+        assert_eq!((rules.quantity, rules.on, rules.off), (Compared::Resistance, 5e3, 6.25e3), "{law}");
     }
 }
 
@@ -173,12 +173,12 @@ fn outputs_are_lines_of_their_own() {
 fn what_is_left_out_follows_from_the_circuit() {
     let thumb = |line: &'static str| rules(move |c| c.lines("channel.thumb", line));
     let up = thumb("on-above = '2 N'");
-    assert_eq!((up.quantity, up.on, up.off, up.hold), (Quantity::Shown, 2.0, 1.6, Nanos::ZERO));
+    assert_eq!((up.quantity, up.on, up.off, up.hold), (Compared::Shown, 2.0, 1.6, Nanos::ZERO));
     // Three cycles of which each takes 67.1 ms at most: the prediction of the good configuration.
     assert!((up.stale.as_seconds() - 3.0 * 0.0671).abs() < 0.0005, "{:?}", up.stale);
     let down = thumb("on-below = '2 kohm'\nhold = '20 ms'\nstale = '1 s'");
-    let expected = Rules {
-        quantity: Quantity::Resistance,
+    let expected = TriggerRules {
+        quantity: Compared::Resistance,
         on: 2e3,
         off: 2.5e3,
         hold: Nanos(20_000_000),

@@ -24,19 +24,17 @@ fn seen(scene: &Scene, settings: &Settings, r_ohm: f64, seed: u64) -> [f64; 3] {
     let pins = SimPins::new(&scene, Some(crate::seed::seed(seed)));
     let mut instrument = Instrument::new(pins, settings.clone());
     let (mut errors, mut us, mut first, mut last) = (Vec::new(), Vec::new(), None, Nanos::ZERO);
+    warm_up(&mut instrument, settings).unwrap();
     while errors.len() < 100 {
-        let is_warm = instrument.cycle().offset_is_known() && instrument.pins().now() > WARM;
         instrument
-            .step(&mut |message| match message {
-                Message::Reading(reading) if is_warm => {
-                    first.get_or_insert(reading.at);
-                    last = reading.at;
-                    if let Status::Ok { r_ohm: found, .. } = reading.status {
-                        errors.push(found.value - r_ohm);
-                        us.push(found.u.unwrap());
-                    }
+            .step(&mut |message| {
+                let Message::Reading(reading) = message else { return };
+                first.get_or_insert(reading.at);
+                last = reading.at;
+                if let Status::Ok { r_ohm: found, .. } = reading.status {
+                    errors.push(found.value - r_ohm);
+                    us.push(found.u.unwrap());
                 }
-                _ => {}
             })
             .unwrap();
     }
@@ -80,7 +78,8 @@ fn rms(values: &[f64]) -> f64 {
 #[test]
 fn errors_count_where_they_refute_what_is_stated_by_more_than_chance() {
     let refuted = |squares: &[f64]| {
-        let board = |square: &f64| Rehearsed { numbers: 10, errors: 10.0 * square, ..Rehearsed::default() };
+        let board =
+            |square: &f64| RehearsalSum { numbers: 10, errors: 10.0 * square, ..RehearsalSum::default() };
         refuted_by(&squares.iter().map(board).collect::<Vec<_>>(), 1.0)
     };
     assert_eq!(refuted(&[4.0, 5.0, 4.0, 3.0]), Some(4.0));

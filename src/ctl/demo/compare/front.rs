@@ -2,20 +2,14 @@
 //! drawn with letters.
 
 use super::super::board::Board;
+use crate::ctl::limits::{COUNTED_S, MEANS_S, REST, WARM};
 use crate::instrument::{Instrument, Message};
 use crate::pins::Pins;
 use crate::reading::{Method, Status};
 use crate::units::sample::{mean, rms};
-use crate::units::{Nanos, Ohm, Seconds, rounded};
+use crate::units::{Nanos, Seconds, rounded};
 use console::style;
 
-/// Where the sensor rests.
-const REST: Ohm = Ohm(1000.0);
-/// From when on readings count, and for how long.
-const WARM: Nanos = Nanos(4_000_000_000);
-const COUNTED_S: f64 = 30.0;
-/// Means over so long, where they are means at all.
-const MEANS_S: [f64; 3] = [0.01, 0.1, 1.0];
 /// The chart, in columns and rows without its margins.
 const COLUMNS: usize = 54;
 const ROWS: usize = 11;
@@ -89,23 +83,12 @@ pub fn lines(fronts: &[Front], width: usize, unicode: bool) -> Vec<String> {
             |(seconds, rms): &(f64, f64)| format!("{:>4} in {:.2}", rounded(*rms, 2), Seconds(*seconds));
         let single = front.points.first().map(in_time).unwrap_or_default();
         let mean = front.points.last().filter(|_| front.points.len() > 1).map(in_time);
-        let (letter, name) = (letter(front.method), front.method.as_str());
+        let (letter, name) = (front.method.rules().letter, front.method.as_str());
         let text = format!(" {letter} {name:<8}{single:<14} {}", mean.unwrap_or_default());
         lines.push(if front.method.is_tracked() { style(text).bold().to_string() } else { text });
     }
     lines.push(" ohm: each reading, and the longest mean".to_owned());
     lines
-}
-
-/// Capitals that differ.
-fn letter(method: Method) -> char {
-    match method {
-        Method::Tpcm => 'P',
-        Method::Qerm => 'Q',
-        Method::Tcdic => 'D',
-        Method::Cerm => 'C',
-        Method::Tracked => 'T',
-    }
 }
 
 /// Both axes logarithmic, whole decades.
@@ -131,7 +114,7 @@ fn chart(fronts: &[Front], columns: usize, unicode: bool) -> Vec<String> {
     for front in fronts {
         for (seconds, rms) in &front.points {
             let row = ROWS - 1 - place(*rms, [bottom, top], ROWS);
-            cells[row][place(*seconds, [left, right], columns)] = letter(front.method);
+            cells[row][place(*seconds, [left, right], columns)] = front.method.rules().letter;
         }
     }
     let (wall, corner, floor) = if unicode { ('│', '└', '─') } else { ('|', '+', '-') };

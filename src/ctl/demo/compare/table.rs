@@ -1,5 +1,6 @@
 //! What each method reads now, a line each: value with its uncertainty, how far it is off, how many a second.
 
+use crate::ctl::limits::RATE_WINDOW;
 use crate::reading::{Measured, Method, Reading, Status};
 use crate::units::{Nanos, measured, rough, rounded};
 use console::{Style, style};
@@ -7,11 +8,9 @@ use std::collections::VecDeque;
 
 /// From this width on there are units and a status.
 const WIDE: usize = 70;
-/// Readings per second are counted over so long.
-const RATE_WINDOW: Nanos = Nanos(2_000_000_000);
 
 /// One method.
-pub struct Row {
+pub struct MethodRow {
     method: Method,
     last: Option<(Status, Option<f64>)>,
     times: VecDeque<Nanos>,
@@ -27,9 +26,9 @@ pub fn head(width: usize) -> String {
     style(head).dim().to_string()
 }
 
-impl Row {
-    pub fn new(method: Method) -> Row {
-        Row { method, last: None, times: VecDeque::new() }
+impl MethodRow {
+    pub fn new(method: Method) -> MethodRow {
+        MethodRow { method, last: None, times: VecDeque::new() }
     }
 
     /// One more; `truth`: R_x at its time, ohm.

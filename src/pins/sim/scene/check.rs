@@ -45,14 +45,14 @@ impl<V: Value> Value for Option<V> {
 }
 
 /// A value with its key in a table.
-type Row<'a> = (&'a str, &'a dyn Value);
+type KeyedValue<'a> = (&'a str, &'a dyn Value);
 
 /// The key, and what is wrong and what to do, unless `holds`.
 fn demand(holds: bool, key: impl Display, otherwise: impl Display) -> Result<(), String> {
     if holds { Ok(()) } else { Err(format!("{key}: {otherwise}")) }
 }
 
-fn all(range: Range, table: &str, rows: &[Row]) -> Result<(), String> {
+fn all(range: Range, table: &str, rows: &[KeyedValue]) -> Result<(), String> {
     rows.iter().try_for_each(|(key, value)| {
         demand(value.si().is_none_or(range.0), format!("{table}.{key}"), range.1)
     })
@@ -84,7 +84,7 @@ impl NodeScene {
         if let Some(threshold) = self.threshold {
             threshold.check(&format!("{key}.threshold"), v_dd)?;
         }
-        let resistances: &[Row] = &[
+        let resistances: &[KeyedValue] = &[
             ("leakage-resistance", &self.leakage_resistance),
             ("pull-up", &self.pull_up),
             ("pull-down", &self.pull_down),
@@ -137,12 +137,12 @@ impl Sensor {
 
 impl CircuitScene {
     fn check(&self) -> Result<(), String> {
-        let capacitors: &[Row] = &[("c-a", &self.c_a), ("c-b", &self.c_b), ("c", &self.c)];
+        let capacitors: &[KeyedValue] = &[("c-a", &self.c_a), ("c-b", &self.c_b), ("c", &self.c)];
         all(POSITIVE, "circuit", capacitors)?;
         let wanted = if self.kind == Kind::TwoCapacitor { "c-a and c-b" } else { "c" };
         let missing = format!("has to have {wanted}: {} is its kind", self.kind);
         demand(self.network().is_some(), "circuit", missing)?;
-        let values: &[Row] =
+        let values: &[KeyedValue] =
             &[("v-dd", &self.v_dd), ("r-c1", &self.r_c1), ("r-c2", &self.r_c2), ("r-o", &self.r_o)];
         all(POSITIVE, "circuit", values)?;
         all(NOT_NEGATIVE, "circuit", &[("r-p", &self.r_p)])?;
@@ -191,12 +191,13 @@ impl Scene {
             }
         }
         if let Some(calls) = &self.calls {
-            let values: &[Row] =
+            let values: &[KeyedValue] =
                 &[("fixed", &calls.fixed), ("per-line", &calls.per_line), ("jitter", &calls.jitter)];
             all(LATE, "calls", values)?;
             tail("calls", calls.tail_probability, calls.tail_mean)?;
             together("calls", "asleep-after and wakes-in", calls.asleep_after, calls.wakes_in)?;
-            let values: &[Row] = &[("asleep-after", &calls.asleep_after), ("wakes-in", &calls.wakes_in)];
+            let values: &[KeyedValue] =
+                &[("asleep-after", &calls.asleep_after), ("wakes-in", &calls.wakes_in)];
             all(POSITIVE, "calls", values)?;
             all(LATE, "calls", &values[1..])?;
             let is_ordered =
@@ -218,7 +219,7 @@ impl Scene {
         all(LATE, "events", &[("bounce", &events.bounce), ("b-later", &events.b_later)])?;
         let keys = "deep-sleep-after and deep-sleep-late";
         together("events", keys, events.deep_sleep_after, events.deep_sleep_late)?;
-        let sleeps: &[Row] =
+        let sleeps: &[KeyedValue] =
             &[("deep-sleep-after", &events.deep_sleep_after), ("deep-sleep-late", &events.deep_sleep_late)];
         all(POSITIVE, "events", sleeps)?;
         all(LATE, "events", &sleeps[1..])?;

@@ -10,7 +10,7 @@ use std::time::Duration;
 
 /// The last word. Its size is that of the daemon's list of channels.
 #[derive(Debug)]
-pub struct Board {
+pub struct Latest {
     /// A reading is fresh for so long.
     patience: Nanos,
     version: Option<VersionLine>,
@@ -19,13 +19,13 @@ pub struct Board {
     events: BTreeMap<String, EventLine>,
 }
 
-impl Board {
-    pub fn new(patience: Duration) -> Board {
-        Board::empty(Nanos::from_seconds(patience.as_secs_f64()))
+impl Latest {
+    pub fn new(patience: Duration) -> Latest {
+        Latest::empty(Nanos::from_seconds(patience.as_secs_f64()))
     }
 
-    fn empty(patience: Nanos) -> Board {
-        Board { patience, version: None, stats: None, readings: BTreeMap::new(), events: BTreeMap::new() }
+    fn empty(patience: Nanos) -> Latest {
+        Latest { patience, version: None, stats: None, readings: BTreeMap::new(), events: BTreeMap::new() }
     }
 
     pub fn hear(&mut self, heard: &Heard) {
@@ -47,7 +47,7 @@ impl Board {
                 }
             }
             Heard::Stats(stats, _) => self.stats = Some((**stats).clone()),
-            Heard::Down => *self = Board::empty(self.patience),
+            Heard::Down => *self = Latest::empty(self.patience),
             Heard::Nothing => {}
         }
     }
@@ -121,8 +121,8 @@ pub(super) mod tests {
         StateLine { status: StatusName::Ok, r_ohm: Some(r_ohm), r_u_ohm: Some(1.2), ..StateLine::default() }
     }
 
-    fn told(board: &Board, now: i64) -> Vec<(&str, Option<f64>)> {
-        board
+    fn told(latest: &Latest, now: i64) -> Vec<(&str, Option<f64>)> {
+        latest
             .fresh(Nanos(now))
             .map(|(channel, reading)| (&*channel.id, reading.and_then(|reading| reading.state.r_ohm)))
             .collect()
@@ -130,34 +130,34 @@ pub(super) mod tests {
 
     #[test]
     fn a_reading_is_told_while_it_is_fresh_and_its_daemon_there() {
-        let mut board = Board::new(Duration::from_nanos(10));
-        board.hear(&reading("thumb", 100, ok(1.0)));
-        assert!(told(&board, 100).is_empty(), "of a channel that nobody has announced");
-        board.hear(&up(&["thumb", "index"]));
-        board.hear(&reading("thumb", 100, ok(1.0)));
-        board.hear(&reading("index", 105, ok(2.0)));
-        assert_eq!(told(&board, 110), [("thumb", Some(1.0)), ("index", Some(2.0))]);
-        assert_eq!(told(&board, 111), [("thumb", None), ("index", Some(2.0))]);
-        board.hear(&up(&["index"]));
-        assert_eq!(told(&board, 111), [("index", None)], "of the calibration before");
-        board.hear(&Heard::Down);
-        assert!(told(&board, 111).is_empty() && board.version().is_none());
-        board.hear(&up(&["index"]));
-        assert_eq!(told(&board, 111), [("index", None)], "of before the outage");
-        board.hear(&reading("index", 112, ok(3.0)));
-        assert_eq!(told(&board, 122), [("index", Some(3.0))], "the patience is that of before");
+        let mut latest = Latest::new(Duration::from_nanos(10));
+        latest.hear(&reading("thumb", 100, ok(1.0)));
+        assert!(told(&latest, 100).is_empty(), "of a channel that nobody has announced");
+        latest.hear(&up(&["thumb", "index"]));
+        latest.hear(&reading("thumb", 100, ok(1.0)));
+        latest.hear(&reading("index", 105, ok(2.0)));
+        assert_eq!(told(&latest, 110), [("thumb", Some(1.0)), ("index", Some(2.0))]);
+        assert_eq!(told(&latest, 111), [("thumb", None), ("index", Some(2.0))]);
+        latest.hear(&up(&["index"]));
+        assert_eq!(told(&latest, 111), [("index", None)], "of the calibration before");
+        latest.hear(&Heard::Down);
+        assert!(told(&latest, 111).is_empty() && latest.version().is_none());
+        latest.hear(&up(&["index"]));
+        assert_eq!(told(&latest, 111), [("index", None)], "of before the outage");
+        latest.hear(&reading("index", 112, ok(3.0)));
+        assert_eq!(told(&latest, 122), [("index", Some(3.0))], "the patience is that of before");
     }
     #[test]
     fn what_is_pressed_is_so_until_the_daemon_says_otherwise() {
-        let mut board = Board::new(Duration::from_nanos(10));
-        board.hear(&up(&["thumb", "index"]));
-        board.hear(&event("thumb", EventName::Pressed, None));
-        board.hear(&event("nobody", EventName::Pressed, None));
-        board.hear(&event("index", EventName::Released, None));
-        assert_eq!(board.pressed().collect::<Vec<_>>(), [("index", false), ("thumb", true)]);
-        board.hear(&event("thumb", EventName::Released, Some("stale")));
-        assert_eq!(board.pressed().collect::<Vec<_>>(), [("index", false)], "not known");
-        board.hear(&up(&["index"]));
-        assert_eq!(board.pressed().count(), 0);
+        let mut latest = Latest::new(Duration::from_nanos(10));
+        latest.hear(&up(&["thumb", "index"]));
+        latest.hear(&event("thumb", EventName::Pressed, None));
+        latest.hear(&event("nobody", EventName::Pressed, None));
+        latest.hear(&event("index", EventName::Released, None));
+        assert_eq!(latest.pressed().collect::<Vec<_>>(), [("index", false), ("thumb", true)]);
+        latest.hear(&event("thumb", EventName::Released, Some("stale")));
+        assert_eq!(latest.pressed().collect::<Vec<_>>(), [("index", false)], "not known");
+        latest.hear(&up(&["index"]));
+        assert_eq!(latest.pressed().count(), 0);
     }
 }
