@@ -1,6 +1,7 @@
 //! The estimator: the calibration that is in force, uncertainty by propagation, and the states of a reading.
 
 use crate::circuit::Node;
+use crate::estimate::leak::LeakTest;
 use crate::estimate::limits::{BEYOND_NOISE, UNTOLD_SWITCH_NS};
 use crate::estimate::mean::Basis;
 use crate::estimate::method::tracked::{self, Observed};
@@ -55,13 +56,10 @@ pub struct Estimator {
     noise: Noise,
     c1: Option<[f64; 2]>,
     c2: Option<[f64; 2]>,
-    /// What leaks, as far as that is known, and whether it has been seen to.
-    leak_siemens: f64,
-    leak_shows: bool,
-    /// There has been no look for one yet.
-    leak_is_prior: bool,
-    /// By which share of their time discharges are longer after a rest; 0 where that does not show.
-    absorbed: f64,
+    /// What leaks, as far as looks have told; `None` where leaks are left out.
+    leak: Option<LeakTest>,
+    /// By which share of their time discharges are longer after a rest, if that shows.
+    absorbed: Option<f64>,
     /// With it, c1 and c2 are only used until it is ready.
     tracker: Option<Tracker>,
 }
@@ -80,10 +78,8 @@ impl Estimator {
             noise,
             c1: None,
             c2: None,
-            leak_siemens: 0.0,
-            leak_shows: false,
-            leak_is_prior: false,
-            absorbed: 0.0,
+            leak: None,
+            absorbed: None,
             tracker: None,
         }
     }
@@ -139,8 +135,7 @@ impl Estimator {
 
     /// Ro as far as it is known, ohm: before there is a tracked state, too.
     pub fn r_o_ohm(&self) -> Option<f64> {
-        let known = self.offset().r_o_ohm.map(|(ohm, _)| ohm);
-        known.or_else(|| self.tracker.as_ref()?.rough_r_o_ohm())
+        self.offset().r_o().or_else(|| self.tracker.as_ref()?.rough_r_o_ohm())
     }
 
     /// Puts another offset in force.
@@ -269,7 +264,8 @@ impl Estimator {
         let is_untold = *branch == Branch::Inferred && self.told_switch_ns(record).is_none();
         let by_offset = r_ohm.u.map_or(0.0, |u| u * u - basis.own);
         let is_early = self.offset().is_unknown() && by_offset > basis.own;
-        is_untold || is_early || self.leak_is_prior || !self.noise().is_known()
+        let is_unseen = self.leak.as_ref().is_some_and(|leak| !leak.is_known());
+        is_untold || is_early || is_unseen || !self.noise().is_known()
     }
 
     /// The times of an estimate, and which equation is to be used.

@@ -53,9 +53,9 @@ impl Offset {
         self.r_o_ohm.is_none() && self.u_d_ns >= UNKNOWN_OFFSET_NS
     }
 
-    /// Ro, ohm; 0 where it is not known.
-    pub fn r_o(&self) -> f64 {
-        self.r_o_ohm.map_or(0.0, |(r_o_ohm, _)| r_o_ohm)
+    /// Ro, ohm.
+    pub fn r_o(&self) -> Option<f64> {
+        self.r_o_ohm.map(|(r_o_ohm, _)| r_o_ohm)
     }
 
     /// The variance of d but for the error that all switches have in common, ns²; `u_common_ns`: the uncertainty of that.

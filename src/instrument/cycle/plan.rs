@@ -82,7 +82,7 @@ impl Memory {
             // Where it is by now is known well enough for a plan.
             Status::Fault(Fault::Unsettled) => {
                 self.restless = 1.0;
-                self.r_ohm = self.motion.last_ohm().map(|r_ohm| r_ohm - estimator.offset().r_o());
+                self.r_ohm = self.motion.last_ohm(estimator.offset().r_o());
             }
             // One spike says nothing about the sensor.
             Status::Fault(Fault::LatencyOutlier | Fault::WideBracket) => {}
