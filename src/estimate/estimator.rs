@@ -263,7 +263,7 @@ impl Estimator {
     fn is_settling(&self, record: &Record, Estimate { branch, r_ohm, basis }: &Estimate) -> bool {
         let is_untold = *branch == Branch::Inferred && self.told_switch_ns(record).is_none();
         let by_offset = r_ohm.u.map_or(0.0, |u| u * u - basis.own);
-        let is_early = self.offset().is_unknown() && by_offset > basis.own;
+        let is_early = self.offset().is_prior && by_offset > basis.own;
         let is_unseen = self.leak.as_ref().is_some_and(|leak| !leak.is_known());
         is_untold || is_early || is_unseen || !self.noise().is_known()
     }

@@ -35,6 +35,8 @@ pub struct Offset {
     pub scatter: SwitchScatter,
     /// By how much d changes with an error that all switches have in common.
     pub by_switch: f64,
+    /// It is still to be found: d and its uncertainty are what boards have.
+    pub is_prior: bool,
 }
 
 impl Offset {
@@ -45,12 +47,7 @@ impl Offset {
 
     /// One that is still to be found.
     pub fn unknown() -> Offset {
-        Offset { u_d_ns: UNKNOWN_OFFSET_NS, ..Offset::default() }
-    }
-
-    /// Whether it is still to be found.
-    pub fn is_unknown(&self) -> bool {
-        self.r_o_ohm.is_none() && self.u_d_ns >= UNKNOWN_OFFSET_NS
+        Offset { u_d_ns: UNKNOWN_OFFSET_NS, is_prior: true, ..Offset::default() }
     }
 
     /// Ro, ohm.
