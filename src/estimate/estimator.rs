@@ -11,7 +11,7 @@ use crate::estimate::noise::{Covariance, Noise};
 use crate::estimate::offset::Offset;
 use crate::estimate::tracker::Tracker;
 use crate::reading::{Branch, Fault, Measured, Method};
-use crate::record::{CalibrationKind, Record, UNLIKE_CALLS};
+use crate::record::{CalibrationKind, Crossings, Record, UNLIKE_CALLS};
 use crate::units::Nanos;
 use covariances::Covariances;
 use dual::Dual;
@@ -54,8 +54,8 @@ pub struct Estimator {
     nodes: usize,
     offset: Offset,
     noise: Noise,
-    c1: Option<[f64; 2]>,
-    c2: Option<[f64; 2]>,
+    c1: Option<Crossings>,
+    c2: Option<Crossings>,
     /// What leaks, as far as looks have told; `None` where leaks are left out.
     leak: Option<LeakTest>,
     /// By which share of their time discharges are longer after a rest, if that shows.
@@ -148,15 +148,11 @@ impl Estimator {
         self.tracker().map_or(&self.noise, Tracker::noise)
     }
 
-    /// The crossings of the calibration discharges in force.
-    pub fn calibration(&self) -> Option<([f64; 2], [f64; 2])> {
-        match self.tracker() {
-            Some(tracker) => {
-                let [c1, c2] = tracker.calibration().map(|crossings| crossings.map(|crossing| crossing.ns));
-                Some((c1, c2))
-            }
-            None => self.c1.zip(self.c2),
-        }
+    /// The crossings of the calibration discharges in force, of the nodes that there are.
+    pub fn calibration(&self) -> Option<(Crossings, Crossings)> {
+        let Some(tracker) = self.tracker() else { return self.c1.zip(self.c2) };
+        let [c1, c2] = tracker.calibration().map(|of| self.existing(of.map(|crossing| Some(crossing.ns))));
+        Some((c1, c2))
     }
 
     /// Takes a calibration discharge.
@@ -275,9 +271,12 @@ impl Estimator {
         let noise = self.noise().covariance(c1).unwrap_or_default();
         let close = BEYOND_NOISE * noise.aa.max(noise.bb).sqrt();
         let d = self.offset().d_ns;
-        let ordered = (0..self.nodes).all(|node| c2[node] > c1[node] + close && c1[node] > d - close);
-        let nodes_ordered = self.nodes == 1 || (c1[1] > c1[0] - close && c2[1] > c2[0] - close);
-        if !ordered || !nodes_ordered {
+        let follow = |[first, second]: [Option<f64>; 2], by: f64| {
+            first.zip(second).is_none_or(|(first, second)| second > first + by)
+        };
+        let ordered =
+            (0..2).all(|node| follow([c1[node], c2[node]], close) && follow([Some(d), c1[node]], -close));
+        if !ordered || !follow(c1, -close) || !follow(c2, -close) {
             return Err(Fault::Implausible);
         }
         let last = record.crossing(self.last()).ok_or(Fault::MissedEdge)?;
@@ -295,7 +294,6 @@ impl Estimator {
             return Err(Fault::Implausible);
         }
         let switch = switch.map(|switch| Switched { at: switch.at_ns, on: switch.on_ns });
-        let [c1, c2] = [c1, c2].map(|crossings| self.existing(crossings.map(Some)));
         let [c1, c2, x] = [c1, c2, x].map(|[a, b]| [a, b.map(|b| b - self.offset().b_later_ns)]);
         Ok((Times { c1, c2, x, switch, beside: record.second_ns, d }, branch))
     }
@@ -316,7 +314,6 @@ impl Estimator {
             Branch::Direct => times.x,
             Branch::Inferred => times.c2,
         };
-        let late = late.map(|crossing| crossing.unwrap_or(0.0));
         let u_switch_ns = self.u_switch_ns(record, branch);
         let covariances = self.covariances(late, u_switch_ns, record.later_ns.unwrap_or(0.0));
         let u = |of: &Dual| covariances.as_ref().map(|covariances| covariances.of(&of.by).sqrt());
@@ -332,7 +329,7 @@ impl Estimator {
 
     /// The covariances of all times; `late` are the crossings that a discharge only through the resistor that ran last
     /// would have. `later_ns`: as in [`Record::later_ns`].
-    fn covariances(&self, late: [f64; 2], u_switch_ns: f64, later_ns: f64) -> Option<Covariances<'_>> {
+    fn covariances(&self, late: Crossings, u_switch_ns: f64, later_ns: f64) -> Option<Covariances<'_>> {
         let (c1, c2) = self.calibration()?;
         let offset = self.offset();
         let at = offset.scatter.u_ns(u_switch_ns).hypot(later_ns);

@@ -50,14 +50,15 @@ impl Estimator {
         }
         let (c1, c2) = self.calibration()?;
         let span = self.r2_ohm - self.r1_ohm;
-        let per_ohm = (c2[0] - c1[0]) / span;
+        let (c1_ns, c2_ns) = (c1[0]?, c2[0]?);
+        let per_ohm = (c2_ns - c1_ns) / span;
         if per_ohm <= 0.0 {
             return None;
         }
         let jitter_ns = self.noise.covariance(c2).map_or(UNKNOWN_JITTER_NS, |noise| noise.aa.sqrt());
         let u_ns = jitter_ns * self.r2_ohm.hypot(self.r1_ohm) / span;
         let unknown_ns = if self.offset.r_o_ohm.is_some() { 0.0 } else { LATEST_STAMP_NS };
-        Some(((c1[0] - self.offset.d_ns) / per_ohm - self.r1_ohm, u_ns / per_ohm, unknown_ns / per_ohm))
+        Some(((c1_ns - self.offset.d_ns) / per_ohm - self.r1_ohm, u_ns / per_ohm, unknown_ns / per_ohm))
     }
 
     /// The same estimate less what a leak that shows has made of it; that, or what one that does not show may have made of it,

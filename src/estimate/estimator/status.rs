@@ -40,11 +40,12 @@ impl Estimator {
     /// The lowest resistance that leaves the last node above its threshold for `waited_ns`, ohm.
     fn bound_ohm(&self, waited_ns: f64) -> Option<f64> {
         let (c1, c2) = self.calibration()?;
-        let node = self.last().index();
+        let last = self.last().index();
+        let (c1_ns, c2_ns) = (c1[last]?, c2[last]?);
         // While R_2 sinks too, the sensor's own part of the way is what R_2 has left over.
         let beside = self.method.rules().sinks_beside;
-        let x_ns = if beside { 1.0 / (1.0 / waited_ns - 1.0 / c2[node]) } else { waited_ns };
-        let ratio = (x_ns - c1[node]) / (c2[node] - c1[node]);
+        let x_ns = if beside { 1.0 / (1.0 / waited_ns - 1.0 / c2_ns) } else { waited_ns };
+        let ratio = (x_ns - c1_ns) / (c2_ns - c1_ns);
         let r_ohm = self.r1_ohm + ratio * (self.r2_ohm - self.r1_ohm);
         (r_ohm.is_finite() && r_ohm > 0.0).then_some(r_ohm)
     }
@@ -59,7 +60,7 @@ impl Estimator {
         let (_, c2) = self.calibration()?;
         let (node, late) = (self.last(), self.noise().covariance(c2)?.aa);
         let certain_ns = self.method.rules().certain_ns;
-        self.bound_ohm(certain_ns(record.crossing(node)?, c2[node.index()], late)?)
+        self.bound_ohm(certain_ns(record.crossing(node)?, c2[node.index()]?, late)?)
     }
 
     /// What is known about the sensor after an x discharge alone.
