@@ -326,7 +326,8 @@ impl Motion {
         let square = between.max(inside);
         // A sine about a mean bends so much; what readings follow bends as they do.
         let sine = square / spread;
-        let bend = if inside > FOLLOWED * between { sine } else { sine.min(bend(self.sound())) };
+        let followed = bend(self.sound()).filter(|_| inside <= FOLLOWED * between);
+        let bend = followed.map_or(sine, |bend| sine.min(bend));
         1e-18 * (bend * evidence.bend_ns2 + square * (evidence.bend_ns2 + evidence.apart_ns2))
     }
 
