@@ -94,23 +94,27 @@ pub struct Record {
     pub waited_ns: Option<f64>,
 }
 
+/// The crossings of A and B, ns; `None` for a node that there is not, or that was not seen.
+pub type Crossings = [Option<f64>; 2];
+
 impl Record {
     /// The crossings of A and B, ns.
-    pub fn crossings(&self) -> [Option<f64>; 2] {
+    pub fn crossings(&self) -> Crossings {
         [self.a_ns, self.b_ns]
     }
 
     /// The crossings of a discharge that came to its end, in a circuit with so many nodes: that of A, and that of B if B was
     /// waited for. `None` if a node was waited for in vain.
-    pub fn ended(&self, nodes: usize) -> Option<[Option<f64>; 2]> {
+    pub fn ended(&self, nodes: usize) -> Option<Crossings> {
         let b_ns = self.b_ns.filter(|_| nodes == 2);
         let in_vain = nodes == 2 && b_ns.is_none() && self.waited_ns.is_some();
         self.a_ns.filter(|_| !in_vain).map(|a_ns| [Some(a_ns), b_ns])
     }
 
-    /// The crossings in a circuit with so many nodes, if all of them were seen; B is 0 where there is no B.
-    pub fn complete(&self, nodes: usize) -> Option<[f64; 2]> {
-        Some([self.a_ns?, if nodes == 2 { self.b_ns? } else { 0.0 }])
+    /// The crossings of the nodes of a circuit with so many, if all of them were seen.
+    pub fn complete(&self, nodes: usize) -> Option<Crossings> {
+        let b_ns = if nodes == 2 { Some(self.b_ns?) } else { None };
+        Some([Some(self.a_ns?), b_ns])
     }
 
     /// Which calibration discharge it is, if it is one.

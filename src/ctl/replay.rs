@@ -140,14 +140,15 @@ impl Replay {
     }
 }
 
+/// What the tape does not tell of it is as of a given one.
 fn of_header(d_ns: f64, known: &TapeOffset) -> Offset {
+    let given = Offset::given(d_ns);
     Offset {
-        d_ns,
-        u_d_ns: known.offset_u_ns.unwrap_or(0.0),
+        u_d_ns: known.offset_u_ns.unwrap_or(given.u_d_ns),
         r_o_ohm: known.r_o_ohm.zip(known.r_o_u_ohm),
         scatter: known.switch_u_ns.map(SwitchScatter::of).unwrap_or_default(),
-        by_switch: known.offset_by_switch.unwrap_or(0.0),
-        ..Offset::default()
+        by_switch: known.offset_by_switch.unwrap_or(given.by_switch),
+        ..given
     }
 }
 

@@ -1,6 +1,7 @@
 //! The estimator: the calibration that is in force, uncertainty by propagation, and the states of a reading.
 
 use crate::circuit::Node;
+use crate::estimate::leak::LeakTest;
 use crate::estimate::limits::{BEYOND_NOISE, UNTOLD_SWITCH_NS};
 use crate::estimate::mean::Basis;
 use crate::estimate::method::tracked::{self, Observed};
@@ -10,7 +11,7 @@ use crate::estimate::noise::{Covariance, Noise};
 use crate::estimate::offset::Offset;
 use crate::estimate::tracker::Tracker;
 use crate::reading::{Branch, Fault, Measured, Method};
-use crate::record::{CalibrationKind, Record, UNLIKE_CALLS};
+use crate::record::{CalibrationKind, Crossings, Record, UNLIKE_CALLS};
 use crate::units::Nanos;
 use covariances::Covariances;
 use dual::Dual;
@@ -53,15 +54,12 @@ pub struct Estimator {
     nodes: usize,
     offset: Offset,
     noise: Noise,
-    c1: Option<[f64; 2]>,
-    c2: Option<[f64; 2]>,
-    /// What leaks, as far as that is known, and whether it has been seen to.
-    leak_siemens: f64,
-    leak_shows: bool,
-    /// There has been no look for one yet.
-    leak_is_prior: bool,
-    /// By which share of their time discharges are longer after a rest; 0 where that does not show.
-    absorbed: f64,
+    c1: Option<Crossings>,
+    c2: Option<Crossings>,
+    /// What leaks, as far as looks have told; `None` where leaks are left out.
+    leak: Option<LeakTest>,
+    /// By which share of their time discharges are longer after a rest, if that shows.
+    absorbed: Option<f64>,
     /// With it, c1 and c2 are only used until it is ready.
     tracker: Option<Tracker>,
 }
@@ -80,10 +78,8 @@ impl Estimator {
             noise,
             c1: None,
             c2: None,
-            leak_siemens: 0.0,
-            leak_shows: false,
-            leak_is_prior: false,
-            absorbed: 0.0,
+            leak: None,
+            absorbed: None,
             tracker: None,
         }
     }
@@ -139,8 +135,7 @@ impl Estimator {
 
     /// Ro as far as it is known, ohm: before there is a tracked state, too.
     pub fn r_o_ohm(&self) -> Option<f64> {
-        let known = self.offset().r_o_ohm.map(|(ohm, _)| ohm);
-        known.or_else(|| self.tracker.as_ref()?.rough_r_o_ohm())
+        self.offset().r_o().or_else(|| self.tracker.as_ref()?.rough_r_o_ohm())
     }
 
     /// Puts another offset in force.
@@ -153,15 +148,11 @@ impl Estimator {
         self.tracker().map_or(&self.noise, Tracker::noise)
     }
 
-    /// The crossings of the calibration discharges in force.
-    pub fn calibration(&self) -> Option<([f64; 2], [f64; 2])> {
-        match self.tracker() {
-            Some(tracker) => {
-                let [c1, c2] = tracker.calibration().map(|crossings| crossings.map(|crossing| crossing.ns));
-                Some((c1, c2))
-            }
-            None => self.c1.zip(self.c2),
-        }
+    /// The crossings of the calibration discharges in force, of the nodes that there are.
+    pub fn calibration(&self) -> Option<(Crossings, Crossings)> {
+        let Some(tracker) = self.tracker() else { return self.c1.zip(self.c2) };
+        let [c1, c2] = tracker.calibration().map(|of| self.existing(of.map(|crossing| Some(crossing.ns))));
+        Some((c1, c2))
     }
 
     /// Takes a calibration discharge.
@@ -268,8 +259,9 @@ impl Estimator {
     fn is_settling(&self, record: &Record, Estimate { branch, r_ohm, basis }: &Estimate) -> bool {
         let is_untold = *branch == Branch::Inferred && self.told_switch_ns(record).is_none();
         let by_offset = r_ohm.u.map_or(0.0, |u| u * u - basis.own);
-        let is_early = self.offset().is_unknown() && by_offset > basis.own;
-        is_untold || is_early || self.leak_is_prior || !self.noise().is_known()
+        let is_early = self.offset().is_prior && by_offset > basis.own;
+        let is_unseen = self.leak.as_ref().is_some_and(|leak| !leak.is_known());
+        is_untold || is_early || is_unseen || !self.noise().is_known()
     }
 
     /// The times of an estimate, and which equation is to be used.
@@ -279,9 +271,12 @@ impl Estimator {
         let noise = self.noise().covariance(c1).unwrap_or_default();
         let close = BEYOND_NOISE * noise.aa.max(noise.bb).sqrt();
         let d = self.offset().d_ns;
-        let ordered = (0..self.nodes).all(|node| c2[node] > c1[node] + close && c1[node] > d - close);
-        let nodes_ordered = self.nodes == 1 || (c1[1] > c1[0] - close && c2[1] > c2[0] - close);
-        if !ordered || !nodes_ordered {
+        let follow = |[first, second]: [Option<f64>; 2], by: f64| {
+            first.zip(second).is_none_or(|(first, second)| second > first + by)
+        };
+        let ordered =
+            (0..2).all(|node| follow([c1[node], c2[node]], close) && follow([Some(d), c1[node]], -close));
+        if !ordered || !follow(c1, -close) || !follow(c2, -close) {
             return Err(Fault::Implausible);
         }
         let last = record.crossing(self.last()).ok_or(Fault::MissedEdge)?;
@@ -299,7 +294,6 @@ impl Estimator {
             return Err(Fault::Implausible);
         }
         let switch = switch.map(|switch| Switched { at: switch.at_ns, on: switch.on_ns });
-        let [c1, c2] = [c1, c2].map(|crossings| self.existing(crossings.map(Some)));
         let [c1, c2, x] = [c1, c2, x].map(|[a, b]| [a, b.map(|b| b - self.offset().b_later_ns)]);
         Ok((Times { c1, c2, x, switch, beside: record.second_ns, d }, branch))
     }
@@ -320,7 +314,6 @@ impl Estimator {
             Branch::Direct => times.x,
             Branch::Inferred => times.c2,
         };
-        let late = late.map(|crossing| crossing.unwrap_or(0.0));
         let u_switch_ns = self.u_switch_ns(record, branch);
         let covariances = self.covariances(late, u_switch_ns, record.later_ns.unwrap_or(0.0));
         let u = |of: &Dual| covariances.as_ref().map(|covariances| covariances.of(&of.by).sqrt());
@@ -336,7 +329,7 @@ impl Estimator {
 
     /// The covariances of all times; `late` are the crossings that a discharge only through the resistor that ran last
     /// would have. `later_ns`: as in [`Record::later_ns`].
-    fn covariances(&self, late: [f64; 2], u_switch_ns: f64, later_ns: f64) -> Option<Covariances<'_>> {
+    fn covariances(&self, late: Crossings, u_switch_ns: f64, later_ns: f64) -> Option<Covariances<'_>> {
         let (c1, c2) = self.calibration()?;
         let offset = self.offset();
         let at = offset.scatter.u_ns(u_switch_ns).hypot(later_ns);

@@ -55,7 +55,7 @@ pub struct Motion {
 
 impl Motion {
     /// Takes an estimate (`r_ohm` with `u_ohm`) of a discharge that began at `start`; answers what the sensor's own change
-    /// adds to its uncertainty.
+    /// adds to its uncertainty. `r_o_ohm`: Ro, if it is known.
     ///
     /// # Errors
     /// [`Fault::LatencyOutlier`] if it contradicts itself as by one late stamp, [`Fault::Unsettled`] if the sensor has
@@ -64,7 +64,7 @@ impl Motion {
         &mut self,
         start: Nanos,
         [r_ohm, u_ohm]: [f64; 2],
-        r_o_ohm: f64,
+        r_o_ohm: Option<f64>,
         evidence: &Evidence,
     ) -> Result<Moved, Fault> {
         let all_ohm = through(r_ohm, r_o_ohm);
@@ -120,7 +120,7 @@ impl Motion {
 
     /// Whether a reading is near the last one, or else near the last that was not: where stamps are often late, two may be late
     /// alike, and only a change that has come twice is one.
-    pub fn repeats(&mut self, [r_ohm, u_ohm]: [f64; 2], r_o_ohm: f64) -> bool {
+    pub fn repeats(&mut self, [r_ohm, u_ohm]: [f64; 2], r_o_ohm: Option<f64>) -> bool {
         let all_ohm = through(r_ohm, r_o_ohm);
         let [z, u] = [all_ohm.ln(), u_ohm / all_ohm];
         let last = self.points().last().map(|point| [point.z, point.u]);
@@ -154,9 +154,9 @@ impl Motion {
         *self = Motion::default();
     }
 
-    /// The last resistance, Ro included, ohm; that of an unsettled reading, too.
-    pub fn last_ohm(&self) -> Option<f64> {
-        self.points().last().map(|point| point.z.exp())
+    /// The last resistance, ohm; that of an unsettled reading, too.
+    pub fn last_ohm(&self, r_o_ohm: Option<f64>) -> Option<f64> {
+        self.points().last().map(|point| point.z.exp() - r_o_ohm.unwrap_or(0.0))
     }
 
     fn points(&self) -> &[Point] {
@@ -326,7 +326,8 @@ impl Motion {
         let square = between.max(inside);
         // A sine about a mean bends so much; what readings follow bends as they do.
         let sine = square / spread;
-        let bend = if inside > FOLLOWED * between { sine } else { sine.min(bend(self.sound())) };
+        let followed = bend(self.sound()).filter(|_| inside <= FOLLOWED * between);
+        let bend = followed.map_or(sine, |bend| sine.min(bend));
         1e-18 * (bend * evidence.bend_ns2 + square * (evidence.bend_ns2 + evidence.apart_ns2))
     }
 
@@ -377,9 +378,9 @@ impl Motion {
     }
 }
 
-/// All that a discharge goes through, whose logarithm there is even where noise has made a sensor negative, ohm.
-fn through(r_ohm: f64, r_o_ohm: f64) -> f64 {
-    (r_ohm + r_o_ohm).max(1e-3)
+/// All that a discharge is known to go through, whose logarithm there is even where noise has made a sensor negative, ohm.
+fn through(r_ohm: f64, r_o_ohm: Option<f64>) -> f64 {
+    (r_ohm + r_o_ohm.unwrap_or(0.0)).max(1e-3)
 }
 
 #[cfg(test)]

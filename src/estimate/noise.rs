@@ -134,11 +134,10 @@ impl Noise {
             CalibrationKind::Second => &mut self.c2,
             CalibrationKind::Split => return Ok(()),
         };
-        let has_b = times[1].is_some();
-        let all = has_b || self.nodes == 1;
+        let all = times[1].is_some() || self.nodes == 1;
+        // A node that was not waited for is taken to be where it was expected.
         let away = [0, 1].map(|node: usize| times[node].map_or(0.0, |ns| ns - expected[node]));
-        let times = times.map(|ns| ns.unwrap_or(0.0));
-        let judged = spread.add(away, times, [all, has_b], self.quantisation);
+        let judged = spread.add(away, times, all, self.quantisation);
         self.learn();
         judged
     }
@@ -186,28 +185,31 @@ impl Noise {
     }
 
     /// What it may be of discharges whose nodes cross at `times` ns as long as nothing is known: wide for any board, ns².
-    pub fn prior(times: [f64; 2]) -> Covariance {
-        let [aa, bb] = times.map(|ns| UNKNOWN_JITTER_NS.powi(2) + (UNKNOWN_NOISE * ns).powi(2));
+    pub fn prior(times: [Option<f64>; 2]) -> Covariance {
+        let variance = |ns: f64| UNKNOWN_JITTER_NS.powi(2) + (UNKNOWN_NOISE * ns).powi(2);
+        let [aa, bb] = times.map(|ns| ns.map_or(0.0, variance));
         Covariance { aa, bb, ab: 0.0 }
     }
 
-    /// The covariance of the crossings of a discharge whose nodes cross at `times` ns; `None` until known.
-    pub fn covariance(&self, times: [f64; 2]) -> Option<Covariance> {
-        self.covariances([times]).map(|[covariance]| covariance)
+    /// The covariance of the crossings of a discharge whose nodes cross at `times` ns, nothing in those that do not; `None` until
+    /// known.
+    pub fn covariance(&self, times: [impl Into<Option<f64>>; 2]) -> Option<Covariance> {
+        self.covariances([times.map(Into::into)]).map(|[covariance]| covariance)
     }
 
     /// The same for several discharges.
-    pub fn covariances<const N: usize>(&self, discharges: [[f64; 2]; N]) -> Option<[Covariance; N]> {
+    pub fn covariances<const N: usize>(&self, discharges: [[Option<f64>; 2]; N]) -> Option<[Covariance; N]> {
         let Learned { nodes: [law_a, law_b], shared, correlated } = self.learned?;
         Some(discharges.map(|[a_ns, b_ns]| {
-            let (aa, bb) = (law_a.at(a_ns), law_b.at(b_ns));
+            let (aa, bb) = (a_ns.map_or(0.0, |ns| law_a.at(ns)), b_ns.map_or(0.0, |ns| law_b.at(ns)));
             let most = if shared.proportional > 0.0 {
                 correlated * (aa * bb).sqrt()
             } else {
                 // Each crossing is stamped by an interrupt of its own.
                 SHARED_VARIANCE * aa.min(bb)
             };
-            Covariance { aa, bb, ab: shared.at(a_ns, b_ns).clamp(0.0, most) }
+            let ab = a_ns.zip(b_ns).map_or(0.0, |(a_ns, b_ns)| shared.at(a_ns, b_ns).clamp(0.0, most));
+            Covariance { aa, bb, ab }
         }))
     }
 

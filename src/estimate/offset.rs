@@ -18,7 +18,7 @@
 use crate::estimate::limits::{FEWEST_ROUNDS, UNKNOWN_OFFSET_NS};
 use crate::estimate::noise::{Covariance, Noise};
 use crate::estimate::scatter::{SwitchScatter, Usual, expected_ns, mean};
-use crate::record::{Record, UNLIKE_CALLS};
+use crate::record::{Crossings, Record, UNLIKE_CALLS};
 
 /// What the split calibration found; each uncertainty is 1 sigma.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -35,6 +35,8 @@ pub struct Offset {
     pub scatter: SwitchScatter,
     /// By how much d changes with an error that all switches have in common.
     pub by_switch: f64,
+    /// It is still to be found: d and its uncertainty are what boards have.
+    pub is_prior: bool,
 }
 
 impl Offset {
@@ -45,17 +47,12 @@ impl Offset {
 
     /// One that is still to be found.
     pub fn unknown() -> Offset {
-        Offset { u_d_ns: UNKNOWN_OFFSET_NS, ..Offset::default() }
+        Offset { u_d_ns: UNKNOWN_OFFSET_NS, is_prior: true, ..Offset::default() }
     }
 
-    /// Whether it is still to be found.
-    pub fn is_unknown(&self) -> bool {
-        self.r_o_ohm.is_none() && self.u_d_ns >= UNKNOWN_OFFSET_NS
-    }
-
-    /// Ro, ohm; 0 where it is not known.
-    pub fn r_o(&self) -> f64 {
-        self.r_o_ohm.map_or(0.0, |(r_o_ohm, _)| r_o_ohm)
+    /// Ro, ohm.
+    pub fn r_o(&self) -> Option<f64> {
+        self.r_o_ohm.map(|(r_o_ohm, _)| r_o_ohm)
     }
 
     /// The variance of d but for the error that all switches have in common, ns²; `u_common_ns`: the uncertainty of that.
@@ -118,7 +115,7 @@ impl SplitCalibration {
 
     /// Takes one round: crossings of the plain discharges and the record of the split one. A round whose split
     /// discharge was not switched in time, or that does not fit the law, tells nothing and is passed over.
-    pub fn add(&mut self, c1: [f64; 2], c2: [f64; 2], split: &Record, noise: &Noise) {
+    pub fn add(&mut self, c1: Crossings, c2: Crossings, split: &Record, noise: &Noise) {
         let Some(round) = self.round(c1, c2, split, noise) else { return };
         if self.rounds.len() < self.rounds.capacity() {
             self.rounds.push(round);
@@ -129,21 +126,25 @@ impl SplitCalibration {
         self.taken += 1;
     }
 
-    fn round(&self, c1: [f64; 2], c2: [f64; 2], split: &Record, noise: &Noise) -> Option<Round> {
+    fn round(&self, c1: Crossings, c2: Crossings, split: &Record, noise: &Noise) -> Option<Round> {
         let switch = split.switch?;
-        let crossings = split.complete(self.nodes)?;
+        let ends = split.complete(self.nodes)?;
         let covariance = noise.covariance(c2);
         let weights = self.weights(covariance);
-        let weighted =
-            |of: &dyn Fn(usize) -> f64| (0..self.nodes).map(|node| weights[node] * of(node)).sum::<f64>();
+        // Of each node, the crossings through R_1, R_2 and both.
+        let nodes = [0, 1].map(|node| Some([c1[node]?, c2[node]?, ends[node]?]));
+        let nodes = || nodes.into_iter().flatten();
+        let weighted = |of: &dyn Fn([f64; 3]) -> f64| {
+            nodes().zip(weights).map(|(node, weight)| weight * of(node)).sum::<f64>()
+        };
         let (s, (r1, r2)) = (switch.at_ns, (self.r1_ohm, self.r2_ohm));
-        let difference_ns = weighted(&|node| c2[node] - (crossings[node] - switch.on_ns));
-        if s <= 0.0 || difference_ns <= s || (0..self.nodes).any(|node| crossings[node] <= switch.on_ns) {
+        let difference_ns = weighted(&|[_, c2, end]| c2 - (end - switch.on_ns));
+        if s <= 0.0 || difference_ns <= s || nodes().any(|[_, _, end]| end <= switch.on_ns) {
             return None;
         }
         let r_o_ohm = (s * r2 - difference_ns * r1) / (difference_ns - s);
-        let g = weighted(&|node| (c2[node] - c1[node]) / (r2 - r1));
-        let d_ns = weighted(&|node| c1[node]) - g * (r1 + r_o_ohm);
+        let g = weighted(&|[c1, c2, _]| (c2 - c1) / (r2 - r1));
+        let d_ns = weighted(&|[c1, ..]| c1) - g * (r1 + r_o_ohm);
         // Two crossings through R_2 are in D: the plain discharge's and the split one's.
         let variance = covariance.map(|covariance| 2.0 * covariance.of(weights[0], weights[1]));
         let sound = d_ns.is_finite() && r_o_ohm.is_finite();

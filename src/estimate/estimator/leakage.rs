@@ -13,25 +13,25 @@ use crate::reading::{Fault, Measured};
 impl Estimator {
     /// Says nothing of leaks.
     pub fn ignore_leaks(&mut self) {
-        (self.leak_siemens, self.leak_shows, self.leak_is_prior) = (0.0, false, false);
+        self.leak = None;
     }
 
-    /// Takes over how strong a leak there likely is, and whether it shows.
+    /// Takes over what looks have told of leaks.
     pub fn set_leak(&mut self, leak: &LeakTest) {
-        (self.leak_siemens, self.leak_shows) = (leak.likely_siemens(), leak.siemens().is_some());
-        self.leak_is_prior = !leak.is_known();
+        self.leak = Some(*leak);
     }
 
     /// Takes over what capacitors absorb.
     pub fn set_absorption(&mut self, absorption: &AbsorptionTest) {
-        self.absorbed = absorption.share().unwrap_or(0.0);
+        self.absorbed = absorption.share();
     }
 
     /// Whether a discharge through 0 ohm would take the time that a pin explains: Ro if d is known, Ro + d/g if not. A path
     /// of its own bends the straight line of times against resistors, and where that line begins tells it.
     pub(super) fn check_paths(&self) -> Result<(), Fault> {
-        if self.leak_siemens.abs() > GROSS_LEAK_SIEMENS {
-            return Err(if self.leak_siemens > 0.0 { Fault::Leakage } else { Fault::PullUp });
+        let leak = self.leak.as_ref().map(LeakTest::likely_siemens);
+        if let Some(siemens) = leak.filter(|siemens| siemens.abs() > GROSS_LEAK_SIEMENS) {
+            return Err(if siemens > 0.0 { Fault::Leakage } else { Fault::PullUp });
         }
         let Some((at_zero_ohm, u_ohm, unknown_ohm)) = self.at_zero() else { return Ok(()) };
         let tolerance_ohm = RESISTOR_TOLERANCE * self.r1_ohm * self.r2_ohm / (self.r2_ohm - self.r1_ohm);
@@ -50,24 +50,31 @@ impl Estimator {
         }
         let (c1, c2) = self.calibration()?;
         let span = self.r2_ohm - self.r1_ohm;
-        let per_ohm = (c2[0] - c1[0]) / span;
+        let (c1_ns, c2_ns) = (c1[0]?, c2[0]?);
+        let per_ohm = (c2_ns - c1_ns) / span;
         if per_ohm <= 0.0 {
             return None;
         }
         let jitter_ns = self.noise.covariance(c2).map_or(UNKNOWN_JITTER_NS, |noise| noise.aa.sqrt());
         let u_ns = jitter_ns * self.r2_ohm.hypot(self.r1_ohm) / span;
         let unknown_ns = if self.offset.r_o_ohm.is_some() { 0.0 } else { LATEST_STAMP_NS };
-        Some(((c1[0] - self.offset.d_ns) / per_ohm - self.r1_ohm, u_ns / per_ohm, unknown_ns / per_ohm))
+        Some(((c1_ns - self.offset.d_ns) / per_ohm - self.r1_ohm, u_ns / per_ohm, unknown_ns / per_ohm))
     }
 
     /// The same estimate less what a leak that shows has made of it; that, or what one that does not show may have made of it,
     /// is in its uncertainty, and what dielectrics do. `None` if the sensor may have any higher resistance.
     pub(super) fn with_defects(&self, r_ohm: Measured) -> Option<Measured> {
         let beside = self.method.rules().sinks_beside;
-        let error_ohm = leak::error_ohm(self.leak_siemens, [self.r1_ohm, self.r2_ohm], r_ohm.value, beside)?;
+        let leak = self.leak.as_ref();
+        let error_ohm = match leak.map(LeakTest::likely_siemens) {
+            Some(siemens) => leak::error_ohm(siemens, [self.r1_ohm, self.r2_ohm], r_ohm.value, beside)?,
+            None => 0.0,
+        };
         let is_bounded = r_ohm.value < self.r2_ohm || r_ohm.value > COVERAGE * error_ohm.abs();
-        let known_ohm = if self.leak_shows { error_ohm } else { 0.0 };
-        let absorption_ohm = absorption::u_ohm(self.absorbed, self.r1_ohm, r_ohm.value + self.offset().r_o());
+        let known_ohm = if leak.and_then(LeakTest::siemens).is_some() { error_ohm } else { 0.0 };
+        let path_ohm = r_ohm.value + self.offset().r_o().unwrap_or(0.0);
+        let absorption_ohm =
+            self.absorbed.map_or(0.0, |share| absorption::u_ohm(share, self.r1_ohm, path_ohm));
         let left_out_ohm = self.state().map_or(0.0, |tracker| tracker.left_out_ohm(r_ohm.value));
         let u = r_ohm.u.map(|u| u.hypot(error_ohm).hypot(absorption_ohm).hypot(left_out_ohm));
         is_bounded.then_some(Measured { value: r_ohm.value - known_ohm, u })

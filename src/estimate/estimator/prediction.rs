@@ -31,29 +31,26 @@ impl Estimator {
         // A prior is not what discharges are planned by.
         let (c1, c2) = self.calibration().filter(|_| self.noise().is_known())?;
         let (d, rules, last) = (self.offset().d_ns, self.method.rules(), self.last().index());
-        let mut full = [0, 1].map(|node| c1[node] + ratio * (c2[node] - c1[node]));
-        for (node, ns) in full.iter_mut().enumerate().take(self.nodes) {
-            *ns = self.x_discharge_ns(*ns, node)?;
-        }
-        let at = fraction * (full[0] - d);
-        let rest = (c2[last] - d) * (1.0 - at / (full[last] - d));
+        let full = [0, 1].map(|node| {
+            let (c1, c2) = (c1[node]?, c2[node]?);
+            self.x_discharge_ns(c1 + ratio * (c2 - c1), node)
+        });
+        let at = fraction * (full[0]? - d);
+        let rest = (c2[last]? - d) * (1.0 - at / (full[last]? - d));
         if !(at > 0.0 && rest > 0.0) {
             return None;
         }
         let mut switched = full;
-        switched[last] = at + rest + d;
-        let [c1, c2, direct, inferred] =
-            [c1, c2, full, switched].map(|crossings| self.existing(crossings.map(Some)));
+        switched[last] = Some(at + rest + d);
         let variance = |x: [Option<f64>; 2], switch, late: [Option<f64>; 2], branch| {
             let times = dual::variables(&Times { c1, c2, x, switch, beside: None, d });
-            let covariances =
-                self.covariances(late.map(|crossing| crossing.unwrap_or(0.0)), u_switch_ns, 0.0)?;
+            let covariances = self.covariances(late, u_switch_ns, 0.0)?;
             let by = (rules.ratio)(&times, branch)?.by;
             Some((covariances.of(&by), covariances.of_offset(&by)))
         };
-        let (direct, _) = variance(direct, None, direct, Branch::Direct)?;
+        let (direct, _) = variance(full, None, full, Branch::Direct)?;
         let switch = Some(Switched { at, on: at });
-        let (inferred, by_offset) = variance(inferred, switch, c2, Branch::Inferred)?;
+        let (inferred, by_offset) = variance(switched, switch, c2, Branch::Inferred)?;
         Some(Predicted { direct, inferred, by_offset })
     }
 
@@ -65,6 +62,6 @@ impl Estimator {
         }
         let (_, c2) = self.calibration()?;
         let d = self.offset().d_ns;
-        Some(d + 1.0 / (1.0 / (x_ns - d) + 1.0 / (c2[node] - d)))
+        Some(d + 1.0 / (1.0 / (x_ns - d) + 1.0 / (c2[node]? - d)))
     }
 }

@@ -15,8 +15,9 @@ use crate::units::Nanos;
 pub struct Judged {
     /// Of the sensor.
     pub status: Status,
-    /// When it was so, ns since the start: the middle of its part of the discharge where nothing tells better.
-    pub at_ns: f64,
+    /// When it was so, ns since the start: the middle of its part of the discharge where nothing tells better; `None` where
+    /// there was none.
+    pub at_ns: Option<f64>,
     /// What the variance of the number is made of, before motion and leaks.
     pub basis: Basis,
     /// With its sign, before the zero and the scale of the sensor, ohm.
@@ -26,7 +27,12 @@ pub struct Judged {
 impl Judged {
     /// Nothing but a fault.
     pub fn fault(fault: Fault) -> Judged {
-        Judged { status: Status::Fault(fault), at_ns: 0.0, basis: Basis::default(), as_read_ohm: None }
+        Judged { status: Status::Fault(fault), at_ns: None, basis: Basis::default(), as_read_ohm: None }
+    }
+
+    /// When it was so, if the discharge began at `start`.
+    pub fn at(&self, start: Nanos) -> Nanos {
+        self.at_ns.map_or(start, |at_ns| start + Nanos(at_ns as i64))
     }
 }
 
@@ -34,11 +40,12 @@ impl Estimator {
     /// The lowest resistance that leaves the last node above its threshold for `waited_ns`, ohm.
     fn bound_ohm(&self, waited_ns: f64) -> Option<f64> {
         let (c1, c2) = self.calibration()?;
-        let node = self.last().index();
+        let last = self.last().index();
+        let (c1_ns, c2_ns) = (c1[last]?, c2[last]?);
         // While R_2 sinks too, the sensor's own part of the way is what R_2 has left over.
         let beside = self.method.rules().sinks_beside;
-        let x_ns = if beside { 1.0 / (1.0 / waited_ns - 1.0 / c2[node]) } else { waited_ns };
-        let ratio = (x_ns - c1[node]) / (c2[node] - c1[node]);
+        let x_ns = if beside { 1.0 / (1.0 / waited_ns - 1.0 / c2_ns) } else { waited_ns };
+        let ratio = (x_ns - c1_ns) / (c2_ns - c1_ns);
         let r_ohm = self.r1_ohm + ratio * (self.r2_ohm - self.r1_ohm);
         (r_ohm.is_finite() && r_ohm > 0.0).then_some(r_ohm)
     }
@@ -53,7 +60,7 @@ impl Estimator {
         let (_, c2) = self.calibration()?;
         let (node, late) = (self.last(), self.noise().covariance(c2)?.aa);
         let certain_ns = self.method.rules().certain_ns;
-        self.bound_ohm(certain_ns(record.crossing(node)?, c2[node.index()], late)?)
+        self.bound_ohm(certain_ns(record.crossing(node)?, c2[node.index()]?, late)?)
     }
 
     /// What is known about the sensor after an x discharge alone.
@@ -67,7 +74,7 @@ impl Estimator {
         let mut judged = Judged { at_ns, ..Judged::fault(Fault::Implausible) };
         judged.status = self.status_of(record, sensor, motion, &mut judged).unwrap_or_else(Status::Fault);
         if let Status::Open { r_min_ohm, .. } = judged.status {
-            motion.is_open(record.start + Nanos(judged.at_ns as i64), sensor.as_read(r_min_ohm));
+            motion.is_open(judged.at(record.start), sensor.as_read(r_min_ohm));
         }
         judged
     }
@@ -96,12 +103,13 @@ impl Estimator {
         if self.noise().is_often_late() && !(evidence.is_confirmed() && is_repeated()) {
             return Err(Fault::LatencyOutlier);
         }
-        (judged.at_ns, judged.basis) = (evidence.at_ns, estimate.basis);
+        (judged.at_ns, judged.basis) = (Some(evidence.at_ns), estimate.basis);
         let moved = u.map(|u| motion.judge(record.start, [value, u], r_o_ohm, &evidence)).transpose()?;
         let measured = Measured { value, u: u.map(|u| u.hypot(moved.map_or(0.0, |moved| moved.u_ohm))) };
         let Some(as_read) = self.with_defects(measured) else {
             // The leak only ever makes it read lower; so far up it is the reciprocal that is known.
-            return Ok(self.open_above(sensor, measured.value, measured.u.unwrap_or(0.0)));
+            let u = measured.u.ok_or(Fault::Implausible)?;
+            return Ok(self.open_above(sensor, measured.value, u));
         };
         judged.as_read_ohm = Some(as_read.value);
         let r_ohm = self.own_ohm(sensor, as_read);
@@ -187,7 +195,7 @@ fn is_resolved(r_ohm: Measured) -> bool {
 }
 
 /// The middle of the part of a discharge that ran through the sensor.
-fn middle_ns(record: &Record) -> f64 {
-    let end = record.b_ns.or(record.a_ns).or(record.waited_ns).unwrap_or(0.0);
-    record.switch.map_or(end, |switch| switch.at_ns.min(end)) / 2.0
+fn middle_ns(record: &Record) -> Option<f64> {
+    let end = record.b_ns.or(record.a_ns).or(record.waited_ns)?;
+    Some(record.switch.map_or(end, |switch| switch.at_ns.min(end)) / 2.0)
 }

@@ -223,7 +223,7 @@ impl Conductance {
         let switch = switch.filter(|(switch, _)| is_before_a(switch.at_ns));
         let a = observed.crossings[0].map(|ns| Equation::new(state, ns, 0, switch));
         let nodes = [a, b];
-        let noise = tracker.noise().covariance(nodes.map(|node| node.map_or(0.0, |one| one.late_ns)))?;
+        let noise = tracker.noise().covariance(nodes.map(|node| node.map(|one| one.late_ns)))?;
         let u_switch_ns = tracker.u_switch_ns(observed.u_switch_ns);
         let u_ns = [u_switch_ns, observed.later_ns];
         let near = |y: f64| Conductance::near(y.max(0.0), tracker, &noise, u_ns, &nodes, branch);

@@ -53,13 +53,13 @@ impl Drift {
     }
 }
 
-/// The greatest change of the speed from point to point, 1/s²; infinite of fewer than three.
-pub(super) fn bend<'a>(points: impl Iterator<Item = &'a Point> + Clone) -> f64 {
+/// The greatest change of the speed from point to point, 1/s²; `None` of fewer than three.
+pub(super) fn bend<'a>(points: impl Iterator<Item = &'a Point> + Clone) -> Option<f64> {
     let (first, second, third) = (points.clone(), points.clone().skip(1), points.skip(2));
     let bends = first.zip(second).zip(third).map(|((first, second), third)| {
         2.0 * (second.speed_to(third) - first.speed_to(second)).abs() / first.seconds_to(third)
     });
-    bends.reduce(f64::max).unwrap_or(f64::INFINITY)
+    bends.reduce(f64::max)
 }
 
 /// What is left when the greatest may have been a step; 0 for fewer than two.

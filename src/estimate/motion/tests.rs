@@ -40,7 +40,7 @@ fn judge(motion: &mut Motion, from: usize, count: usize, r_ohm: &dyn Fn(f64) -> 
             let start = Nanos(index as i64 * 20_000_000);
             let (estimate, evidence) = seen(crossings(start.as_seconds(), r_ohm));
             let error = estimate[0] - r_ohm(start.as_seconds() + 1e-9 * evidence.at_ns);
-            (error, motion.judge(start, estimate, R_O, &evidence))
+            (error, motion.judge(start, estimate, Some(R_O), &evidence))
         })
         .collect()
 }
@@ -76,7 +76,11 @@ fn one_late_stamp_is_an_outlier_and_forgotten() {
         (0..2).for_each(|node| t_ns[node] += late_ns[node]);
         let (estimate, evidence) = seen(t_ns);
         let start = Nanos(200_000_000);
-        assert_eq!(motion.judge(start, estimate, R_O, &evidence), Err(Fault::LatencyOutlier), "{late_ns:?}");
+        assert_eq!(
+            motion.judge(start, estimate, Some(R_O), &evidence),
+            Err(Fault::LatencyOutlier),
+            "{late_ns:?}"
+        );
         let after = judge(&mut motion, 11, 3, &|_| 5000.0);
         assert!(after.iter().all(|(_, result)| *result == AT_REST), "{after:?}");
     }
@@ -142,7 +146,12 @@ fn a_way_is_not_believed_for_longer_than_it_was_seen() {
 /// Judges full discharges every 20 ms that tell of one stretch alone.
 fn judge_alone(motion: &mut Motion, from: usize, r_ohm: &[f64]) -> Vec<Result<Moved, Fault>> {
     let judge = |(index, r_ohm): (usize, &f64)| {
-        motion.judge(Nanos((from + index) as i64 * 20_000_000), [*r_ohm, 2.0], R_O, &Evidence::over(5e6))
+        motion.judge(
+            Nanos((from + index) as i64 * 20_000_000),
+            [*r_ohm, 2.0],
+            Some(R_O),
+            &Evidence::over(5e6),
+        )
     };
     r_ohm.iter().enumerate().map(judge).collect()
 }
@@ -173,7 +182,7 @@ fn one_stretch_alone_that_is_far_off_costs_one_reading_if_it_is_over_at_once() {
 fn a_late_stamp_after_an_uncertain_reading_is_still_sudden() {
     let mut motion = Motion::default();
     let mut take = |index: i64, r_ohm: f64, u_ohm: f64| {
-        motion.judge(Nanos(index * 2_000_000), [r_ohm, u_ohm], R_O, &Evidence::over(300e3)).unwrap()
+        motion.judge(Nanos(index * 2_000_000), [r_ohm, u_ohm], Some(R_O), &Evidence::over(300e3)).unwrap()
     };
     (0..6).for_each(|index| assert!(!take(index, 1000.0, 0.8).is_moving));
     assert!(!take(6, 1001.0, 2.6).is_moving);
@@ -186,7 +195,7 @@ fn a_late_stamp_after_an_uncertain_reading_is_still_sudden() {
 fn a_spike_of_noise_is_no_speed() {
     let mut motion = Motion::default();
     let mut take = |index: i64, r_ohm: f64| {
-        motion.judge(Nanos(index * 1_100_000), [r_ohm, 5.0], R_O, &Evidence::over(770e3)).unwrap()
+        motion.judge(Nanos(index * 1_100_000), [r_ohm, 5.0], Some(R_O), &Evidence::over(770e3)).unwrap()
     };
     for (index, r_ohm) in [5008.0, 4997.0, 5004.0, 5007.0, 4979.0, 5006.0].into_iter().enumerate() {
         take(index as i64, r_ohm);
@@ -248,7 +257,7 @@ fn two_late_stamps_alike_are_no_change_where_one_stretch_is_all_that_there_is() 
 }
 
 /// Judges readings (value, 1 sigma, ohm), each of one stretch, one every 2 ms.
-fn judge_noisy(r_o_ohm: f64, readings: &[[f64; 2]]) -> Vec<Result<Moved, Fault>> {
+fn judge_noisy(r_o_ohm: Option<f64>, readings: &[[f64; 2]]) -> Vec<Result<Moved, Fault>> {
     let mut motion = Motion::default();
     let one = |(index, reading): (usize, &[f64; 2])| {
         motion.judge(Nanos(2_000_000 * index as i64), *reading, r_o_ohm, &Evidence::over(50_000.0))
@@ -258,15 +267,15 @@ fn judge_noisy(r_o_ohm: f64, readings: &[[f64; 2]]) -> Vec<Result<Moved, Fault>>
 
 #[test]
 fn a_late_stamp_after_what_was_no_more_than_noise_is_no_number() {
-    let judged = judge_noisy(R_O, &[12.0, -30.0, 4.0, 18.0, 2000.0].map(|r_ohm| [r_ohm, 60.0]));
+    let judged = judge_noisy(Some(R_O), &[12.0, -30.0, 4.0, 18.0, 2000.0].map(|r_ohm| [r_ohm, 60.0]));
     assert!(judged[..4].iter().all(Result::is_ok), "{judged:?}");
     assert_eq!(judged[4], Err(Fault::Unsettled));
     // One that has really come is one from the third reading on.
-    let judged = judge_noisy(0.0, &[[[-60.0, 2.0]; 10], [[1000.0, 2.0]; 10]].concat());
+    let judged = judge_noisy(None, &[[[-60.0, 2.0]; 10], [[1000.0, 2.0]; 10]].concat());
     assert!(judged[..10].iter().all(Result::is_ok), "{judged:?}");
     assert!(judged[12..].iter().all(|judged| *judged == AT_REST), "{judged:?}");
     // Of what is hardly more than noise, what counts is how far it went in ohm.
-    let judged = judge_noisy(0.0, &[41.0, 52.0, 38.0, 45.0, 52.0, 260.0].map(|r_ohm| [r_ohm, 20.0]));
+    let judged = judge_noisy(None, &[41.0, 52.0, 38.0, 45.0, 52.0, 260.0].map(|r_ohm| [r_ohm, 20.0]));
     assert!(judged[..5].iter().all(Result::is_ok) && told(&judged[5]).0, "{judged:?}");
 }
 
@@ -274,7 +283,7 @@ fn a_late_stamp_after_what_was_no_more_than_noise_is_no_number() {
 #[test]
 fn what_is_near_both_is_no_return() {
     let known = |r_ohm: f64, count| vec![[r_ohm, 3.7]; count];
-    let judged = judge_noisy(0.0, &[known(1000.0, 3), vec![[9800.0, 3400.0]], known(7700.0, 10)].concat());
+    let judged = judge_noisy(None, &[known(1000.0, 3), vec![[9800.0, 3400.0]], known(7700.0, 10)].concat());
     assert!(judged[10..].iter().all(|judged| !told(judged).0), "{judged:?}");
 }
 
@@ -285,7 +294,7 @@ fn what_contradicts_itself_in_the_same_way_again_and_again_is_no_change() {
         let mut t_ns = crossings(0.0, &|_| 5000.0);
         t_ns[1] += 20_000.0;
         let (estimate, evidence) = seen(t_ns);
-        let judged = motion.judge(Nanos(index * 20_000_000), estimate, R_O, &evidence);
+        let judged = motion.judge(Nanos(index * 20_000_000), estimate, Some(R_O), &evidence);
         assert_eq!(judged, Err(Fault::LatencyOutlier));
     }
 }
@@ -300,7 +309,7 @@ fn the_first_number_after_an_open_sensor_has_only_what_its_stretches_tell() {
     let mut motion = Motion::default();
     motion.is_open(Nanos(0), 1e6);
     let start = Nanos(20_000_000);
-    let alone = motion.judge(start, [5000.0, 2.0], R_O, &Evidence::over(5e6));
+    let alone = motion.judge(start, [5000.0, 2.0], Some(R_O), &Evidence::over(5e6));
     assert_eq!(alone, Err(Fault::Unsettled), "one stretch alone tells nothing of a change from open");
 }
 
@@ -314,12 +323,12 @@ fn nothing_makes_it_panic_or_answer_nan() {
                 let at = Nanos(index / 2 * 1000);
                 let evidence =
                     Evidence::over_two([end, 2.0 * end], [0.5, 0.5], [r_ohm, 2.0 * r_ohm], Some(1.0));
-                if let Ok(moved) = motion.judge(at, [r_ohm, 1.0], R_O, &evidence) {
+                if let Ok(moved) = motion.judge(at, [r_ohm, 1.0], Some(R_O), &evidence) {
                     assert!(moved.u_ohm.is_finite() && moved.u_ohm >= 0.0, "{r_ohm} {end} {moved:?}");
                 }
             }
             motion.forget();
-            assert_eq!(motion.last_ohm(), None);
+            assert_eq!(motion.last_ohm(None), None);
         }
     }
 }

@@ -53,14 +53,15 @@ impl Spread {
         usual: [Usual::NONE; 2],
     };
 
-    /// `seen`: the nodes that were waited for, of those that there are. Only discharges in which all were begin it.
+    /// `times`: of the nodes that were waited for, which may be `all` that there are; only discharges in which they were begin it.
     pub fn add(
         &mut self,
         away: [f64; 2],
-        times: [f64; 2],
-        [all, has_b]: [bool; 2],
+        times: [Option<f64>; 2],
+        all: bool,
         quantisation: f64,
     ) -> Result<(), Fault> {
+        let has_b = times[1].is_some();
         if self.seen < NOISE_WARM_UP {
             if all {
                 self.warm_up[self.seen] = away;
@@ -94,7 +95,7 @@ impl Spread {
             (0..nodes).for_each(|node| self.usual[node].place = away[node]);
         }
         self.outliers_in_row = 0;
-        self.learn(away, times, has_b);
+        self.learn(away, times);
         Ok(())
     }
 
@@ -107,7 +108,8 @@ impl Spread {
     }
 
     /// Differences of successive discharges; those of B, and with B, only where both have waited for it.
-    fn learn(&mut self, away: [f64; 2], times: [f64; 2], has_b: bool) {
+    fn learn(&mut self, away: [f64; 2], times: [Option<f64>; 2]) {
+        let has_b = times[1].is_some();
         let step = [away[0] - self.last[0], away[1] - self.last[1]];
         self.sum.aa += step[0] * step[0];
         self.weight[0] += 1.0;
@@ -125,9 +127,10 @@ impl Spread {
             (self.sum.bb, self.sum.ab) = (keep * self.sum.bb, keep * self.sum.ab);
             self.weight[1] *= keep;
         }
-        for node in 0..if has_b { 2 } else { 1 } {
+        for node in 0..2 {
+            let Some(time) = times[node] else { continue };
             self.mean[node] += (away[node] - self.mean[node]) / NOISE_WARM_UP as f64;
-            (self.last[node], self.time[node]) = (away[node], times[node]);
+            (self.last[node], self.time[node]) = (away[node], time);
         }
         self.last_had_b = has_b;
     }

@@ -49,8 +49,9 @@ impl Tracker {
                 continue;
             };
             self.split.add(c1, c2, split, &self.noise);
-            for node in 0..2 {
-                slope[node] += (c2[node] - c1[node]) / (r2 - r1) / self.rounds.len() as f64;
+            for (slope, (c1, c2)) in slope.iter_mut().zip(c1.into_iter().zip(c2)) {
+                let takes_ns = c1.zip(c2).map_or(0.0, |(c1, c2)| c2 - c1);
+                *slope += takes_ns / (r2 - r1) / self.rounds.len() as f64;
             }
         }
         slope

@@ -3,7 +3,7 @@
 use super::Tracker;
 use super::speeds::Speeds;
 use crate::estimate::law::{RATE, State, UNKNOWNS};
-use crate::estimate::limits::{LONGEST_AHEAD_S, RATE_WALK};
+use crate::estimate::limits::{LONGEST_AHEAD_S, RATE_WALK, UNKNOWN_JITTER_NS};
 use crate::units::Nanos;
 
 impl Tracker {
@@ -42,9 +42,9 @@ impl Tracker {
         c
     }
 
-    /// The noise of a crossing without delay, which is that of latency, ns; 0 as long as it is not known.
+    /// The noise of a crossing without delay, which is that of latency, ns; that of any board as long as it is not known.
     pub(super) fn jitter_ns(&self) -> f64 {
-        self.noise.covariance([0.0; 2]).map_or(0.0, |noise| noise.aa.sqrt())
+        self.noise.covariance([0.0; 2]).map_or(UNKNOWN_JITTER_NS, |noise| noise.aa.sqrt())
     }
 
     /// Since when the state is as it is.

@@ -22,12 +22,12 @@ impl Cycle {
         // The two discharges have their own noise each.
         let noise = usual.and_then(|usual| self.estimator.noise().covariance(usual));
         let variance = 2.0 * noise.map_or(UNKNOWN_JITTER_NS * UNKNOWN_JITTER_NS, |noise| noise.aa);
-        let found = outcome.result.ok().zip(usual);
+        let found = outcome.result.ok().zip(usual.and_then(|[a_ns, _]| a_ns));
         match look {
             Look::Leak => {
                 let lost = found.and_then(|(record, usual)| {
                     let switch = record.switch?;
-                    Some((usual[0] + (switch.on_ns - switch.at_ns) - record.a_ns?, variance))
+                    Some((usual + (switch.on_ns - switch.at_ns) - record.a_ns?, variance))
                 });
                 self.leak.add(lost, self.settings.r_ohm()[1], now);
                 self.estimator.set_leak(&self.leak);
@@ -37,7 +37,7 @@ impl Cycle {
             }
             Look::Absorption => {
                 let longer = found.and_then(|(record, usual)| {
-                    Some([(record.a_ns? - usual[0]) / usual[0], variance / usual[0].powi(2)])
+                    Some([(record.a_ns? - usual) / usual, variance / usual.powi(2)])
                 });
                 self.absorption.add(longer, now);
                 self.estimator.set_absorption(&self.absorption);

@@ -82,7 +82,7 @@ impl Memory {
             // Where it is by now is known well enough for a plan.
             Status::Fault(Fault::Unsettled) => {
                 self.restless = 1.0;
-                self.r_ohm = self.motion.last_ohm().map(|r_ohm| r_ohm - estimator.offset().r_o());
+                self.r_ohm = self.motion.last_ohm(estimator.offset().r_o());
             }
             // One spike says nothing about the sensor.
             Status::Fault(Fault::LatencyOutlier | Fault::WideBracket) => {}
@@ -127,8 +127,8 @@ impl Cycle {
             CalibrationKind::Second => Some(c2),
             CalibrationKind::Split => None,
         };
-        let crossings: Option<[f64; 2]> = self.estimator.calibration().and_then(of_kind);
-        crossings.map_or([None; 2], |crossings| crossings.map(|ns| Some(Nanos(ns as i64))))
+        let crossings: [Option<f64>; 2] = self.estimator.calibration().and_then(of_kind).unwrap_or_default();
+        crossings.map(|ns| ns.map(|ns| Nanos(ns as i64)))
     }
 
     /// R_2 with a pause on the way, in which a leak would show, or with a longer charge before it, which fills dielectrics.
@@ -139,7 +139,8 @@ impl Cycle {
             let charge = Charge { together: plan.charge.together + ABSORPTION_REST, ..plan.charge };
             return Plan { charge, ..plan };
         }
-        let at = self.estimator.calibration().map(|(_, c2)| Nanos((LEAK_HELD_AT * c2[0]) as i64));
+        let usual = self.estimator.calibration();
+        let at = usual.and_then(|(_, c2)| Some(Nanos((LEAK_HELD_AT * c2[0]?) as i64)));
         Plan { hold: LEAK_HOLD, ..self.plan(second, at.map(|at| (at, second)), Node::A) }
     }
 
@@ -215,7 +216,7 @@ impl Cycle {
         let [r_charge, r_o] = self.settings.charge_ohm?;
         let ((c1, c2), r_o_ohm) = (self.estimator.calibration()?, self.estimator.r_o_ohm()?);
         let [r1, r2] = self.settings.r_ohm();
-        let of_capacitors = (c2[0] - c1[0]) / (r2 - r1) / (self.settings.nominal.as_ns() / (r1 + r_o));
+        let of_capacitors = (c2[0]? - c1[0]?) / (r2 - r1) / (self.settings.nominal.as_ns() / (r1 + r_o));
         Some(of_capacitors * (1.0 + (r_o_ohm - r_o) / r_charge))
     }
 
@@ -234,7 +235,7 @@ impl Cycle {
         let [r1, r2] = self.settings.r_ohm();
         let pays = self.late_split_pays() > CALIBRATION_PAYS;
         let elsewhere_ns = self.estimator.tracker().and_then(|tracker| tracker.elsewhere_ns(pays));
-        let usual_ns = SPLIT_FRACTION * (c2[0] - c1[0]) / (r2 - r1) * r1;
+        let usual_ns = SPLIT_FRACTION * (c2[0]? - c1[0]?) / (r2 - r1) * r1;
         Some(Nanos(elsewhere_ns.unwrap_or(usual_ns) as i64))
     }
 
@@ -262,7 +263,8 @@ impl Cycle {
         let [r1, r2] = self.settings.r_ohm();
         let ratio = (memory.r_ohm? - r1) / (r2 - r1);
         let (c1, c2) = self.estimator.calibration()?;
-        let x_ns = c1[0] + ratio * (c2[0] - c1[0]);
+        let (c1_ns, c2_ns) = (c1[0]?, c2[0]?);
+        let x_ns = c1_ns + ratio * (c2_ns - c1_ns);
         Some((x_ns, self.estimator.predict(ratio, self.settings.switch_fraction, memory.u_switch_ns)))
     }
 

@@ -30,7 +30,7 @@ impl Cycle {
 
     /// A reading, or what it adds to a mean that is published when its time is over.
     fn publish(&mut self, channel: usize, judged: &Judged, began: Nanos, now: Nanos) -> Option<Reading> {
-        let (at, share_began) = (began + Nanos(judged.at_ns as i64), self.began);
+        let (at, share_began) = (judged.at(began), self.began);
         let Some(length) = self.settings.average else {
             return Some(self.report(channel, judged.status, at, now));
         };
