@@ -90,8 +90,9 @@ impl Config {
 pub fn tape_header(settings: &Settings, found: Option<Offset>) -> Header {
     let [r_c1_ohm, r_c2_ohm] = settings.r_c_ohm;
     // Where it cancels and nobody has given it, it is not known.
-    let needs_none = |d_ns: &f64| *d_ns == 0.0 && !settings.method.needs_offset();
-    let offset = match settings.offset_ns.filter(|d_ns| !needs_none(d_ns)) {
+    let is_known = |d_ns: f64| d_ns != 0.0 || settings.method.needs_offset();
+    let found = found.filter(|found| is_known(found.d_ns));
+    let offset = match settings.offset_ns.filter(|d_ns| is_known(*d_ns)) {
         Some(d_ns) => TapeOffset { offset_ns: Some(d_ns), ..TapeOffset::default() },
         None => found.map_or_else(TapeOffset::default, |found| TapeOffset {
             offset_ns: Some(found.d_ns),

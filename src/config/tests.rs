@@ -121,6 +121,21 @@ fn the_method_follows_the_circuit() {
 }
 
 #[test]
+fn a_tape_tells_no_offset_where_none_was_needed_or_given() {
+    use crate::estimate::offset::Offset;
+    use crate::stream::tape::TapeOffset;
+    let header = |method: &str, found| {
+        let config = parse(&format!("{MINIMAL}[measure]\nmethod = \"{method}\"\n[[channel]]\nid = \"x\"\n"));
+        tape_header(&config.settings().unwrap(), found).offset
+    };
+    assert_eq!(header("tpcm", Some(Offset::given(0.0))), TapeOffset::default());
+    let found = Offset { u_d_ns: 300.0, ..Offset::given(7000.0) };
+    assert_eq!(header("cerm", None), TapeOffset::default());
+    let of = header("cerm", Some(found));
+    assert_eq!((of.offset_ns, of.offset_u_ns), (Some(7000.0), Some(300.0)));
+}
+
+#[test]
 fn other_forces_and_offsets() {
     let with = |force: &str| {
         parse(&format!("{MINIMAL}[[channel]]\nid = \"a\"\nforce = {force}")).channels[0].force.clone()

@@ -94,7 +94,7 @@ impl Runner {
             let arguments = cli::Demo { method: Some(method), ..arguments.clone() };
             Ok((method, Board::new(&arguments, Path::new(""))?.with_first_sensor()?))
         };
-        Method::on(kind).filter(|method| *method != Method::Qerm).map(of).collect()
+        Method::on(kind).map(of).collect()
     }
 
     fn all(arguments: &cli::Demo) -> Result<Vec<Runner>, CtlError> {
