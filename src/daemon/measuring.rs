@@ -38,7 +38,7 @@ pub enum Update {
     Stats(Stats),
     /// The pins failed; they are opened again by and by.
     Failed(PinsError),
-    /// They still cannot be opened.
+    /// They cannot be opened.
     NotOpened(OpenError),
     /// They work again: a cycle has been finished.
     Recovered,
@@ -110,12 +110,12 @@ pub struct Measuring {
 }
 
 impl Measuring {
-    /// Starts to measure. Without pins, it starts by trying to open them. `tap`: who gets readings besides.
+    /// Starts to measure. Without pins, it says why, and tries to open them again. `tap`: who gets readings besides.
     ///
     /// # Errors
     /// The system has no descriptor or thread left.
     pub fn start(
-        pins: Option<AnyPins>,
+        pins: Result<AnyPins, OpenError>,
         config: Config,
         settings: Settings,
         tap: Option<Tap>,
@@ -211,12 +211,13 @@ struct Worker {
 }
 
 impl Worker {
-    fn run(&mut self, pins: Option<AnyPins>, settings: Settings) {
+    fn run(&mut self, pins: Result<AnyPins, OpenError>, settings: Settings) {
         // Rights are the thread's own, and held as long as it lives.
         let realtime = Realtime::request(&self.config.realtime);
         self.send(Update::Realtime(realtime.rights.clone()));
-        let mut instrument =
-            Instrument::new(Interruptible { pins, shared: Arc::clone(&self.shared) }, settings);
+        let pins = pins.map_err(|error| self.complain(error.to_string(), Update::NotOpened(error)));
+        let shared = Arc::clone(&self.shared);
+        let mut instrument = Instrument::new(Interruptible { pins: pins.ok(), shared }, settings);
         if instrument.pins().pins.is_none() {
             self.reopen(&mut instrument);
         }

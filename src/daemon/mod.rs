@@ -6,6 +6,7 @@
 //! The main thread waits in one `poll` for the server, for results and for signals. The measuring thread never waits
 //! for it.
 
+mod error;
 mod heartbeat;
 mod limits;
 mod measuring;
@@ -16,84 +17,32 @@ mod threads;
 mod triggering;
 
 use crate::config::backend::{self, AnyPins, OpenError};
-use crate::config::{Backend, Config, ConfigError, SettingsError, Severity, TriggerSettings, tape_header};
+use crate::config::{Backend, Config, Severity, TriggerSettings, tape_header};
 use crate::instrument::settings::Settings;
-use crate::pins::chardev::ChardevError;
 use crate::pins::{clock, monotonic};
-use crate::stream::server::{Limits, ListenError, Listener, Server};
+use crate::stream::server::{Limits, Listener, Server};
 use crate::stream::tape::Header;
 use crate::units::Nanos;
+pub use error::DaemonError;
+use error::{is_held, is_of_others, system};
 use heartbeat::Heartbeat;
 use limits::LOOK_AFTER;
-use measuring::{Lost, Stuck, Update};
+use measuring::{Lost, Update};
 use nix::poll::{PollFd, PollFlags, PollTimeout, poll};
 use nix::time::ClockId;
 use publish::Known;
 use requested::Requested;
 use sd_notify::NotifyState;
 pub use signals::{Signals, StopHandle};
+use std::env;
 use std::io;
 use std::os::fd::AsFd;
 use std::path::Path;
 use std::time::Duration;
-use threads::{Threads, open, open_outputs};
+use threads::{Threads, no_outputs, open, open_outputs};
 
 /// What is said when a reload fails.
 const KEPT: &str = "the old configuration stays in force";
-
-/// Why the daemon does not run.
-#[derive(Debug, thiserror::Error)]
-pub enum DaemonError {
-    /// The configuration cannot be read.
-    #[error("{0}")]
-    Config(#[from] ConfigError),
-    /// A file that it names is wrong.
-    #[error(transparent)]
-    Settings(#[from] SettingsError),
-    /// There are no pins.
-    #[error(transparent)]
-    Open(#[from] OpenError),
-    /// There is no socket.
-    #[error(transparent)]
-    Listen(#[from] ListenError),
-    /// The configuration cannot work.
-    #[error("{0}")]
-    NotUsable(String),
-    /// The system refuses something basic.
-    #[error("{0}")]
-    Refused(String),
-    /// The measuring thread cannot be stopped.
-    #[error(transparent)]
-    Stuck(#[from] Stuck),
-    /// The measuring or the triggering thread has panicked, which is a mistake of the program.
-    #[error(
-        "a thread that does the work has died; every line is released. Please report this with the lines above"
-    )]
-    Died,
-}
-
-impl DaemonError {
-    /// Whether the next start would end in the same way: only another configuration or another wiring helps.
-    pub fn is_lasting(&self) -> bool {
-        match self {
-            DaemonError::Config(_) | DaemonError::NotUsable(_) | DaemonError::Settings(_) => true,
-            DaemonError::Open(OpenError::Hardware(error)) => matches!(error, ChardevError::Wiring(_)),
-            DaemonError::Open(_) => true,
-            DaemonError::Listen(_) | DaemonError::Refused(_) | DaemonError::Stuck(_) | DaemonError::Died => {
-                false
-            }
-        }
-    }
-
-    /// Whether there is nothing to measure with until the chip comes.
-    pub fn is_absent(&self) -> bool {
-        matches!(self, DaemonError::Open(OpenError::Hardware(ChardevError::NoChip { .. })))
-    }
-}
-
-fn system(call: &'static str) -> impl Fn(io::Error) -> DaemonError {
-    move |error| DaemonError::Refused(format!("{call}: {error}"))
-}
 
 /// A configuration that has passed its check, with every file that it names.
 #[derive(Debug, Clone)]
@@ -189,17 +138,19 @@ impl Daemon {
         let mut server =
             Server::new(listener, &channels, Limits::of_this_process()).map_err(system("epoll"))?;
         server.set_tape_header(&loaded.tape_header);
-        let pins = open(&loaded)?;
-        let threads = Threads::start(Some(pins), open_outputs(&loaded)?, &loaded)?;
+        let pins = waited_for(open(&loaded))?;
+        let outputs = waited_for(open_outputs(&loaded))?.unwrap_or_else(|_| no_outputs(&loaded));
+        let known = Known::without(&pins);
+        let threads = Threads::start(pins, outputs, &loaded)?;
         log::info!("serving {} channel(s) on {place}", config.channels.len());
         let watchdog = sd_notify::watchdog_enabled();
-        notify(&[NotifyState::Ready, NotifyState::Status("measuring")]);
+        notify(&[NotifyState::Ready, NotifyState::Status(&known.away_or("measuring"))]);
         Ok(Daemon {
             threads,
             server,
             signals,
             loaded,
-            known: Known::default(),
+            known,
             started: monotonic(),
             heartbeat: Heartbeat::new(watchdog),
             has_watchdog: watchdog.is_some(),
@@ -324,8 +275,9 @@ impl Daemon {
         self.publish();
         match open(&loaded).and_then(|pins| Ok((pins, open_outputs(&loaded)?))) {
             Ok((pins, outputs)) => {
-                self.threads = Threads::start(Some(pins), outputs, &loaded)?;
+                self.threads = Threads::start(Ok(pins), outputs, &loaded)?;
                 self.loaded = loaded;
+                self.known = Known::default();
                 log::info!(
                     "the new configuration is in force: {} channel(s)",
                     self.loaded.config.channels.len()
@@ -333,14 +285,12 @@ impl Daemon {
             }
             Err(error) => {
                 log::error!("{KEPT}: {error}");
-                let pins =
-                    open(&self.loaded).inspect_err(|error| log::error!("{error}; trying again every second"));
+                let pins = open(&self.loaded);
+                self.known = Known::without(&pins);
                 // The outputs are tried again, too.
-                let outputs = self.loaded.triggers.iter().map(|_| None).collect();
-                self.threads = Threads::start(pins.ok(), outputs, &self.loaded)?;
+                self.threads = Threads::start(pins, no_outputs(&self.loaded), &self.loaded)?;
             }
         }
-        self.known = Known::default();
         self.server.set_channels(&publish::channels(&self.loaded));
         self.announce_tape_header();
         Ok(())
@@ -354,7 +304,8 @@ impl Daemon {
         let stats = &self.known.stats;
         let (faults, clients) = (stats.faults.iter().sum::<u64>(), self.server.clients());
         // One line for `systemctl status`.
-        let status = format!("{} readings, {faults} faults, {clients} clients", stats.readings);
+        let counts = format!("{} readings, {faults} faults, {clients} clients", stats.readings);
+        let status = self.known.away_or(&counts);
         let states = [NotifyState::Status(&status), NotifyState::Watchdog];
         notify(if self.has_watchdog { &states } else { &states[..1] });
     }
@@ -375,26 +326,27 @@ pub fn release_lines(path: &Path) -> Result<bool, DaemonError> {
         Some(requested) => requested,
         None => Requested::of(&Config::load(path)?)?,
     };
-    Ok(requested.release()?)
+    match requested.release() {
+        Err(error) if is_of_others(&error) => {
+            log::warn!("{error}: left to whoever that is");
+            Ok(true)
+        }
+        outcome => Ok(outcome?),
+    }
+}
+
+/// What keeps a service from starting, and what it waits for instead: the manager would start it again and again. By hand it is
+/// better told at once.
+fn waited_for<T>(opened: Result<T, OpenError>) -> Result<Result<T, OpenError>, OpenError> {
+    match opened {
+        Err(error) if !is_held(&error) || env::var_os("NOTIFY_SOCKET").is_none() => Err(error),
+        opened => Ok(opened),
+    }
 }
 
 /// Without a service manager nobody listens, and that is no error.
 fn notify(states: &[NotifyState<'_>]) {
     if let Err(error) = sd_notify::notify(states) {
         log::debug!("sd_notify: {error}");
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn a_chip_that_is_away_may_come_a_line_without_an_interrupt_stays_so() {
-        let opened = |error| DaemonError::Open(OpenError::Hardware(error));
-        let wiring = opened(ChardevError::Wiring("sense-a (GPIO5) has no interrupt".into()));
-        let chip = opened(ChardevError::NoChip { wanted: "pinctrl-rp1".into(), present: String::new() });
-        assert!(wiring.is_lasting() && !wiring.is_absent());
-        assert!(!chip.is_lasting() && chip.is_absent());
     }
 }

@@ -5,6 +5,7 @@ use super::limits::GONE_AFTER;
 use super::measuring::{Lost, Update};
 use super::triggering::ChannelEvent;
 use crate::config::Config;
+use crate::config::backend::OpenError;
 use crate::instrument::Message;
 use crate::instrument::stats::Stats;
 use crate::pins::realtime::{self, Right};
@@ -34,8 +35,8 @@ pub struct Known {
     pub stats: Stats,
     /// What became of the wishes of `[realtime]`; `None` before its first word.
     pub realtime: Option<realtime::Rights>,
-    /// The GPIO lines cannot be used, and are tried again.
-    pub is_away: bool,
+    /// Why the GPIO lines cannot be used; they are tried again.
+    away: Option<String>,
     /// The suspect that the log has named last, and when a fault pointed to it last: named once, not with each reading.
     suspect: Option<(Suspect, Nanos)>,
     /// Whether the log has named a leak.
@@ -45,6 +46,16 @@ pub struct Known {
 }
 
 impl Known {
+    /// Of a measuring thread that starts with these pins, or without any.
+    pub fn without<T>(pins: &Result<T, OpenError>) -> Known {
+        Known { away: pins.as_ref().err().map(OpenError::to_string), ..Known::default() }
+    }
+
+    /// One line for `systemctl status`: why there are no lines, or this.
+    pub fn away_or(&self, otherwise: &str) -> String {
+        self.away.as_ref().map_or_else(|| otherwise.to_owned(), |why| format!("waiting: {why}"))
+    }
+
     fn log_suspect(&mut self, reading: &Reading) {
         match (reading.status, reading.suspect, self.suspect) {
             (Status::Fault(fault), Some(suspect), before) => {
@@ -139,15 +150,15 @@ pub fn publish(server: &mut Server, known: &mut Known, loaded: &Loaded, update: 
             known.realtime = Some(report);
         }
         Update::Failed(error) => {
-            known.is_away = true;
             log::error!("{error}; trying again every second");
+            known.away = Some(error.to_string());
         }
         Update::NotOpened(error) => {
-            known.is_away = true;
-            log::warn!("{error}");
+            log::warn!("{error}; trying again every second");
+            known.away = Some(error.to_string());
         }
         Update::Recovered => {
-            known.is_away = false;
+            known.away = None;
             log::info!("the GPIO lines work again");
         }
     }
@@ -155,7 +166,7 @@ pub fn publish(server: &mut Server, known: &mut Known, loaded: &Loaded, update: 
 
 /// The daemon's own fields of STATS.
 pub fn stats(known: &Known, config: &Config, uptime: Nanos) -> InstrumentStats {
-    let Known { stats, realtime, is_away, .. } = known;
+    let Known { stats, realtime, away, .. } = known;
     let offset = stats.offset_is_known.then_some(stats.offset);
     let r_o_ohm = offset.and_then(|offset| offset.r_o_ohm);
     let faults = Fault::ALL.map(|fault| (fault.as_str().to_owned(), stats.faults[fault as usize]));
@@ -163,7 +174,7 @@ pub fn stats(known: &Known, config: &Config, uptime: Nanos) -> InstrumentStats {
     InstrumentStats {
         backend: config.gpio.backend.to_string(),
         method: config.method().to_string(),
-        gpio_works: !is_away,
+        gpio_works: away.is_none(),
         uptime_s: uptime.as_seconds(),
         cycles: stats.cycles,
         readings: stats.readings,

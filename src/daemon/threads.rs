@@ -1,9 +1,10 @@
 //! The threads that do the work, begun and ended together: one measures, one watches triggers if there are any.
 
+use super::error::system;
 use super::measuring::{Measuring, Stuck};
 use super::requested::{self, Requested};
 use super::triggering::{self, ChannelEvent, Triggering};
-use super::{DaemonError, Loaded, system};
+use super::{DaemonError, Loaded};
 use crate::config::backend::{self, AnyPins, OpenError};
 use crate::pins::monotonic;
 use crate::pins::output::Output;
@@ -22,11 +23,15 @@ pub struct Threads {
 pub type Outputs = Vec<Option<Output>>;
 
 impl Threads {
-    /// Begins to measure. Without pins, by trying to open them.
+    /// Begins to measure. Without pins, by saying why, and trying to open them.
     ///
     /// # Errors
     /// The system has no descriptor or thread left.
-    pub fn start(pins: Option<AnyPins>, outputs: Outputs, loaded: &Loaded) -> Result<Threads, DaemonError> {
+    pub fn start(
+        pins: Result<AnyPins, OpenError>,
+        outputs: Outputs,
+        loaded: &Loaded,
+    ) -> Result<Threads, DaemonError> {
         for blind_spot in pins.iter().flat_map(|pins| pins.particulars().blind_spots) {
             log::info!("{blind_spot}");
         }
@@ -94,4 +99,9 @@ pub fn open(loaded: &Loaded) -> Result<AnyPins, OpenError> {
 /// The first one that cannot be had.
 pub fn open_outputs(loaded: &Loaded) -> Result<Outputs, OpenError> {
     Ok(triggering::open(&loaded.triggers, backend::way(loaded.config.gpio.backend))?)
+}
+
+/// All of them to be tried again.
+pub fn no_outputs(loaded: &Loaded) -> Outputs {
+    loaded.triggers.iter().map(|_| None).collect()
 }

@@ -1,6 +1,7 @@
 //! The daemon as its users and the service manager see it: the real program, a simulated circuit, real signals.
 
 mod crowd;
+mod held;
 mod killed;
 pub mod process;
 

@@ -109,7 +109,7 @@ fn endless(call: Duration) -> (Measuring, Arc<AtomicU32>, Arc<AtomicU32>) {
     let settings = config.settings().unwrap();
     let [driving, waits] = [(); 2].map(|()| Arc::new(AtomicU32::new(0)));
     let pins = Endless { now: Nanos::ZERO, call, driving: Arc::clone(&driving), waits: Arc::clone(&waits) };
-    (Measuring::start(Some(Box::new(pins)), config, settings, None).unwrap(), driving, waits)
+    (Measuring::start(Ok(Box::new(pins)), config, settings, None).unwrap(), driving, waits)
 }
 
 #[test]
@@ -154,7 +154,7 @@ fn a_panic_ends_the_measurement_with_every_line_released() {
     let driving = Arc::new(AtomicU32::new(u32::MAX));
     let pins = SimPins::new(&Scene::builtin("ideal").unwrap(), None);
     let pins = Mistaken { pins, waits: 20, driving: Arc::clone(&driving) };
-    let mut measuring = Measuring::start(Some(Box::new(pins)), config, settings, None).unwrap();
+    let mut measuring = Measuring::start(Ok(Box::new(pins)), config, settings, None).unwrap();
     while !measuring.has_ended() {
         thread::yield_now();
     }
@@ -170,7 +170,7 @@ fn readings_wake_nobody_while_nobody_watches() {
     for watched in [false, true] {
         let pins = SimPins::new(&Scene::builtin("ideal").unwrap(), None);
         let measuring =
-            &mut Measuring::start(Some(Box::new(pins)), config.clone(), settings.clone(), None).unwrap();
+            &mut Measuring::start(Ok(Box::new(pins)), config.clone(), settings.clone(), None).unwrap();
         measuring.set_watched(watched);
         // What was sent before that.
         let _ = measuring.wake().read();
@@ -196,7 +196,7 @@ fn readings_wake_nobody_while_nobody_watches() {
 fn what_was_kept_is_told_as_soon_as_somebody_watches() {
     let (config, settings) = config("ideal");
     let pins = SimPins::new(&Scene::builtin("ideal").unwrap(), None);
-    let mut measuring = Measuring::start(Some(Box::new(pins)), config, settings, None).unwrap();
+    let mut measuring = Measuring::start(Ok(Box::new(pins)), config, settings, None).unwrap();
     measuring.stop().unwrap();
     measuring.set_watched(false);
     let _ = measuring.wake().read();
@@ -209,21 +209,25 @@ fn what_was_kept_is_told_as_soon_as_somebody_watches() {
 #[test]
 fn pins_that_are_missing_are_opened_by_and_by() {
     let (config, settings) = config("pi4");
-    let mut measuring = Measuring::start(None, config, settings, None).unwrap();
+    let held = Err(OpenError::Missing("a line that is free by now".to_owned()));
+    let mut measuring = Measuring::start(held, config, settings, None).unwrap();
+    let mut told = Vec::new();
     let reading = loop {
         match measuring.next() {
             Some(Update::Message(Message::Reading(reading))) => break reading,
-            Some(Update::NotOpened(error)) => panic!("{error}"),
+            Some(Update::NotOpened(error)) => told.push(error.to_string()),
             _ => thread::yield_now(),
         }
     };
+    assert!(matches!(&told[..], [why] if why.contains("free by now")), "{told:?}");
     assert_ne!(reading.status, crate::reading::Status::Fault(crate::reading::Fault::Pins));
 }
 
 #[test]
 fn a_reason_is_told_once() {
     let (config, settings) = config("nowhere.toml");
-    let mut measuring = Measuring::start(None, config, settings, None).unwrap();
+    let pins = backend::open(&config, Nanos::ZERO);
+    let mut measuring = Measuring::start(pins, config, settings, None).unwrap();
     let begin = measuring.beat();
     // Two rounds of trying, each of ten naps.
     while measuring.beat() < begin + 25 {
@@ -280,7 +284,7 @@ impl Gaps {
 fn what_a_full_ring_loses_is_told_where_the_gap_is() {
     let (config, settings) = config("ideal");
     let pins = SimPins::new(&Scene::builtin("ideal").unwrap(), None);
-    let mut measuring = Measuring::start(Some(Box::new(pins)), config, settings, None).unwrap();
+    let mut measuring = Measuring::start(Ok(Box::new(pins)), config, settings, None).unwrap();
     let mut gaps = Gaps::default();
     let overflow = |measuring: &Measuring| {
         let beat = measuring.beat();

@@ -66,8 +66,14 @@ impl Home {
 
     /// The program with its configuration, its log in the file, and nothing of a service manager.
     pub fn command(&self) -> Command {
-        let mut command = program();
-        command.arg("--config").arg(self.config()).current_dir(self.path());
+        let mut command = self.within(program());
+        command.arg("--config").arg(self.config());
+        command
+    }
+
+    /// In its directory, and heard by its log.
+    pub fn within(&self, mut command: Command) -> Command {
+        command.current_dir(self.path());
         command.stderr(File::options().create(true).append(true).open(self.log_file()).unwrap());
         command
     }
@@ -89,7 +95,12 @@ impl Home {
 
 /// The daemon's program, without arguments and without the environment of a service manager.
 pub fn program() -> Command {
-    let mut command = Command::new(env!("CARGO_BIN_EXE_cermd"));
+    unmanaged(Path::new(env!("CARGO_BIN_EXE_cermd")))
+}
+
+/// Any program, without the environment of a service manager.
+pub fn unmanaged(program: &Path) -> Command {
+    let mut command = Command::new(program);
     for name in
         ["NOTIFY_SOCKET", "WATCHDOG_USEC", "WATCHDOG_PID", "LISTEN_FDS", "LISTEN_PID", "JOURNAL_STREAM"]
     {
@@ -214,15 +225,20 @@ pub mod notify {
 
         /// The next message that holds this line.
         pub fn wait_for(&self, line: &str) -> String {
+            self.wait_for_one(line, |message| message.lines().any(|found| found == line))
+        }
+
+        /// The next message of which that is so.
+        pub fn wait_for_one(&self, what: &str, is_it: impl Fn(&str) -> bool) -> String {
             loop {
                 let mut bytes = [0; 4096];
                 let length = match self.socket.recv(&mut bytes) {
                     Err(error) if error.kind() == std::io::ErrorKind::Interrupted => continue,
-                    result => result.unwrap_or_else(|error| panic!("no {line}: {error}")),
+                    result => result.unwrap_or_else(|error| panic!("no {what}: {error}")),
                 };
                 let message = String::from_utf8(bytes[..length].to_vec()).unwrap();
                 self.seen.borrow_mut().push(message.clone());
-                if message.lines().any(|found| found == line) {
+                if is_it(&message) {
                     return message;
                 }
             }

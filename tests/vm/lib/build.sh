@@ -79,7 +79,8 @@ build_package() {
     rm -rf "$out/newer"
 }
 
-# build_armhf: the programs for 32-bit boards, static, in $cache/build/armhf.
+# build_armhf: the archive of static programs for 32-bit boards, in $cache/build/armhf.
 build_armhf() {
+    rm -rf "$cache/build/armhf"
     CERMD_VM_CACHE=$cache "$root_of_crate/packaging/build" --programs "$cache/build/armhf" armhf
 }

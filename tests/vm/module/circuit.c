@@ -30,7 +30,8 @@
  *
  * /sys/kernel/debug/gpio-cermd/discharges holds the true instants of the last discharges (CLOCK_MONOTONIC, ns):
  * the difference between a crossing there and the stamp that user space got is the true latency.
- * .../outputs is the mask of lines that drive now (gpiolib goes on calling a released open-drain line an output).
+ * .../outputs is the mask of lines that drive now (gpiolib goes on calling a released open-drain line an output), .../high of
+ * those that would drive high.
  * /sys/module/gpio_cermd/parameters: the circuit; what is written takes effect at the next change of a line.
  */
 #include <linux/debugfs.h>
@@ -367,6 +368,7 @@ void circuit_start(void (*fall)(unsigned int line))
 	c->debugfs = debugfs_create_dir("gpio-cermd", NULL);
 	records_start(c->debugfs, &c->lock);
 	debugfs_create_ulong("outputs", 0444, c->debugfs, &c->output);
+	debugfs_create_ulong("high", 0444, c->debugfs, &c->high);
 }
 
 void circuit_stop(void)

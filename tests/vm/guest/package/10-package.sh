@@ -1,9 +1,6 @@
 # From the file of a package to newtons on a Debian that has never seen it: installed, set up, upgraded, disturbed, removed, purged.
-. /test/lib.sh
-export CERMD_SOCKET=/run/cermd/cermd.sock
+. /test/package/service.sh
 driver=/sys/bus/platform/drivers/gpio-cermd
-config=/etc/cermd/cermd.toml
-property() { systemctl show --value --property="$1" cermd; }
 # is_inactive WORDS: not failed, not starting again and again, and `systemctl status` has these words for the reason.
 is_inactive() {
     sleep 2
@@ -12,7 +9,6 @@ is_inactive() {
     [ "$(property ActiveState) $(property NRestarts)" = "inactive 0" ] || fail "it is $(property ActiveState), after $(property NRestarts) restarts"
     grep -F "$1" status >/dev/null || fail "the reason is not told: $1"
 }
-reading() { cermctl get --json | grep '"status":"ok"'; }
 # At first the uncertainty is a wide prior.
 settled() { reading | grep -v '"settling":true'; }
 field() { sed -n "s/.*\"$1\":\([0-9.]*\).*/\1/p" reading; }
@@ -27,9 +23,6 @@ reads() {
         exit !(u > 0 && u < 0.01 * true && (r - true) ^ 2 < 16 * u * u && fu > 0 && fu < 0.1 * n && (f - n) ^ 2 < 16 * fu * fu)
     }' || fail "that is not $1 ohm"
 }
-ms() { echo $((($(date +%s%N) - from) / 1000000)); }
-now() { from=$(date +%s%N); }
-install() { DEBIAN_FRONTEND=noninteractive apt-get install -y -o Dpkg::Options::=--force-confold "$1" </dev/null; }
 # Where packages and people put files; their names, without what dpkg and apt keep for themselves.
 files() {
     find /etc /usr /var /root /home | grep -vE '^/var/(log|cache|lib/(dpkg|apt))/' | sort
@@ -61,7 +54,7 @@ mv /dev/away/* /dev
 for unit in mqtt prometheus web iio; do
     [ "$(systemctl is-enabled cermd-$unit) $(systemctl is-active cermd-$unit)" = "disabled inactive" ] || fail "cermd-$unit is not left alone"
 done
-[ "$(cat /sys/kernel/debug/gpio-cermd/outputs)" = 0 ] || fail "lines drive"
+lines_are_safe "not set up"
 
 echo "== set up"
 # The sensor behind R_lim; a wire in its place when that is asked for.
@@ -125,7 +118,7 @@ reads 1000
 
 echo "== removed"
 apt-get remove -y cermd </dev/null
-[ "$(cat /sys/kernel/debug/gpio-cermd/outputs)" = 0 ] || fail "lines drive"
+lines_are_safe "removed"
 [ ! -e /usr/bin/cermd ] && [ ! -e /run/cermd ] || fail "it is not gone"
 cmp $config mine || fail "the configuration is gone with it"
 echo "== purged"
