@@ -268,14 +268,16 @@ impl Estimator {
     fn times(&self, record: &Record) -> Result<(Times<f64>, Branch), Fault> {
         let (c1, c2) = self.calibration().ok_or(Fault::NoCalibration)?;
         // Of crossings that are closer than their noise any may be the first, but R_1 and R_2 are apart by more.
-        let noise = self.noise().covariance(c1).unwrap_or_default();
-        let close = BEYOND_NOISE * noise.aa.max(noise.bb).sqrt();
+        let noise = self.noise().covariance(c1);
+        let within = |noise: Covariance| BEYOND_NOISE * noise.aa.max(noise.bb).sqrt();
+        let apart = noise.map_or(0.0, within);
+        let close = within(noise.unwrap_or_else(|| Noise::prior(c1)));
         let d = self.offset().d_ns;
         let follow = |[first, second]: [Option<f64>; 2], by: f64| {
             first.zip(second).is_none_or(|(first, second)| second > first + by)
         };
         let ordered =
-            (0..2).all(|node| follow([c1[node], c2[node]], close) && follow([Some(d), c1[node]], -close));
+            (0..2).all(|node| follow([c1[node], c2[node]], apart) && follow([Some(d), c1[node]], -close));
         if !ordered || !follow(c1, -close) || !follow(c2, -close) {
             return Err(Fault::Implausible);
         }

@@ -242,3 +242,19 @@ fn an_offset_that_is_not_subtracted_biases_cerm_as_predicted() {
         assert!((bias / predicted - 1.0).abs() < 0.05, "{r} ohm: bias {bias}, predicted {predicted}");
     }
 }
+
+/// Nodes whose crossings are as close to each other as stamps may jitter, in either order.
+#[test]
+fn nodes_that_cross_together_are_no_fault_before_the_noise_is_known() {
+    for factor in [0.999, 1.001, 1.5] {
+        let bench = Bench { r: [470.0, 12_700.0], r_o: 40.0, g: [200.0, factor * 200.0], d: 8000.0 };
+        for method in [Method::Tcdic, Method::Tracked] {
+            let mut estimator = Estimator::new(method, 470.0, 12_700.0, 2, Offset::given(bench.d));
+            estimator.calibrate(&bench.full(Through::C1, 470.0)).unwrap();
+            estimator.calibrate(&bench.full(Through::C2, 12_700.0)).unwrap();
+            assert!(!estimator.noise().is_known());
+            let estimate = estimator.estimate(&bench.full(Through::X(0), 1000.0)).unwrap();
+            assert!((estimate.r_ohm.value / 1000.0 - 1.0).abs() < 1e-9, "{factor}: {estimate:?}");
+        }
+    }
+}
