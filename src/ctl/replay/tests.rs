@@ -86,6 +86,7 @@ fn a_tape_tells_what_the_instrument_has_told() {
         let estimates = replayed(&tape, method);
         assert_eq!(readings.len(), estimates.len(), "{name}");
         let mut states = std::collections::BTreeMap::new();
+        let mut turned = 0;
         for ((at, read), EstimateLine { t_mono_ns, state, .. }) in readings.iter().zip(&estimates) {
             // Before the first look for a leak is over, which the tape tells as it comes, there is nothing to compare.
             if *at < 3_000_000_000 {
@@ -98,6 +99,11 @@ fn a_tape_tells_what_the_instrument_has_told() {
             let u = read.r_u_ohm.zip(read.r_ohm).map_or(1e-4, |(u, r_ohm)| u / r_ohm);
             assert!(apart(read.r_ohm, state.r_ohm) < 0.03 * u, "{name}: {read:?} {state:?}");
             assert!(apart(read.f_n, state.f_n) < 0.03 * u, "{name}: {read:?} {state:?}");
+            // Beyond its noise or within is decided at an edge, which the rounded numbers of a tape may turn.
+            if read.moving != state.moving {
+                turned += 1;
+                continue;
+            }
             for (read, again) in
                 [(read.r_u_ohm, state.r_u_ohm), (read.f_u_n, state.f_u_n), (read.r_min_ohm, state.r_min_ohm)]
             {
@@ -111,6 +117,7 @@ fn a_tape_tells_what_the_instrument_has_told() {
             };
             *states.entry(of_state).or_insert(0) += 1;
         }
+        assert!(turned <= 1, "{name}: {turned}");
         // Both are there to be compared: the hand lifts off for a part of the time that differs.
         let ok = states.get("ok").copied().unwrap_or(0);
         assert!(2 * ok > readings.len() && states.contains_key("open"), "{name}: {states:?}");

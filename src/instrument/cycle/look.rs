@@ -17,7 +17,7 @@ pub enum Look {
 impl Cycle {
     /// Another length than an ordinary discharge through R_2 has. One that came to nothing tells nothing.
     pub(super) fn held_done(&mut self, look: Look, outcome: &Outcome, now: Nanos) {
-        self.step = Step::Start;
+        let comes_first = self.leak.is_wanting();
         let usual = self.estimator.calibration().map(|(_, c2)| c2);
         // The two discharges have their own noise each.
         let noise = usual.and_then(|usual| self.estimator.noise().covariance(usual));
@@ -43,5 +43,6 @@ impl Cycle {
                 self.estimator.set_absorption(&self.absorption);
             }
         }
+        self.step = if comes_first { self.before_sensors() } else { Step::Start };
     }
 }

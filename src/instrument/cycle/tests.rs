@@ -10,12 +10,13 @@ fn begun() -> Cycle {
     Cycle::new(config.parse().settings().unwrap())
 }
 
-/// One that has looked for leaks.
+/// At the start of a cycle, after the looks for leaks.
 fn cycle() -> Cycle {
     let mut cycle = begun();
     while cycle.leak.is_wanting() {
         course(&mut cycle, &[], 1);
     }
+    cycle.step = Step::Start;
     cycle
 }
 
@@ -67,10 +68,10 @@ const WIDE: Result<(), Fault> = Err(Fault::WideBracket);
 
 #[test]
 fn nothing_is_said_of_a_sensor_before_there_has_been_a_look_for_leaks() {
-    let seen = course(&mut begun(), &[], 9);
+    let seen = course(&mut begun(), &[], 5);
     let (c1, c2) = (Through::C1, Through::C2);
     let through: Vec<_> = seen.iter().map(|(through, _)| *through).collect();
-    assert_eq!(through, [c1, c2, c2, c1, c2, c2, c1, c2, Through::X(0)]);
+    assert_eq!(through, [c1, c2, c2, c2, Through::X(0)]);
 }
 
 #[test]
