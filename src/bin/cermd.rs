@@ -2,7 +2,7 @@
 
 use cermd::ctl::cli::{self, Cermd, NO_HARDWARE};
 use cermd::ctl::{self, check};
-use cermd::daemon::{self, DaemonError};
+use cermd::daemon::{self, DaemonError, Released};
 use std::error::Error;
 use std::io::{self, Write};
 use std::path::Path;
@@ -65,11 +65,12 @@ fn check(path: &Path) -> Result<bool, Box<dyn Error>> {
 }
 
 fn release_lines(path: &Path) -> Result<bool, Box<dyn Error>> {
-    let said = if daemon::release_lines(path)? {
-        "every line is an input"
-    } else {
-        "a simulated circuit: no line to release"
-    };
-    log::info!("{said}");
+    match daemon::release_lines(path)? {
+        Released::All => log::info!("every line is an input"),
+        Released::ButOf(error) => {
+            log::warn!("{error}: left to whoever that is; every other line is an input");
+        }
+        Released::Nothing => log::info!("a simulated circuit: no line to release"),
+    }
     Ok(true)
 }

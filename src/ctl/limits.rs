@@ -40,7 +40,7 @@
 //! | `PLAUSIBLE` | 2 | | printed capacitors are within 20 %, thresholds between a quarter and a half of the supply: times beyond this factor have another cause |
 //! | `PLAUSIBLE_RATIO` | 1.2 | | resistors are known better than capacitors: the ratio of their times may differ by it |
 //! | `SMALLEST_LEAK` | 1e-7 | S | a smaller leak is that of the capacitors, and is not told |
-//! | `PATIENCE` | 5 | discharges | as predicted, that the wiring test waits for the real one |
+//! | `PATIENCE` | 5 | | the wiring test waits for a discharge as long as so many predicted ones take |
 //! | `ENOUGH` | 1.1 | | of the best: a cheaper circuit that is hardly worse is better |
 
 pub use crate::characterize::limits::{COLD, WARM};

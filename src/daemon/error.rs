@@ -62,9 +62,9 @@ pub fn is_held(error: &OpenError) -> bool {
     matches!(error, OpenError::Hardware(error) if error.is_busy())
 }
 
-/// Whether it is another one than a daemon, such as one that was killed and whose lines the kernel still has.
+/// Whether the holder is known, and another program than a cermd; of one that was killed the kernel may still have the lines.
 pub fn is_of_others(error: &OpenError) -> bool {
-    matches!(error, OpenError::Hardware(error) if error.is_busy() && !error.is_held_by(CONSUMER))
+    matches!(error, OpenError::Hardware(error) if error.is_held_by_others_than(CONSUMER))
 }
 
 pub fn system(call: &'static str) -> impl Fn(io::Error) -> DaemonError {

@@ -223,14 +223,14 @@ impl Worker {
         }
         let mut stats_due = Nanos::ZERO;
         let mut offset_was_known = false;
-        let mut cycles_before = 0;
+        // Those without pins count, too.
+        let mut cycles_before = instrument.stats().cycles;
         while !self.shared.is_stopped() {
             let result = instrument.step(&mut |message| self.tell(message));
             if let Err(error) = result {
                 if matches!(error, PinsError::Stopped) {
                     return;
                 }
-                cycles_before = instrument.stats().cycles;
                 if matches!(error, PinsError::Gone { .. }) {
                     // The lines drive no more. This thread is told in the middle of the chip's removal, with a priority
                     // above it; a line closed there makes the kernel (7.3) warn in free_irq.
@@ -240,6 +240,7 @@ impl Worker {
                 // The faults are counted, and it may be long until the next word.
                 self.send(Update::Stats(instrument.stats()));
                 self.reopen(&mut instrument);
+                cycles_before = instrument.stats().cycles;
             }
             let works = instrument.stats().cycles > cycles_before;
             if self.said.is_some() && works && self.send(Update::Recovered) {

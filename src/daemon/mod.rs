@@ -24,13 +24,14 @@ use crate::stream::server::{Limits, Listener, Server};
 use crate::stream::tape::Header;
 use crate::units::Nanos;
 pub use error::DaemonError;
-use error::{is_held, is_of_others, system};
+use error::{is_held, system};
 use heartbeat::Heartbeat;
 use limits::LOOK_AFTER;
 use measuring::{Lost, Update};
 use nix::poll::{PollFd, PollFlags, PollTimeout, poll};
 use nix::time::ClockId;
 use publish::Known;
+pub use requested::Released;
 use requested::Requested;
 use sd_notify::NotifyState;
 pub use signals::{Signals, StopHandle};
@@ -140,7 +141,7 @@ impl Daemon {
         server.set_tape_header(&loaded.tape_header);
         let pins = waited_for(open(&loaded))?;
         let outputs = waited_for(open_outputs(&loaded))?.unwrap_or_else(|_| no_outputs(&loaded));
-        let known = Known::without(&pins);
+        let known = Known::of(&pins);
         let threads = Threads::start(pins, outputs, &loaded)?;
         log::info!("serving {} channel(s) on {place}", config.channels.len());
         let watchdog = sd_notify::watchdog_enabled();
@@ -286,7 +287,7 @@ impl Daemon {
             Err(error) => {
                 log::error!("{KEPT}: {error}");
                 let pins = open(&self.loaded);
-                self.known = Known::without(&pins);
+                self.known = Known::of(&pins);
                 // The outputs are tried again, too.
                 self.threads = Threads::start(pins, no_outputs(&self.loaded), &self.loaded)?;
             }
@@ -312,11 +313,11 @@ impl Daemon {
 }
 
 /// Makes lines inputs, for after a kill: those that were asked for, as the runtime directory says; where nobody has kept
-/// them, those of the configuration. `false`: the circuit is simulated, there is nothing to do.
+/// them, those of the configuration.
 ///
 /// # Errors
-/// The configuration cannot be read, or the first line that could not be had; the others are inputs all the same.
-pub fn release_lines(path: &Path) -> Result<bool, DaemonError> {
+/// The configuration cannot be read, or as [`Requested::release`].
+pub fn release_lines(path: &Path) -> Result<Released, DaemonError> {
     let kept = requested::runtime_directory().and_then(|folder| {
         let complain =
             |error: &io::Error| log::warn!("{}: the lines that were kept: {error}", folder.display());
@@ -326,17 +327,11 @@ pub fn release_lines(path: &Path) -> Result<bool, DaemonError> {
         Some(requested) => requested,
         None => Requested::of(&Config::load(path)?)?,
     };
-    match requested.release() {
-        Err(error) if is_of_others(&error) => {
-            log::warn!("{error}: left to whoever that is");
-            Ok(true)
-        }
-        outcome => Ok(outcome?),
-    }
+    Ok(requested.release()?)
 }
 
-/// What keeps a service from starting, and what it waits for instead: the manager would start it again and again. By hand it is
-/// better told at once.
+/// `Ok(Err)`: another program holds a line, and this is a service, which starts and tries again: its manager would only do that
+/// for it, without end. By hand it is better told at once.
 fn waited_for<T>(opened: Result<T, OpenError>) -> Result<Result<T, OpenError>, OpenError> {
     match opened {
         Err(error) if !is_held(&error) || env::var_os("NOTIFY_SOCKET").is_none() => Err(error),

@@ -47,7 +47,7 @@ pub struct Known {
 
 impl Known {
     /// Of a measuring thread that starts with these pins, or without any.
-    pub fn without<T>(pins: &Result<T, OpenError>) -> Known {
+    pub fn of<T>(pins: &Result<T, OpenError>) -> Known {
         Known { away: pins.as_ref().err().map(OpenError::to_string), ..Known::default() }
     }
 

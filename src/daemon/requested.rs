@@ -1,6 +1,7 @@
 //! The lines that this daemon has asked for, kept where the service manager's cleaner finds them after a kill: the file of the
 //! configuration may be another one by then, or none.
 
+use super::error::is_of_others;
 use crate::config::backend::{self, OpenError};
 use crate::config::{Backend, Config};
 use crate::files;
@@ -23,6 +24,17 @@ pub struct Requested {
     /// The lines that follow triggers.
     #[serde(default)]
     outputs: Vec<OutputLine>,
+}
+
+/// What has become of lines that were to be released.
+#[derive(Debug)]
+pub enum Released {
+    /// Each is an input.
+    All,
+    /// But for what other programs hold.
+    ButOf(OpenError),
+    /// The circuit is simulated, there are none.
+    Nothing,
 }
 
 impl Requested {
@@ -56,18 +68,23 @@ impl Requested {
         }
     }
 
-    /// Makes each of the lines an input, those of outputs first, which are inactive before they are. `false`: there was none.
+    /// Makes each of the lines an input, those of outputs first, which are inactive before they are.
     ///
     /// # Errors
-    /// The first line that could not be had; the others are inputs all the same.
-    pub fn release(&self) -> Result<bool, OpenError> {
-        let Some(wiring) = &self.wiring else { return Ok(false) };
+    /// The first line that could not be had, if it is not another program that holds it; all others are inputs all the same.
+    pub fn release(&self) -> Result<Released, OpenError> {
+        let Some(wiring) = &self.wiring else { return Ok(Released::Nothing) };
         let way = backend::way(self.backend);
         // Each of them, whatever becomes of the others.
         let outputs: Vec<_> = self.outputs.iter().map(|line| output::release(line, way)).collect();
-        backend::release_lines(self.backend, wiring)?;
-        outputs.into_iter().collect::<Result<Vec<()>, _>>()?;
-        Ok(true)
+        let of_circuit = backend::release_lines(self.backend, wiring);
+        let outputs = outputs.into_iter().map(|outcome| outcome.map_err(OpenError::from));
+        let failures = std::iter::once(of_circuit).chain(outputs).filter_map(Result::err);
+        match failures.min_by_key(is_of_others) {
+            None => Ok(Released::All),
+            Some(error) if is_of_others(&error) => Ok(Released::ButOf(error)),
+            Some(error) => Err(error),
+        }
     }
 }
 
@@ -97,7 +114,7 @@ mod tests {
         let simulated = Requested::of(&config).unwrap();
         simulated.keep(folder.path()).unwrap();
         let last = Requested::last(folder.path()).unwrap().unwrap();
-        assert!(last == simulated && !last.release().unwrap());
+        assert!(last == simulated && matches!(last.release(), Ok(Released::Nothing)));
         assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 1);
     }
 

@@ -68,7 +68,9 @@ impl LeakTest {
 
     /// Whether there have been looks enough: for a defect a few that agree, since nothing else is so large.
     pub fn is_known(&self) -> bool {
-        let is_gross = self.looks.remembered().iter().all(|siemens| siemens.abs() > GROSS_LEAK_SIEMENS);
+        let all =
+            |sign: f64| self.looks.remembered().iter().all(|siemens| sign * siemens > GROSS_LEAK_SIEMENS);
+        let is_gross = all(1.0) || all(-1.0);
         self.looks.taken() >= if is_gross { LEAK_GROSS_FIRST } else { LEAK_FIRST }
     }
 
@@ -136,6 +138,7 @@ mod tests {
         assert!(defect(LEAK_GROSS_FIRST).siemens().unwrap() > GROSS_LEAK_SIEMENS);
         let spike = tested(LEAK_GROSS_FIRST, |index| if index == 0 { 30e6 } else { 0.0 });
         assert!(!spike.is_known() && spike.siemens().is_none());
+        assert!(!tested(LEAK_GROSS_FIRST, |index| if index == 0 { 30e6 } else { -30e6 }).is_known());
         let mut failed = LeakTest::default();
         (0..LEAK_GROSS_FIRST).for_each(|_| failed.add(None, 12_700.0, Nanos::ZERO));
         assert!(!failed.is_wanting() && !failed.is_known());

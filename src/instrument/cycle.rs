@@ -7,6 +7,8 @@
 //! R_1, R_2, [R_1 then R_2: split], x of channel 0, x of channel 1, ...
 //! ```
 //!
+//! and in the very first one R_2 is held twice before x, each time after a calibration: is there a leak that is a defect?
+//!
 //! With `offset = "auto"`, readings flow from the first cycle on, by full discharges (in whose equations d cancels);
 //! switched ones begin when the offset is known. Split discharges go on in each cycle until what is not known of the
 //! offset is a small part of a reading's variance; then one now and then keeps following it. With a tracked calibration,
@@ -42,7 +44,7 @@ use plan::Memory;
 
 /// The longest that the share of one reading in a cycle can take, whatever is connected: every discharge taken as often as it
 /// may be, each of them drained, charged, waited for until its deadline, and finished through R_1 until another. What the
-/// system takes beyond what was asked for, such as a preemption, is not in it.
+/// system takes beyond what was asked for, such as a preemption, is not in it, nor are the looks before the first one.
 pub fn longest_reading(settings: &Settings) -> Nanos {
     let Settings { drain, charge, settle, deadline, .. } = *settings;
     let discharge = drain + charge.anew.time().max(charge.to_a.time()) + settle + deadline + deadline;
@@ -275,7 +277,7 @@ impl Cycle {
 
     /// The first sensor, but nothing is said of any before there has been a look for leaks.
     fn before_sensors(&self) -> Step {
-        if self.may_look() && self.leak.is_wanting() { Step::Hold(Look::Leak) } else { self.first_sensor() }
+        if self.may_look() && self.leak.is_wanting() { Step::Hold(Look::First) } else { self.first_sensor() }
     }
 
     fn may_look(&self) -> bool {

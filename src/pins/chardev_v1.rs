@@ -91,7 +91,7 @@ pub fn release_lines(wiring: &Wiring) -> Result<(), ChardevError> {
     let chip = Chip::find(&wiring.chip)?;
     let (lines, mut requests) = (wiring.resolve(&chip)?, Requests::new(&chip)?);
     let input = LineRequestFlags::INPUT;
-    lines.release_each(|line| {
+    lines.release_each(&wiring.consumer, |line| {
         requests
             .ask("GET_LINEHANDLE", line, |found| found.request(input.clone(), 0, &wiring.consumer))
             .map(drop)

@@ -293,7 +293,7 @@ const TAIL: &str = "
   of readings the stated uncertainty is too small. Where `tracked` switches, the sensor's part is so short (1 ms at 1 kohm)
   that 20 Hz do no harm.
 - A motion in step with the readings shows the same value and slope each time, and at its turning points nothing tells of it:
-  `tcdic` at 16.2 kohm and 10 Hz was off by up to 16 u during the first look for a leak, 5 s after the start, whose cycles last
+  `tcdic` at 16.2 kohm and 10 Hz was off by up to 16 u while a look for a leak, 5 s after the start, made cycles last
   0.1 s.
 - A change that repeats within one discharge averages out in it; it is told by what is left of it.
 - A step in the middle of a single stretch gives a value in between. It is told because nothing before it was as fast; on a

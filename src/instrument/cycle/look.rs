@@ -10,6 +10,8 @@ use crate::units::Nanos;
 pub enum Look {
     /// A leak: it is held on its way.
     Leak,
+    /// The same, before the first reading, with a calibration of its own.
+    First,
     /// What capacitors absorb: it comes after a rest at V_DD.
     Absorption,
 }
@@ -17,14 +19,13 @@ pub enum Look {
 impl Cycle {
     /// Another length than an ordinary discharge through R_2 has. One that came to nothing tells nothing.
     pub(super) fn held_done(&mut self, look: Look, outcome: &Outcome, now: Nanos) {
-        let comes_first = self.leak.is_wanting();
         let usual = self.estimator.calibration().map(|(_, c2)| c2);
         // The two discharges have their own noise each.
         let noise = usual.and_then(|usual| self.estimator.noise().covariance(usual));
         let variance = 2.0 * noise.map_or(UNKNOWN_JITTER_NS * UNKNOWN_JITTER_NS, |noise| noise.aa);
         let found = outcome.result.ok().zip(usual.and_then(|[a_ns, _]| a_ns));
         match look {
-            Look::Leak => {
+            Look::Leak | Look::First => {
                 let lost = found.and_then(|(record, usual)| {
                     let switch = record.switch?;
                     Some((usual + (switch.on_ns - switch.at_ns) - record.a_ns?, variance))
@@ -43,6 +44,10 @@ impl Cycle {
                 self.estimator.set_absorption(&self.absorption);
             }
         }
-        self.step = if comes_first { self.before_sensors() } else { Step::Start };
+        self.step = match look {
+            Look::First if self.leak.is_wanting() => self.next_calibration(None),
+            Look::First => self.first_sensor(),
+            Look::Leak | Look::Absorption => Step::Start,
+        };
     }
 }

@@ -80,6 +80,12 @@ impl ChardevError {
         matches!(self, ChardevError::Call { consumers, .. } if consumers.iter().any(|held| held == consumer))
     }
 
+    /// Whether other programs, whose names are known, hold all lines that could not be had, and none of this name does.
+    pub fn is_held_by_others_than(&self, consumer: &str) -> bool {
+        let ChardevError::Call { consumers, .. } = self else { return false };
+        self.is_busy() && !consumers.is_empty() && !self.is_held_by(consumer)
+    }
+
     /// Whether a group may do what this user may not.
     pub(super) fn asks_for_a_group(&self) -> bool {
         matches!(self, ChardevError::Call { for_a_group: true, .. })

@@ -68,7 +68,7 @@ impl Chardev {
 /// The first failure; the other lines have been released all the same.
 pub fn release_lines(wiring: &Wiring) -> Result<(), ChardevError> {
     let chip = Chip::find(&wiring.chip)?;
-    wiring.resolve(&chip)?.release_each(|line| {
+    wiring.resolve(&chip)?.release_each(&wiring.consumer, |line| {
         v2::get_line(&chip.file, release_request(line, &wiring.consumer))
             .map(drop)
             .map_err(|error| chip.refusal("GET_LINE", &line.title, &[line.offset], as_io(error)))

@@ -75,17 +75,19 @@ impl Lines {
         }
     }
 
-    /// Tries `release` on every line, and is [`patient`] with those that are busy. Keeps the first failure.
+    /// Tries `release` on every line, and is [`patient`] with those that are busy. Keeps the first failure; that another program
+    /// than `consumer` holds a line is one only if there is no other.
     pub fn release_each(
         &self,
+        consumer: &str,
         mut release: impl FnMut(&WiredLine) -> Result<(), ChardevError>,
     ) -> Result<(), ChardevError> {
         let mut attempts_left = RELEASE_ATTEMPTS;
-        let mut first_failure = Ok(());
-        for line in self.drives.iter().chain(&self.sense) {
-            first_failure = first_failure.and(patient(&mut attempts_left, || release(line)));
-        }
-        first_failure
+        let lines = self.drives.iter().chain(&self.sense);
+        let failures: Vec<_> =
+            lines.filter_map(|line| patient(&mut attempts_left, || release(line)).err()).collect();
+        let first = failures.into_iter().min_by_key(|failure| failure.is_held_by_others_than(consumer));
+        first.map_or(Ok(()), Err)
     }
 }
 

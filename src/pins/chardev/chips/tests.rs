@@ -89,6 +89,8 @@ fn a_busy_line_names_its_holder() {
     let holders = "held by another consumer: GPIO20 (\"gpioset\"), line 4 (\"unnamed\")";
     assert!(error.to_string().ends_with(holders), "{error}");
     assert!(error.is_busy() && error.is_held_by("gpioset") && !error.is_held_by("cermd"));
+    assert!(error.is_held_by_others_than("cermd") && !error.is_held_by_others_than("gpioset"));
+    assert!(!refused(libc::EBUSY).is_held_by_others_than("cermd"), "nobody knows who");
     assert!(!explain_busy(refused(libc::EIO), &held).is_held_by("gpioset"));
 }
 

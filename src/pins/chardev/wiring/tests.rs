@@ -101,11 +101,15 @@ fn failure(errno: i32, line: &WiredLine) -> ChardevError {
     ChardevError::call("GET_LINE", line.title.clone(), source, std::path::Path::new("/nonexistent"))
 }
 
+fn held_by_another(line: &WiredLine) -> ChardevError {
+    failure(libc::EBUSY, line).explained("held".to_owned(), vec!["gpioset".to_owned()])
+}
+
 #[test]
 fn a_busy_line_is_asked_for_again() {
     let lines = lines(&wiring());
     let mut asked = 0;
-    let outcome = lines.release_each(|line| {
+    let outcome = lines.release_each("cermd", |line| {
         asked += 1;
         if asked < 3 { Err(failure(libc::EBUSY, line)) } else { Ok(()) }
     });
@@ -117,10 +121,16 @@ fn a_busy_line_is_asked_for_again() {
 fn one_failure_does_not_spare_the_other_lines() {
     let lines = lines(&wiring());
     let mut released = Vec::new();
-    let outcome = lines.release_each(|line| {
+    let outcome = lines.release_each("cermd", |line| {
         released.push(line.offset);
-        if line.offset == 20 { Err(failure(libc::EIO, line)) } else { Ok(()) }
+        match line.offset {
+            16 => Err(held_by_another(line)),
+            20 => Err(failure(libc::EIO, line)),
+            _ => Ok(()),
+        }
     });
     assert!(outcome.unwrap_err().to_string().contains("sink-c1 (GPIO20)"));
+    // The one that is held more than once.
+    released.dedup();
     assert_eq!(released, [16, 26, 20, 21, 13, 19, 5, 6]);
 }
