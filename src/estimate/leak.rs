@@ -61,17 +61,22 @@ impl LeakTest {
         has_changed
     }
 
-    /// Whether the looks are wanting without which nothing is to be said of a sensor.
+    /// Whether the look is wanting without which nothing is to be said of a sensor, or those that make sure of a defect.
     pub fn is_wanting(&self) -> bool {
-        self.looks.tried() < LEAK_GROSS_FIRST
+        let tried = self.looks.tried();
+        tried == 0 || tried < LEAK_GROSS_FIRST && self.is_gross()
     }
 
     /// Whether there have been looks enough: for a defect a few that agree, since nothing else is so large.
     pub fn is_known(&self) -> bool {
+        self.looks.taken() >= if self.is_gross() { LEAK_GROSS_FIRST } else { LEAK_FIRST }
+    }
+
+    /// Whether each look so far has shown a defect.
+    fn is_gross(&self) -> bool {
         let all =
             |sign: f64| self.looks.remembered().iter().all(|siemens| sign * siemens > GROSS_LEAK_SIEMENS);
-        let is_gross = all(1.0) || all(-1.0);
-        self.looks.taken() >= if is_gross { LEAK_GROSS_FIRST } else { LEAK_FIRST }
+        all(1.0) || all(-1.0)
     }
 
     /// The likely leak, siemens, whether it shows or not: nobody has seen that there is none. Before there has been a look, one
@@ -134,6 +139,7 @@ mod tests {
         // 40 ms / 50 kohm * 12.7 kohm.
         let defect = |count| tested(count, |_| 10.16e6);
         assert!(defect(LEAK_GROSS_FIRST - 1).is_wanting() && !defect(LEAK_GROSS_FIRST).is_wanting());
+        assert!(LeakTest::default().is_wanting() && !tested(1, |_| 1000.0).is_wanting());
         assert_eq!(defect(LEAK_GROSS_FIRST - 1).siemens(), None);
         assert!(defect(LEAK_GROSS_FIRST).siemens().unwrap() > GROSS_LEAK_SIEMENS);
         let spike = tested(LEAK_GROSS_FIRST, |index| if index == 0 { 30e6 } else { 0.0 });

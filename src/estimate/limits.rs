@@ -42,7 +42,8 @@ pub const LEAK_EVERY: Nanos = Nanos(5_000_000_000);
 pub const LEAK_REMEMBERED: usize = 16;
 /// The first held discharges follow each other; fewer tell little.
 pub const LEAK_FIRST: usize = 8;
-/// So many come before the first reading: a defect, which no uncertainty allows for, shows in each of them.
+/// One comes before the first reading, and if it shows a defect, which no uncertainty allows for, so many in all: a spike is not in
+/// each of them.
 pub const LEAK_GROSS_FIRST: usize = 2;
 /// What looks show is there beyond so many sigma.
 pub const LOOK_SHOWS: f64 = 4.0;

@@ -7,7 +7,7 @@
 //! R_1, R_2, [R_1 then R_2: split], x of channel 0, x of channel 1, ...
 //! ```
 //!
-//! and in the very first one R_2 is held twice before x, each time after a calibration: is there a leak that is a defect?
+//! and in the very first one R_2 is held before x: is there a leak that is a defect? If it seems so, all this is done once more.
 //!
 //! With `offset = "auto"`, readings flow from the first cycle on, by full discharges (in whose equations d cancels);
 //! switched ones begin when the offset is known. Split discharges go on in each cycle until what is not known of the
