@@ -316,7 +316,7 @@ impl Daemon {
 /// them, those of the configuration.
 ///
 /// # Errors
-/// The configuration cannot be read, or as [`Requested::release`].
+/// The configuration cannot be read, or a line could not be had that no other program holds; all others are inputs all the same.
 pub fn release_lines(path: &Path) -> Result<Released, DaemonError> {
     let kept = requested::runtime_directory().and_then(|folder| {
         let complain =
