@@ -124,7 +124,7 @@ const NUMBERS: [Metric; 12] = [
     ("cermd_force_upper_bound_newtons", "newtons", "Open: the force is below.", |s| s.f_max_n),
     ("cermd_force_lower_bound_newtons", "newtons", "Short: the force is above.", |s| s.f_min_n),
     ("cermd_reading_extrapolated", "", "Whether force or value is outside of where its law holds.", |s| {
-        s.f_n.or(s.value).map(|_| f64::from(s.extrapolated))
+        s.f_n.or(s.value).filter(|_| s.unit.as_deref() != Some("ohm")).map(|_| f64::from(s.extrapolated))
     }),
     ("cermd_reading_moving", "", "Whether the sensor changed while it was read.", |s| {
         s.r_ohm.map(|_| f64::from(s.moving))
@@ -276,6 +276,18 @@ mod tests {
             assert!(page.lines().any(|found| found == line), "{line}:\n{page}");
         }
         assert!(!page.contains("newtons") && !page.contains("bound"), "{page}");
+    }
+
+    #[test]
+    fn a_resistance_has_no_law_that_it_could_be_beyond() {
+        let mut latest = Latest::new(Duration::from_nanos(100));
+        latest.hear(&up(&["bare"]));
+        let unit = Some("ohm".to_owned());
+        let state = StateLine { value: Some(2841.3), value_u: Some(1.2), unit, ..ok(2841.3) };
+        latest.hear(&reading("bare", AT.0, state));
+        let page = render(&latest, AT, Format::Text);
+        assert!(page.contains("cermd_resistance_ohms{channel=\"bare\"} 2841.3"), "{page}");
+        assert!(!page.contains("cermd_reading_extrapolated{"), "{page}");
     }
 
     #[test]
