@@ -21,8 +21,7 @@ impl Part {
         if self.lines.last().is_none_or(|(last, _)| *last != name) {
             self.lines.push((name, Default::default()));
         }
-        let column = Method::ALL.iter().position(|one| *one == method).expect("all of them");
-        let cell = &mut self.lines.last_mut().expect("just added").1[column];
+        let cell = &mut self.lines.last_mut().expect("just added").1[method as usize];
         let within = match seen.numbers() >= RARE {
             true => format!("{:.1}", 100.0 * seen.errors.within_2u().value),
             false => "no number".to_owned(),
