@@ -1,5 +1,6 @@
 //! The daemon as a bridge hears it: connected again whenever it ends, with its figures asked for in between.
 
+use super::Wish;
 use super::limits::{ANSWER, LOOK_AROUND, RETRY_AFTER, STATS_EVERY};
 use crate::stream::client::{Client, ClientError};
 use crate::stream::wire::{
@@ -44,6 +45,13 @@ impl Feed {
     pub fn new(socket: PathBuf, max_hz: Option<f64>) -> Feed {
         let now = Instant::now();
         Feed { socket, max_hz, client: None, try_at: now, ask_at: now, asked_at: None, said: None }
+    }
+
+    /// Tells all that is heard, until somebody wants the end.
+    pub fn hear(mut self, wish: Wish<'_>, mut tell: impl FnMut(&Heard)) {
+        while !wish() {
+            tell(&self.next());
+        }
     }
 
     /// Waits a while at most.

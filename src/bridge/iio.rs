@@ -13,7 +13,7 @@ use super::feed::{Feed, Heard};
 use super::latest::{Latest, now};
 use super::limits::{IIO_CLIENTS, IIO_IDLE, IIO_READINGS, PAGE_PATIENCE};
 use super::server::{self, Place, Places};
-use super::{BridgeError, Upstream, Wish};
+use super::{BridgeError, Upstream, Wish, lock};
 use crate::stream::wire::ReadingLine;
 use crate::units::Nanos;
 use nix::sys::socket::{setsockopt, sockopt};
@@ -21,7 +21,7 @@ use session::Session;
 use std::io;
 use std::net::{SocketAddr, TcpStream};
 use std::sync::mpsc::{Receiver, SyncSender, TrySendError, sync_channel};
-use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::sync::{Arc, Mutex};
 use std::time::Duration;
 
 /// What the sessions share.
@@ -35,10 +35,6 @@ pub struct Buffers {
 }
 
 type SharedBuffers = Arc<Mutex<Buffers>>;
-
-fn lock(hub: &Mutex<Buffers>) -> MutexGuard<'_, Buffers> {
-    hub.lock().unwrap_or_else(PoisonError::into_inner)
-}
 
 impl Buffers {
     fn new(patience: Duration) -> Buffers {
@@ -76,13 +72,7 @@ pub fn run(source: Upstream, address: SocketAddr, wish: Wish<'_>) -> Result<(), 
     log::info!("serving ip:{bound}");
     let hub: SharedBuffers = Arc::new(Mutex::new(Buffers::new(source.patience)));
     std::thread::scope(|scope| {
-        scope.spawn(|| {
-            let mut feed = Feed::new(source.socket, None);
-            while !wish() {
-                let heard = feed.next();
-                lock(&hub).hear(&heard);
-            }
-        });
+        scope.spawn(|| Feed::new(source.socket, None).hear(wish, |heard| lock(&hub).hear(heard)));
         let hub = Arc::clone(&hub);
         let places = Places::new(IIO_CLIENTS, IIO_IDLE);
         server::serve(&listener, &places, move |socket, place| converse(socket, &hub, place), wish);

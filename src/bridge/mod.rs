@@ -20,6 +20,7 @@ pub mod web;
 use std::io;
 use std::net::SocketAddr;
 use std::path::PathBuf;
+use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
 
 /// What all bridges need to know.
@@ -33,6 +34,11 @@ pub struct Upstream {
 
 /// Whether somebody wants the end.
 pub type Wish<'a> = &'a (dyn Fn() -> bool + Sync);
+
+/// What threads share, even if one of them has died with it.
+fn lock<T>(shared: &Mutex<T>) -> MutexGuard<'_, T> {
+    shared.lock().unwrap_or_else(PoisonError::into_inner)
+}
 
 /// Why a bridge cannot start. Once it runs it does not give up: a peer that is gone may come back.
 #[derive(Debug, thiserror::Error)]

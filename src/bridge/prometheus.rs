@@ -6,10 +6,10 @@ use super::feed::Feed;
 use super::http::{self, Answer, Body, Handler, Request};
 use super::latest::{Latest, now};
 use super::limits::MAX_HZ;
-use super::{BridgeError, Upstream, Wish};
+use super::{BridgeError, Upstream, Wish, lock};
 use page::Format;
 use std::net::SocketAddr;
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::{Arc, Mutex};
 
 /// Where the page is.
 const PATH: &str = "/metrics";
@@ -28,17 +28,11 @@ pub fn run(
     let latest = Arc::new(Mutex::new(Latest::new(source.patience)));
     let told = Arc::clone(&latest);
     let handler: Handler = Box::new(move |request: &Request| match &*request.path {
-        PATH => answer(&told.lock().unwrap_or_else(PoisonError::into_inner), Format::of(&request.accept)),
+        PATH => answer(&lock(&told), Format::of(&request.accept)),
         _ => Answer::not_found(PATH),
     });
     std::thread::scope(|scope| {
-        scope.spawn(|| {
-            let mut feed = Feed::new(source.socket, Some(MAX_HZ));
-            while !wish() {
-                let heard = feed.next();
-                latest.lock().unwrap_or_else(PoisonError::into_inner).hear(&heard);
-            }
-        });
+        scope.spawn(|| Feed::new(source.socket, Some(MAX_HZ)).hear(wish, |heard| lock(&latest).hear(heard)));
         http::serve(&listener, names, handler, wish);
     });
     Ok(())

@@ -7,10 +7,10 @@ use super::feed::Feed;
 use super::http::{self, Answer, Body, Handler, Request};
 use super::latest::now;
 use super::limits::MAX_HZ;
-use super::{BridgeError, Upstream, Wish};
+use super::{BridgeError, Upstream, Wish, lock};
 use hub::Pages;
 use std::net::SocketAddr;
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::{Arc, Mutex};
 
 /// Nothing of elsewhere, nothing inline, in no frame: whatever a channel is called, it is text.
 const POLICY: &str = "Content-Security-Policy: default-src 'none'; script-src 'self'; style-src 'self'; \
@@ -35,11 +35,7 @@ pub fn run(
     };
     std::thread::scope(|scope| {
         scope.spawn(|| {
-            let mut feed = Feed::new(source.socket, Some(MAX_HZ));
-            while !wish() {
-                let heard = feed.next();
-                hub.lock().unwrap_or_else(PoisonError::into_inner).hear(&heard, now());
-            }
+            Feed::new(source.socket, Some(MAX_HZ)).hear(wish, |heard| lock(&hub).hear(heard, now()));
         });
         http::serve(&listener, names, handler, wish);
     });
@@ -61,7 +57,7 @@ fn page(content_type: &'static str, text: &'static str) -> Answer {
 }
 
 fn events(hub: &Mutex<Pages>) -> Answer {
-    let Some(listener) = hub.lock().unwrap_or_else(PoisonError::into_inner).join() else {
+    let Some(listener) = lock(hub).join() else {
         return Answer::text("503 Service Unavailable", "too many pages are open: close some");
     };
     let body = Body::Pieces(Box::new(move || listener.next()));

@@ -1,10 +1,10 @@
 //! The way to the broker. After an outage it begins from nothing: what was queued before it is never sent after it.
 
-use crate::bridge::BridgeError;
 use crate::bridge::limits::{
     BROKER_GOODBYE, BROKER_PATIENCE_S, BROKER_QUEUE, BROKER_RETRY_AFTER, KEEP_ALIVE_S, PACKET_BYTES,
     SEND_BYTES, TAKEOVER,
 };
+use crate::bridge::{BridgeError, lock};
 use crate::files::{SETTINGS_BYTES, read_text};
 use rumqttc::tokio_rustls::rustls::{self, CertificateError};
 use rumqttc::{
@@ -13,7 +13,7 @@ use rumqttc::{
 };
 use std::path::{Path, PathBuf};
 use std::sync::mpsc::{Receiver, Sender, channel};
-use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::sync::{Arc, Mutex};
 use std::time::Instant;
 
 /// Where the broker is, and how to get in.
@@ -85,10 +85,6 @@ struct LinkState {
 pub struct Link {
     shared: Arc<Mutex<LinkState>>,
     ended: Receiver<()>,
-}
-
-fn lock(shared: &Mutex<LinkState>) -> MutexGuard<'_, LinkState> {
-    shared.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
 impl Link {
