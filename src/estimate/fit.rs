@@ -107,18 +107,18 @@ fn enough(pairs: &[Weighing], needed: usize) -> Result<(), FitError> {
 }
 
 impl Fit {
-    /// The resistance that the fit gives at the force of a pair, ohm; that of a table is the pair's own.
-    pub fn r_ohm(&self, pair: Weighing) -> f64 {
+    /// The resistance that the fit gives at a force, ohm; `None` for a table, which goes through its pairs.
+    pub fn r_ohm(&self, f_n: f64) -> Option<f64> {
         match self.law {
-            Law::Alpha { alpha_n_ohm } => alpha_n_ohm / pair.f_n,
-            Law::Power { at_1_kohm_n, exponent } => 1000.0 * (pair.f_n / at_1_kohm_n).powf(-1.0 / exponent),
-            Law::Calibrated { .. } | Law::Table { .. } => pair.r_ohm,
+            Law::Alpha { alpha_n_ohm } => Some(alpha_n_ohm / f_n),
+            Law::Power { at_1_kohm_n, exponent } => Some(1000.0 * (f_n / at_1_kohm_n).powf(-1.0 / exponent)),
+            Law::Calibrated { .. } | Law::Table { .. } => None,
         }
     }
 
     /// By what share of the fitted resistance a pair is off.
     pub fn residual(&self, pair: Weighing) -> f64 {
-        pair.r_ohm / self.r_ohm(pair) - 1.0
+        self.r_ohm(pair.f_n).map_or(0.0, |fitted_ohm| pair.r_ohm / fitted_ohm - 1.0)
     }
 
     /// The characteristic as it is to be used: as good as the pairs have shown it to be, and where they were.
@@ -129,18 +129,18 @@ impl Fit {
         // A table goes through its pairs, and so does a law with as many parameters.
         let freedom = pairs.len() as f64 - parameters;
         let is_table = matches!(law, Law::Table { .. });
-        let u = self.relative_rms(pairs) * (pairs.len() as f64 / freedom).sqrt();
+        let u = self.relative_rms(pairs).map(|rms| rms * (pairs.len() as f64 / freedom).sqrt());
         Force {
             law,
-            u: (freedom > 0.0 && !is_table).then_some(u),
+            u: u.filter(|_| freedom > 0.0 && !is_table),
             range_n: (!is_table).then_some(range_n),
             tare_n: None,
         }
     }
 
-    /// The root mean square of the [residuals](Fit::residual).
-    pub fn relative_rms(&self, pairs: &[Weighing]) -> f64 {
-        rms(pairs.iter().map(|&pair| self.residual(pair))).unwrap_or(f64::NAN)
+    /// The root mean square of the [residuals](Fit::residual); `None` for no pairs.
+    pub fn relative_rms(&self, pairs: &[Weighing]) -> Option<f64> {
+        rms(pairs.iter().map(|&pair| self.residual(pair)))
     }
 }
 

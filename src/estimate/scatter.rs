@@ -105,9 +105,9 @@ impl Squares {
         self.mean - self.rest
     }
 
-    /// 1 sigma of that, ns²; that of nothing is infinite.
-    fn u(&self) -> f64 {
-        if self.count > 0.0 { self.mean.max(self.rest) * (2.0 / self.count).sqrt() } else { f64::INFINITY }
+    /// 1 sigma of that, ns²; `None` of nothing.
+    fn u(&self) -> Option<f64> {
+        (self.count > 0.0).then(|| self.mean.max(self.rest) * (2.0 / self.count).sqrt())
     }
 }
 
@@ -148,29 +148,32 @@ impl SwitchScatter {
         self.readings.add(beside_ns, steady, 1.0, READINGS_OF_SCATTER[1]);
     }
 
-    /// No steadier than this are switches if the sensor is at rest, and steadier if it is not, ns².
-    fn bound(&self) -> f64 {
-        if self.readings.count < READINGS_OF_SCATTER[0] {
-            return f64::INFINITY;
-        }
-        self.readings.excess().max(0.0) + self.readings.u()
+    /// What readings show, with its 1 sigma, once there are enough of them, ns².
+    fn shown_by_readings(&self) -> Option<[f64; 2]> {
+        self.readings
+            .u()
+            .filter(|_| self.readings.count >= READINGS_OF_SCATTER[0])
+            .map(|u| [self.readings.excess(), u])
     }
 
     /// What readings show at the least, as far as split discharges do not contradict: few of these say less by chance, ns².
     fn agreed(&self) -> f64 {
-        if self.readings.count < READINGS_OF_SCATTER[0] {
-            return 0.0;
-        }
-        let shown = self.readings.excess() - self.readings.u();
-        shown.min(self.splits.excess() + 2.0 * self.splits.u()).max(0.0)
+        let Some([shown, u]) = self.shown_by_readings() else { return 0.0 };
+        let most = self.splits.u().map(|u| self.splits.excess() + 2.0 * u);
+        most.map_or(shown - u, |most| most.min(shown - u)).max(0.0)
     }
 
     /// 1 sigma, ns, and as much more as is not known of it; `expected_ns`: by the length of calls, which may be wrong by as
     /// much as it is, or as the discharges say, but is not less steady than readings are.
     pub fn u_ns(&self, expected_ns: f64) -> f64 {
-        let expected = (expected_ns * expected_ns).min(self.bound());
+        // No steadier than they let readings be are switches if the sensor is at rest, and steadier if it is not.
+        let bound = self.shown_by_readings().map(|[shown, u]| shown.max(0.0) + u);
+        let expected = expected_ns * expected_ns;
+        let expected = bound.map_or(expected, |bound| expected.min(bound));
         let doubt = expected.max(self.splits.excess());
-        let [prior, shown] = [doubt, self.splits.u()].map(|u| if u > 0.0 { 1.0 / (u * u) } else { 0.0 });
+        let information = |u: &f64| (*u > 0.0).then(|| 1.0 / (u * u));
+        let [prior, shown] =
+            [Some(doubt), self.splits.u()].map(|u| u.as_ref().and_then(information).unwrap_or(0.0));
         let all = prior + shown;
         if all <= 0.0 {
             return expected_ns;

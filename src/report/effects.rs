@@ -2,7 +2,7 @@
 
 use super::axis::{Axis, digits, ohms, percent, seconds};
 use super::heat::{Grid, Heat, Ramp, Tile, cells};
-use super::plot::{Plot, Point, Series};
+use super::plot::{Filling, Plot, Point, Series};
 use super::setting::{Setting, resistances};
 use super::{Drawing, Figure};
 use crate::characterize::table::{Row, Vary};
@@ -123,7 +123,7 @@ pub fn settling(rows: &[Row], board: &str) -> Vec<Figure> {
 
 fn settling_at(r_ohm: f64, own: &[&Row], board: &str) -> Option<Figure> {
     let settings = Setting::all(own.iter().copied().map(Setting::nominal));
-    let line = |setting: &Setting, what: &str, of: fn(&Row) -> Option<f64>, stroke: &str| {
+    let line = |setting: &Setting, what: &str, of: fn(&Row) -> Option<f64>, stroke: &'static str| {
         let name = setting.name(&settings);
         let mut points: Vec<Point> = own
             .iter()
@@ -135,13 +135,14 @@ fn settling_at(r_ohm: f64, own: &[&Row], board: &str) -> Option<Figure> {
             .collect();
         points.sort_by(|a, b| a.x.total_cmp(&b.x));
         let is_u = what == "u";
-        let (mark, class) = setting.mark(&settings);
-        let class = if is_u { format!("{} hollow", setting.ink()) } else { class };
+        let (mark, filling) = setting.mark(&settings);
+        let filling = if is_u { Filling::Hollow } else { filling };
         let name = if is_u { String::new() } else { name };
         Series {
             name,
-            line: format!("{} {stroke}", setting.ink()),
-            mark: Some((mark, class)),
+            ink: setting.ink(),
+            stroke: Some(stroke),
+            mark: Some((mark, filling)),
             points,
             is_stairs: false,
         }

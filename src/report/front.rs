@@ -2,11 +2,14 @@
 
 use super::axis::{Axis, ohms, percent, seconds};
 use super::limits::{SHOWN, TIMES};
-use super::plot::{Mark, Plot, Point, Series};
+use super::plot::{Filling, Ink, Mark, Plot, Point, Series};
 use super::rivals::RIVALS;
 use super::setting::{Setting, resistances};
 use super::{Drawing, Figure};
 use crate::characterize::table::{Row, Vary};
+
+/// The strokes of bounds.
+const DOTS: [&str; 4] = ["thin dots0", "thin dots1", "thin dots2", "thin dots3"];
 
 /// A row with what a front needs: seconds for each reading that it counts, and ohm.
 #[derive(Debug, Clone, Copy)]
@@ -93,7 +96,7 @@ fn stairs(best: &[Priced], last: f64) -> Series {
     let point = |seconds, error| Point::new(seconds, error, String::new());
     let mut points: Vec<Point> = best.iter().map(|priced| point(priced.seconds, priced.error)).collect();
     points.extend(best.last().map(|priced| point(last, priced.error)));
-    Series { name: String::new(), line: "i7 band".to_owned(), mark: None, points, is_stairs: true }
+    Series { name: String::new(), ink: Ink::BEST, stroke: Some("band"), mark: None, points, is_stairs: true }
 }
 
 fn of_rival(rival: &super::rivals::Rival, r_ohm: f64, last: f64) -> Series {
@@ -105,8 +108,9 @@ fn of_rival(rival: &super::rivals::Rival, r_ohm: f64, last: f64) -> Series {
     let mark = Mark::ROUND[index % Mark::ROUND.len()];
     Series {
         name: rival.name.to_owned(),
-        line: "i5 thin dash".to_owned(),
-        mark: Some((mark, "i5 hollow".to_owned())),
+        ink: Ink::RIVAL,
+        stroke: Some("thin dash"),
+        mark: Some((mark, Filling::Hollow)),
         points: rival.points(r_ohm, last).into_iter().map(point).collect(),
         is_stairs: false,
     }
@@ -130,7 +134,8 @@ fn bounds<'a>(here: &'a [Priced<'a>], last: f64) -> impl Iterator<Item = Series>
         let point = |x: f64| Point::new(x, product / x.sqrt(), String::new());
         Series {
             name: format!("bound, {name}"),
-            line: format!("i6 thin dots{}", index % 4),
+            ink: Ink::NEUTRAL,
+            stroke: Some(DOTS[index % DOTS.len()]),
             mark: None,
             points: [first, last].map(point).to_vec(),
             is_stairs: false,
@@ -152,7 +157,8 @@ fn measured(setting: &Setting, all: &[Setting], here: &[Priced]) -> Series {
     };
     Series {
         points: own.iter().map(point).collect(),
-        line: format!("{} series", setting.ink()),
+        ink: setting.ink(),
+        stroke: Some("series"),
         mark: Some(setting.mark(all)),
         name,
         is_stairs: false,
@@ -171,8 +177,9 @@ fn sizes(setting: &Setting, all: &[Setting], resized: &[Priced]) -> Option<Serie
     (!own.is_empty()).then(|| Series {
         // Its colour and its shape name it; at its end there is no room.
         name: String::new(),
-        line: format!("{} thin dash", setting.ink()),
-        mark: Some((setting.mark(all).0, format!("{} hollow", setting.ink()))),
+        ink: setting.ink(),
+        stroke: Some("thin dash"),
+        mark: Some((setting.mark(all).0, Filling::Hollow)),
         points: own.iter().map(point).collect(),
         is_stairs: false,
     })

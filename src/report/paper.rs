@@ -3,7 +3,7 @@
 pub mod numbers;
 
 use super::axis::{Axis, Writer, ohms, percent, plain};
-use super::plot::{Mark, Plot, Point, Series};
+use super::plot::{Filling, Ink, Mark, Plot, Point, Series};
 use super::setting::ink;
 use super::{Drawing, Figure};
 use crate::characterize::limits::PAPER_READINGS;
@@ -66,9 +66,8 @@ fn simulated(
         .collect();
     points.sort_by(|a, b| a.x.total_cmp(&b.x));
     let shape = Mark::ROUND[METHODS.iter().position(|other| *other == method).unwrap_or(METHODS.len())];
-    let mark = Some((shape, format!("{} full", ink(method))));
-    let (name, line) = (format!("{name}, simulated"), format!("{} series", ink(method)));
-    Series { name, line, mark, points, is_stairs: false }
+    let (name, mark) = (format!("{name}, simulated"), Some((shape, Filling::Full)));
+    Series { name, ink: ink(method), stroke: Some("series"), mark, points, is_stairs: false }
 }
 
 fn measured(
@@ -85,8 +84,9 @@ fn printed(method: Method, points: &[[f64; 2]], write: Writer) -> Series {
     let point = |at: &[f64; 2]| Point::new(at[0], at[1], format!("{method}, printed: {}", write(at[1])));
     Series {
         name: format!("{method}, printed"),
-        line: String::new(),
-        mark: Some((Mark::Cross, format!("{} hollow", ink(method)))),
+        ink: ink(method),
+        stroke: None,
+        mark: Some((Mark::Cross, Filling::Hollow)),
         points: points.iter().map(point).collect(),
         is_stairs: false,
     }
@@ -192,8 +192,8 @@ fn inferred_times(inferred: &[&Row]) -> Vec<Series> {
         simulated(rows, (name, method), |row| Some([row.r_ohm, rsd(row)?]), percent)
     };
     let hollow = |series: Series| Series {
-        line: format!("{} dash", series.line),
-        mark: series.mark.map(|(mark, class)| (mark, class.replace("full", "hollow"))),
+        stroke: Some("series dash"),
+        mark: series.mark.map(|(mark, _)| (mark, Filling::Hollow)),
         ..series
     };
     vec![
@@ -212,20 +212,21 @@ fn fig_5a(inferred: &[&Row]) -> Option<Figure> {
         [values().fold(f64::INFINITY, f64::min), values().fold(0.0, f64::max)]
     };
     let [x, y] = [ends(|point| point.x), ends(|point| point.y)];
-    let line = |name: &str, ink: &str, ends: [[f64; 2]; 2]| Series {
+    let line = |name: &str, ink: Ink, ends: [[f64; 2]; 2]| Series {
         name: name.to_owned(),
-        line: format!("{ink} dots0 series"),
+        ink,
+        stroke: Some("dots0 series"),
         mark: None,
         points: ends.map(|[x, y]| Point::new(x, y, String::new())).to_vec(),
         is_stairs: false,
     };
-    let second = rms(inferred.iter().filter_map(|row| row.t_c2a_rsd)).unwrap_or(f64::NAN);
+    let second = rms(inferred.iter().filter_map(|row| row.t_c2a_rsd))?;
     let level =
-        |name: &str, method: Method, times: f64| line(name, &ink(method), x.map(|x| [x, times * second]));
+        |name: &str, method: Method, times: f64| line(name, ink(method), x.map(|x| [x, times * second]));
     let printed = [
         level("(21): sqrt(3) u(T_c2A) / T_c2A", Method::Cerm, 3f64.sqrt()),
         level("(23): u(T_c2A) / T_c2A", Method::Tcdic, 1.0),
-        line("T_L, printed: 681 ohm", "i6", y.map(|y| [PRINTED_LIMIT_OHM, y])),
+        line("T_L, printed: 681 ohm", Ink::NEUTRAL, y.map(|y| [PRINTED_LIMIT_OHM, y])),
     ];
     let text = "Standard deviations as parts of their means, CERM inferring at all resistances. Dotted, level: (21) and (23), from the simulated \
                 T_c2A. The paper prints no number but the resistance up to which its curves follow these. Ours do so everywhere where the switch \
@@ -266,7 +267,8 @@ fn forces(rows: &[&Row]) -> Vec<Option<Figure>> {
     };
     let fit = Series {
         name: "13346.46 N ohm / F".to_owned(),
-        line: "i2 series".to_owned(),
+        ink: Ink(2),
+        stroke: Some("series"),
         mark: None,
         points: [FSR_402.0, 445.0].map(curve).to_vec(),
         is_stairs: false,
@@ -276,8 +278,9 @@ fn forces(rows: &[&Row]) -> Vec<Option<Figure>> {
     };
     let pairs = Series {
         name: "printed pairs".to_owned(),
-        line: String::new(),
-        mark: Some((Mark::Cross, "i4 hollow".to_owned())),
+        ink: Ink(4),
+        stroke: None,
+        mark: Some((Mark::Cross, Filling::Hollow)),
         points: [(1.20, 11_122.0), (6.06, 2200.0)].map(pair).to_vec(),
         is_stairs: false,
     };

@@ -1,5 +1,7 @@
 //! Lines and points over two axes, labelled where they end, at two widths.
 
+use std::fmt;
+
 use super::axis::Axis;
 use super::svg::{Anchor, At, LINE, Svg, width_of, wrapped};
 
@@ -51,9 +53,38 @@ impl Mark {
         }
     }
 
-    /// `class`: its colour, and whether it is full.
-    pub(super) fn draw(self, svg: &mut Svg, class: &str, at: At) {
-        svg.raw(&format!(r#"<path class="mark ink {class}" d="{}"/>"#, self.path(at)));
+    pub(super) fn draw(self, svg: &mut Svg, (ink, filling): (Ink, Filling), at: At) {
+        svg.raw(&format!(r#"<path class="mark ink {ink} {filling}" d="{}"/>"#, self.path(at)));
+    }
+}
+
+/// The number of a colour in `figure.css`; shown as its class.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Ink(pub usize);
+
+impl Ink {
+    // Those before are the methods'.
+    pub const RIVAL: Ink = Ink(5);
+    pub const NEUTRAL: Ink = Ink(6);
+    pub const BEST: Ink = Ink(7);
+}
+
+impl fmt::Display for Ink {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        write!(f, "i{}", self.0)
+    }
+}
+
+/// The inside of a mark; shown as its class.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Filling {
+    Full,
+    Hollow,
+}
+
+impl fmt::Display for Filling {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        f.write_str(if *self == Filling::Full { "full" } else { "hollow" })
     }
 }
 
@@ -79,10 +110,10 @@ impl Point {
 pub struct Series {
     /// At its end, or in the list below; empty: without a label.
     pub name: String,
-    /// Classes of `figure.css`: its colour and its stroke. Empty: no line.
-    pub line: String,
-    /// Its shape, and its classes: its colour, and `full` or `hollow`.
-    pub mark: Option<(Mark, String)>,
+    pub ink: Ink,
+    /// Classes of `figure.css`.
+    pub stroke: Option<&'static str>,
+    pub mark: Option<(Mark, Filling)>,
     pub points: Vec<Point>,
     /// From a point level to the next one's x, then to it.
     pub is_stairs: bool,
@@ -183,23 +214,23 @@ impl Frame<'_> {
             }
             path.push((x, y));
         }
-        if !series.line.is_empty() {
+        if let Some(stroke) = series.stroke {
             let (from, size) = ((self.left, self.top), (self.width, self.height));
-            svg.cut(from, size, |svg| svg.polyline(&format!("ink {}", series.line), &path));
+            svg.cut(from, size, |svg| svg.polyline(&format!("ink {} {stroke}", series.ink), &path));
         }
-        let Some((mark, class)) = &series.mark else { return };
+        let Some((mark, filling)) = series.mark else { return };
         for point in series.points.iter().filter(|point| self.plot.y.contains(point.y)) {
             let is_left = point.x < self.plot.x.from;
             if is_left || self.plot.x.contains(point.x) {
-                let mark = if is_left { Mark::Left } else { *mark };
+                let mark = if is_left { Mark::Left } else { mark };
                 let at = self.at(point.x.max(self.plot.x.from), point.y);
                 svg.speaking(&point.says, at, |svg| {
                     if let Some(scatter) = point.scatter {
                         let ends =
                             [1.0 - scatter, 1.0 + scatter].map(|part| self.at(point.x, point.y * part));
-                        svg.line(&format!("ink thin {class}"), ends[0], ends[1]);
+                        svg.line(&format!("ink thin {} {filling}", series.ink), ends[0], ends[1]);
                     }
-                    mark.draw(svg, class, at);
+                    mark.draw(svg, (series.ink, filling), at);
                 });
             }
         }
@@ -229,7 +260,7 @@ impl Frame<'_> {
         for (index, series) in self.plot.named().enumerate() {
             let x = self.left + self.width + if width == Width::Wide { 26.0 } else { 12.0 };
             let (name, end) = &names[index];
-            let class = format!("bold coloured {}", colour_of(series));
+            let class = format!("bold coloured {}", series.ink);
             if let Some(place) = places.next_if(|_| !is_beside(index)) {
                 svg.line("lead", (end.0 + 6.0, end.1), (x - 4.0, place));
                 svg.text(&class, Anchor::Start, (x, place + 4.0), name);
@@ -247,12 +278,6 @@ impl Frame<'_> {
             (x.min(self.left + self.width), y.clamp(self.top, self.top + self.height))
         })
     }
-}
-
-/// The class of its colour.
-fn colour_of(series: &Series) -> &str {
-    let classes = series.mark.as_ref().map_or(series.line.as_str(), |(_, class)| class.as_str());
-    classes.split(' ').find(|class| class.starts_with('i')).unwrap_or("i6")
 }
 
 /// A title, in as many lines as it takes; how high they are, pixels.
@@ -300,11 +325,14 @@ impl Plot {
     /// What the letters stand for; where the list ends.
     fn list(&self, svg: &mut Svg, mut top: f64, width: Width) -> f64 {
         for (index, series) in self.named().enumerate() {
-            let class = format!("bold coloured {}", colour_of(series));
+            let class = format!("bold coloured {}", series.ink);
             svg.text(&class, Anchor::Start, (4.0, top + 12.0), &letter(index));
-            match &series.mark {
-                Some((mark, class)) => mark.draw(svg, class, (24.0, top + 8.0)),
-                None => svg.line(&format!("ink {}", series.line), (16.0, top + 8.0), (32.0, top + 8.0)),
+            match (series.mark, series.stroke) {
+                (Some((mark, filling)), _) => mark.draw(svg, (series.ink, filling), (24.0, top + 8.0)),
+                (None, stroke) => {
+                    let class = format!("ink {} {}", series.ink, stroke.unwrap_or_default());
+                    svg.line(&class, (16.0, top + 8.0), (32.0, top + 8.0));
+                }
             }
             for line in wrapped(&series.name, width.px() - 40.0) {
                 svg.text("", Anchor::Start, (36.0, top + 12.0), &line);
@@ -325,8 +353,9 @@ mod tests {
         let point = |(x, y)| Point::new(x, y, format!("{y} in {x}"));
         let series = names.iter().map(|name| Series {
             name: (*name).to_owned(),
-            line: "i2 series".to_owned(),
-            mark: Some((Mark::Circle, "i2 full".to_owned())),
+            ink: Ink(2),
+            stroke: Some("series"),
+            mark: Some((Mark::Circle, Filling::Full)),
             points: points.map(point).to_vec(),
             is_stairs: true,
         });

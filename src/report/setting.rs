@@ -1,15 +1,15 @@
 //! A method on a circuit: what has one line in a figure.
 
 use super::axis::{farads, ohms};
-use super::plot::Mark;
+use super::plot::{Filling, Ink, Mark};
 use crate::characterize::table::{Row, Vary};
 use crate::circuit::Kind;
 use crate::reading::Method;
 use crate::units::rounded;
 
-/// The class of the colour of a method.
-pub fn ink(method: Method) -> String {
-    format!("i{}", method as usize)
+/// The colour of a method.
+pub fn ink(method: Method) -> Ink {
+    Ink(method as usize)
 }
 
 /// How something was read, whatever was read.
@@ -68,17 +68,17 @@ impl Setting {
     }
 
     /// The class of its colour: one for each method.
-    pub fn ink(&self) -> String {
+    pub fn ink(&self) -> Ink {
         ink(self.method)
     }
 
     /// Its shape: one for each circuit of a method.
-    pub fn mark(&self, others: &[Setting]) -> (Mark, String) {
+    pub fn mark(&self, others: &[Setting]) -> (Mark, Filling) {
         let same = others.iter().filter(|other| other.method == self.method);
         let index = same.take_while(|other| *other != self).count();
         let is_hollow = index >= Mark::ROUND.len();
-        let class = format!("{} {}", self.ink(), if is_hollow { "hollow" } else { "full" });
-        (Mark::ROUND[index % Mark::ROUND.len()], class)
+        let filling = if is_hollow { Filling::Hollow } else { Filling::Full };
+        (Mark::ROUND[index % Mark::ROUND.len()], filling)
     }
 }
 

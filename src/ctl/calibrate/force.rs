@@ -151,7 +151,7 @@ fn report(fit: &Fit, force: &sensor::Force, pairs: &[Weighing], circuit: &Circui
             "{:>8.4} N {:>11.2} ohm {:>10.2} {:>+9.2} %  {left:>BAR$}|{right}",
             pair.f_n,
             pair.r_ohm,
-            fit.r_ohm(pair),
+            fit.r_ohm(pair.f_n).unwrap_or(pair.r_ohm),
             100.0 * residual
         );
         let _ = writeln!(text, "{}", row.trim_end());
@@ -177,7 +177,9 @@ fn report(fit: &Fit, force: &sensor::Force, pairs: &[Weighing], circuit: &Circui
         let f_n = f_n.map_or("outside the table".to_owned(), |f_n| format!("{f_n:.2} N"));
         let _ = writeln!(text, "{name} = {f_n} (at {resistor}{over})");
     }
-    let _ = writeln!(text, "relative rms of the residuals: {:.2} %", 100.0 * fit.relative_rms(pairs));
+    if let Some(rms) = fit.relative_rms(pairs) {
+        let _ = writeln!(text, "relative rms of the residuals: {:.2} %", 100.0 * rms);
+    }
     text + &meaning(fit, force, pairs, [least, greatest])
 }
 
@@ -194,8 +196,7 @@ fn meaning(fit: &Fit, force: &sensor::Force, pairs: &[Weighing], [least, greates
         ),
         None => "as many numbers were fitted as there are weights: residuals of 0 say nothing, take more weights".to_owned(),
     });
-    let power = fit::power(pairs).map(|power| power.relative_rms(pairs)).unwrap_or(f64::INFINITY);
-    if matches!(fit.law, Law::Alpha { .. }) && pairs.len() > 3 && power < 0.5 * fit.relative_rms(pairs) {
+    if let Some(power) = bend(fit, pairs) {
         lines.push(format!(
             "they are no scatter but a bend: `--model power` leaves {:.2} % of them",
             100.0 * power
@@ -209,9 +210,15 @@ fn meaning(fit: &Fit, force: &sensor::Force, pairs: &[Weighing], [least, greates
     lines.join("\n")
 }
 
+/// What residuals of one parameter a second one would leave, relative, where it takes most of them away.
+fn bend(fit: &Fit, pairs: &[Weighing]) -> Option<f64> {
+    let [one, two] = [fit.relative_rms(pairs)?, fit::power(pairs).ok()?.relative_rms(pairs)?];
+    (matches!(fit.law, Law::Alpha { .. }) && pairs.len() > 3 && two < 0.5 * one).then_some(two)
+}
+
 /// Why a fit is none.
 fn refusal(fit: &Fit, pairs: &[Weighing], model: Model) -> Option<String> {
-    let rms = fit.relative_rms(pairs);
+    let rms = fit.relative_rms(pairs)?;
     let other = match model {
         Model::Alpha => "or try `--model power` or `table`",
         _ => "or try `--model table`",
@@ -231,7 +238,7 @@ fn refusal(fit: &Fit, pairs: &[Weighing], model: Model) -> Option<String> {
 #[serde(tag = "class", rename = "FORCE")]
 struct ForceLine {
     channel: String,
-    relative_rms: f64,
+    relative_rms: Option<f64>,
     pairs: Vec<PairLine>,
     #[serde(flatten)]
     numbers: BTreeMap<&'static str, f64>,

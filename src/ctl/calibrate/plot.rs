@@ -89,8 +89,7 @@ fn curve(fit: &Fit, pairs: &[Weighing], force: &Scale, ohm: &Scale) -> String {
         (_, [low, ..]) => {
             let ratio: f64 = forces[forces.len() - 1] / low;
             let steps = (0..=STEPS).map(|step| low * ratio.powf(step as f64 / STEPS as f64));
-            let at = |f_n| Weighing { f_n, r_ohm: fit.r_ohm(Weighing { f_n, r_ohm: f64::NAN }) };
-            steps.map(at).collect()
+            steps.filter_map(|f_n| Some(Weighing { f_n, r_ohm: fit.r_ohm(f_n)? })).collect()
         }
     };
     points.sort_by(|a, b| a.f_n.total_cmp(&b.f_n));

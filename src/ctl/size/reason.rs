@@ -1,9 +1,8 @@
 //! Why nothing does what is asked for: which limit stops the circuit that comes nearest.
 
 use super::asked::{Asked, milliampere};
-use super::rehearsal::Rehearsed;
+use super::rehearsal::{Overall, Rehearsed};
 use super::report::parts;
-use crate::ctl::limits::REHEARSED_RESISTANCES;
 use crate::size::Pace;
 use crate::size::limits::LONGEST_MEAN_S;
 use crate::units::{Hertz, Ohm, Seconds};
@@ -12,33 +11,27 @@ use crate::units::{Hertz, Ohm, Seconds};
 pub fn why_not(asked: &Asked, best: Option<&Rehearsed>) -> Option<String> {
     let Some(best) = best else { return Some(too_fast(asked)) };
     let nearest = format!("the nearest is {}", parts(&best.design));
-    let [inaccurate, slow] = best.lacks(asked);
-    let reason = match without_number(asked, best) {
+    let is_slow = |[inaccurate, slow]: [f64; 2]| slow > inaccurate;
+    let reason = match best.overall {
         _ if best.meets => return None,
-        Some(r_ohm) => format!("in the time that there is it gives no number at {:.3}", Ohm(r_ohm)),
-        None if slow > inaccurate => too_slow(best),
-        None => too_inaccurate(asked, best),
+        Err(r_ohm) => format!("in the time that there is it gives no number at {:.3}", Ohm(r_ohm)),
+        Ok(overall) if is_slow(overall.lacks(asked)) => too_slow(best, overall),
+        Ok(overall) => too_inaccurate(asked, best, overall),
     };
     Some(format!("nothing does that: {nearest}, and {reason}"))
 }
 
-/// The first resistance of which nothing is known, ohm.
-fn without_number(asked: &Asked, best: &Rehearsed) -> Option<f64> {
-    let mut all = asked.search.need.resistances(REHEARSED_RESISTANCES).into_iter();
-    all.find(|r_ohm| best.expected.iter().all(|one| one.r_ohm != *r_ohm))
-}
-
-fn too_slow(best: &Rehearsed) -> String {
+fn too_slow(best: &Rehearsed, overall: Overall) -> String {
     let [charge, discharge, calls] = best.worst.1.time.map(Seconds);
     format!(
         "it gives {:.1} readings a second at its slowest: at {:.3} one takes {charge:.2} to charge, {discharge:.2} to discharge \
          and {calls:.2} for calls, and calibration comes on top",
-        best.rate_hz,
+        overall.rate_hz,
         Ohm(best.worst.0),
     )
 }
 
-fn too_inaccurate(asked: &Asked, best: &Rehearsed) -> String {
+fn too_inaccurate(asked: &Asked, best: &Rehearsed, overall: Overall) -> String {
     let (r_ohm, shares) = best.worst;
     let names =
         ["jitter of the kernel's stamps", "not knowing exactly when lines move", "noise at the inputs"];
@@ -53,13 +46,13 @@ fn too_inaccurate(asked: &Asked, best: &Rehearsed) -> String {
         ),
         (_, Some(wanted)) => format!(
             "as errors of means go with the root of their time, about {:.2} would do",
-            Hertz(wanted.min(best.rate_hz) / best.error.powi(2))
+            Hertz(wanted.min(overall.rate_hz) / overall.error.powi(2))
         ),
         _ => "a mean over some time is needed".to_owned(),
     };
     format!(
         "its error is {:.1} times what is asked for: at {:.3} {percent:.0} % of the variance is {name} of board {}; {remedy}",
-        best.error,
+        overall.error,
         Ohm(r_ohm),
         asked.name,
     )

@@ -16,16 +16,23 @@ pub struct Rehearsed {
     pub price: Price,
     /// Over the range; a resistance that gives no number is missing.
     pub expected: Vec<Expected>,
-    /// How many times the error that is asked for it has at its worst; of the reading, where none is.
-    pub error: f64,
-    /// Readings per second at the slowest.
-    pub rate_hz: f64,
+    /// Over the whole range; else the first resistance that gives no number, ohm.
+    pub overall: Result<Overall, f64>,
     /// It does all that is asked for.
     pub meets: bool,
     /// Where it is worst by closed forms, and why.
     pub worst: (f64, Shares),
     /// On how many boards it was rehearsed.
     pub boards: usize,
+}
+
+/// The worst of a circuit over a range of which every resistance gives a number.
+#[derive(Debug, Clone, Copy)]
+pub struct Overall {
+    /// How many times the error that is asked for; of the reading, where none is.
+    pub error: f64,
+    /// Readings per second.
+    pub rate_hz: f64,
 }
 
 /// The shortlist of what is ranked.
@@ -39,24 +46,27 @@ pub fn all(asked: &Asked, ranked: &[Ranked]) -> Result<Vec<Rehearsed>, CtlError>
     tuned.into_iter().map(|one| one.map_err(died)?).collect()
 }
 
-/// In the order of how well they do what is asked for.
+/// In the order of how well they do what is asked for; those without a number at some resistance come last.
 fn sort(asked: &Asked, all: &mut [Rehearsed]) {
-    all.sort_by(|a, b| b.meets.cmp(&a.meets).then(a.merit(asked).total_cmp(&b.merit(asked))));
+    let merit = |one: &Rehearsed| one.merit(asked).unwrap_or(f64::INFINITY);
+    all.sort_by(|a, b| b.meets.cmp(&a.meets).then(merit(a).total_cmp(&merit(b))));
     prefer_cheap(asked, all);
 }
 
 impl Rehearsed {
     /// The less the better: error where a rate is asked for, seconds where an error is; how much it lacks where it lacks something.
-    fn merit(&self, asked: &Asked) -> f64 {
-        let need = &asked.search.need;
-        match need.rate_hz {
-            _ if !self.meets => self.lacks(asked).into_iter().fold(0.0, f64::max),
-            Some(_) => self.error,
-            None => 1.0 / self.rate_hz,
-        }
+    fn merit(&self, asked: &Asked) -> Option<f64> {
+        let overall = self.overall.ok()?;
+        Some(match asked.search.need.rate_hz {
+            _ if !self.meets => overall.lacks(asked).into_iter().fold(0.0, f64::max),
+            Some(_) => overall.error,
+            None => 1.0 / overall.rate_hz,
+        })
     }
+}
 
-    /// How many times too inaccurate and too slow it is; infinite where it gives no number.
+impl Overall {
+    /// How many times too inaccurate and too slow it is.
     pub fn lacks(&self, asked: &Asked) -> [f64; 2] {
         let need = &asked.search.need;
         let slow = need.rate_hz.map_or(0.0, |wanted| wanted / self.rate_hz);
@@ -68,8 +78,9 @@ impl Rehearsed {
 fn prefer_cheap(asked: &Asked, all: &mut [Rehearsed]) {
     let need = &asked.search.need;
     let both = need.tolerance.is_some() && need.rate_hz.is_some();
-    let Some(best) = all.first().filter(|best| best.meets).map(|best| best.merit(asked)) else { return };
-    let is_good = |one: &Rehearsed| one.meets && (both || one.merit(asked) <= ENOUGH * best);
+    let Some(best) = all.first().filter(|best| best.meets).and_then(|best| best.merit(asked)) else { return };
+    let is_near = |one: &Rehearsed| one.merit(asked).is_some_and(|merit| merit <= ENOUGH * best);
+    let is_good = |one: &Rehearsed| one.meets && (both || is_near(one));
     let first =
         (0..all.len()).filter(|index| is_good(&all[*index])).min_by_key(|index| (all[*index].price, *index));
     if let Some(first) = first {
@@ -98,13 +109,16 @@ fn tuned(asked: &Asked, candidate: &Ranked) -> Result<Rehearsed, CtlError> {
     let mut design = candidate.design.clone();
     for _ in 0..TUNINGS {
         let done = rehearsed(asked, &design, candidate.worst, 1)?;
-        let next = match (need.tolerance, need.rate_hz, done.expected.is_empty()) {
-            (Some(_), None, false) if done.error > GOOD || done.error < TOO_GOOD => longer(&design, &done),
+        let next = match (need.tolerance, need.rate_hz, &done.overall) {
+            (Some(_), None, Ok(overall)) if !(TOO_GOOD..=GOOD).contains(&overall.error) => {
+                longer(&design, overall)
+            }
             _ => None,
         };
-        let is_better = best.as_ref().is_none_or(|best| {
-            (done.meets && (!best.meets || done.rate_hz > best.rate_hz))
-                || (!best.meets && done.error < best.error)
+        let is_better = best.as_ref().is_none_or(|best| match (&done.overall, &best.overall) {
+            (Ok(new), Ok(old)) if best.meets => done.meets && new.rate_hz > old.rate_hz,
+            (Ok(new), Ok(old)) => done.meets || new.error < old.error,
+            (new, old) => new.is_ok() && old.is_err(),
         });
         if is_better {
             best = Some(done);
@@ -128,7 +142,7 @@ pub fn confirmed(asked: &Asked, all: &mut [Rehearsed]) -> Result<(), CtlError> {
 }
 
 /// The mean that would do, as errors go with the root of the time; `None` if there is none.
-fn longer(design: &Design, done: &Rehearsed) -> Option<Pace> {
+fn longer(design: &Design, done: &Overall) -> Option<Pace> {
     let mean_s = match design.pace {
         Pace::Mean(time) => time.as_seconds(),
         _ if done.error > GOOD => 1.0 / done.rate_hz,
@@ -158,13 +172,18 @@ pub(super) fn rehearsed(
     let of =
         |r_ohm: &f64| rehearse(&settings, scene.as_ref()?, *r_ohm, boards).filter(|one| one.u_ohm.is_some());
     let expected: Vec<Expected> = resistances.iter().filter_map(of).collect();
-    let is_whole = expected.len() == resistances.len();
-    let ratios = expected.iter().map(|one| one.u_ohm.unwrap_or_default() / need.ohm_at(one.r_ohm));
-    let slowest = expected.iter().map(|one| one.rate_hz).fold(f64::INFINITY, f64::min);
-    let error = if is_whole { ratios.fold(0.0, f64::max) } else { f64::INFINITY };
-    let rate_hz = if is_whole { slowest } else { 0.0 };
-    let is_good = need.tolerance.is_none() || error <= GOOD;
-    let meets = is_whole && is_good && need.rate_hz.is_none_or(|wanted| rate_hz >= wanted);
+    let silent = resistances.iter().find(|r_ohm| expected.iter().all(|one| one.r_ohm != **r_ohm));
+    let overall = match silent {
+        Some(r_ohm) => Err(*r_ohm),
+        None => {
+            let ratios = expected.iter().filter_map(|one| Some(one.u_ohm? / need.ohm_at(one.r_ohm)));
+            let rate_hz = expected.iter().map(|one| one.rate_hz).fold(f64::INFINITY, f64::min);
+            Ok(Overall { error: ratios.fold(0.0, f64::max), rate_hz })
+        }
+    };
+    let is_good = |overall: &Overall| need.tolerance.is_none() || overall.error <= GOOD;
+    let is_fast = |overall: &Overall| need.rate_hz.is_none_or(|wanted| overall.rate_hz >= wanted);
+    let meets = overall.is_ok_and(|overall| is_good(&overall) && is_fast(&overall));
     let price = design.price(&asked.search.stock);
-    Ok(Rehearsed { design: design.clone(), price, expected, error, rate_hz, meets, worst, boards })
+    Ok(Rehearsed { design: design.clone(), price, expected, overall, meets, worst, boards })
 }

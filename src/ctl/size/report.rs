@@ -1,7 +1,7 @@
 //! What was found, as a person and as a program reads it.
 
 use super::asked::{Asked, milliampere};
-use super::rehearsal::Rehearsed;
+use super::rehearsal::{Overall, Rehearsed};
 use crate::circuit::{Kind, Network};
 use crate::sensor::{Channel, UNCALIBRATED_U};
 use crate::size::limits::{EXACT, SENSE_OHM};
@@ -163,16 +163,16 @@ fn truth(asked: &Asked, best: &Rehearsed) -> Vec<String> {
 
 /// The best of the other wiring, or else the second.
 fn runner_up(asked: &Asked, found: &[Rehearsed]) -> Vec<String> {
-    let (Some(best), Some(second)) = (found.first(), second(found)) else { return Vec::new() };
+    let (Some(best), Some((second, overall))) = (found.first(), second(found)) else { return Vec::new() };
     let error = match asked.search.need.tolerance {
-        Some(_) => format!("{} times the error asked for", rounded(second.error, 2)),
-        None => format!("an error of {} %", rounded(100.0 * second.error, 2)),
+        Some(_) => format!("{} times the error asked for", rounded(overall.error, 2)),
+        None => format!("an error of {} %", rounded(100.0 * overall.error, 2)),
     };
     let enough = if second.meets { "" } else { ": not enough" };
     let mut lines = vec![
         String::new(),
         format!(" Runner-up, {}: {}:", second.price, parts(&second.design)),
-        format!("   {error} at its worst, {} readings/s at the slowest{enough}.", rate(second.rate_hz)),
+        format!("   {error} at its worst, {} readings/s at the slowest{enough}.", rate(overall.rate_hz)),
     ];
     if second.design.nodes() > best.design.nodes() {
         lines.push("   A second crossing checks each of its readings.".to_owned());
@@ -180,10 +180,10 @@ fn runner_up(asked: &Asked, found: &[Rehearsed]) -> Vec<String> {
     lines
 }
 
-fn second(found: &[Rehearsed]) -> Option<&Rehearsed> {
+fn second(found: &[Rehearsed]) -> Option<(&Rehearsed, Overall)> {
     let (best, others) = found.split_first()?;
-    let complete = || others.iter().filter(|one| one.rate_hz > 0.0);
-    complete().find(|one| one.design.kind() != best.design.kind()).or_else(|| complete().next())
+    let complete = || others.iter().filter_map(|one| Some((one, one.overall.ok()?)));
+    complete().find(|(one, _)| one.design.kind() != best.design.kind()).or_else(|| complete().next())
 }
 
 /// A line of JSON.
@@ -242,7 +242,7 @@ impl SizeLine {
             meets: why_not.is_none(),
             why_not: why_not.map(str::to_owned),
             best: found.first().map(|one| CircuitLine::new(asked, one)),
-            runner_up: second(found).map(|one| CircuitLine::new(asked, one)),
+            runner_up: second(found).map(|(one, _)| CircuitLine::new(asked, one)),
         }
     }
 }

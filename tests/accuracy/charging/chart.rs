@@ -4,7 +4,7 @@ use super::bench::{Board, LONG_TAUS, NEIGHBOUR_OHM};
 use cermd::circuit::Chargers;
 use cermd::reading::Method;
 use cermd::report::axis::{Axis, plain, seconds};
-use cermd::report::plot::{Mark, Plot, Point, Series};
+use cermd::report::plot::{Filling, Ink, Mark, Plot, Point, Series};
 
 const CHART: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/docs/charging.svg");
 const R_OHM: f64 = 5000.0;
@@ -37,19 +37,18 @@ pub fn curves() -> Vec<Curve> {
 }
 
 pub fn write(curves: &[Curve]) {
-    let line = |name: &str, line: &str, points: &[(f64, f64)]| Series {
+    let line = |name: &str, (ink, stroke): (Ink, &'static str), points: &[(f64, f64)]| Series {
         name: name.to_owned(),
-        line: line.to_owned(),
+        ink,
+        stroke: Some(stroke),
         mark: None,
         points: points.iter().map(|(ms, error)| Point::new(1e-3 * ms, *error, String::new())).collect(),
         is_stairs: false,
     };
-    let mut series = vec![line("allowed", "i6 thin dots0", &[(0.3, super::SHARE), (12.0, super::SHARE)])];
-    for (((name, points), ink), mark) in curves.iter().zip(["i3", "i0", "i4", "i2"]).zip(Mark::ROUND) {
-        series.push(Series {
-            mark: Some((mark, format!("{ink} full"))),
-            ..line(name, &format!("{ink} series"), points)
-        });
+    let allowed = [(0.3, super::SHARE), (12.0, super::SHARE)];
+    let mut series = vec![line("allowed", (Ink::NEUTRAL, "thin dots0"), &allowed)];
+    for (((name, points), ink), mark) in curves.iter().zip([3, 0, 4, 2].map(Ink)).zip(Mark::ROUND) {
+        series.push(Series { mark: Some((mark, Filling::Full)), ..line(name, (ink, "series"), points) });
     }
     let title = "What a charge remembers: 5 kohm after a short circuit, board pi4, simulated".to_owned();
     let x = Axis { label: "length of a charge".to_owned(), from: 0.3e-3, to: 12e-3, write: seconds };
