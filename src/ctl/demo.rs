@@ -12,7 +12,7 @@ use super::limits::{HISTORY_S, SAY_AFTER};
 use super::screen::Screen;
 use super::stream::{Next, Stream};
 use crate::ctl::cli;
-use crate::daemon::{Daemon, DaemonError, Loaded, Signals, StopHandle};
+use crate::daemon::{Daemon, DaemonError, Listening, Loaded, Signals, StopHandle};
 use crate::pins::monotonic;
 use crate::pins::sim::SimPins;
 use crate::stream::client::ClientError;
@@ -87,7 +87,8 @@ impl Running {
         let (signals, handle) = Signals::from_handle().map_err(CtlError::system("socketpair"))?;
         let loaded = Loaded::new(board.config.clone(), Path::new("the demo"))?;
         // Here, so that the socket is there when the client comes.
-        let mut daemon = Daemon::start(loaded, signals, |_| Ok(Box::new(pins)))?;
+        let listening = Listening::new(&loaded).map_err(DaemonError::from)?;
+        let mut daemon = Daemon::start(loaded, listening, signals, |_| Ok(Box::new(pins)))?;
         let thread = thread::Builder::new().name("cermd".to_owned()).spawn(move || daemon.serve(None));
         Ok(Running { handle, thread: thread.map_err(CtlError::system("thread"))? })
     }

@@ -9,6 +9,7 @@
 mod error;
 mod heartbeat;
 mod limits;
+mod listening;
 mod measuring;
 pub(crate) mod publish;
 mod requested;
@@ -20,13 +21,14 @@ use crate::config::backend::{self, AnyPins, OpenError};
 use crate::config::{Backend, Config, Severity, TriggerSettings, tape_header};
 use crate::instrument::settings::Settings;
 use crate::pins::{clock, monotonic};
-use crate::stream::server::{Limits, Listener, Server};
+use crate::stream::server::{Limits, Server};
 use crate::stream::tape::Header;
 use crate::units::Nanos;
 pub use error::DaemonError;
 use error::{is_held, system};
 use heartbeat::Heartbeat;
 use limits::LOOK_AFTER;
+pub use listening::Listening;
 use measuring::{Lost, Update};
 use nix::poll::{PollFd, PollFlags, PollTimeout, poll};
 use nix::time::ClockId;
@@ -90,9 +92,10 @@ impl Loaded {
 /// # Errors
 /// What keeps it from starting, or from going on. Every line is released.
 pub fn run(path: &Path) -> Result<(), DaemonError> {
-    let signals = Signals::new().map_err(system("signals"))?;
-    let loaded = Loaded::load(path)?;
-    let started = Daemon::start(loaded, signals, open).inspect_err(|error| {
+    let mut signals = Signals::new().map_err(system("signals"))?;
+    let mut loaded = Loaded::load(path)?;
+    let Some(listening) = Listening::of_service(&mut loaded, path, &mut signals)? else { return Ok(()) };
+    let started = Daemon::start(loaded, listening, signals, open).inspect_err(|error| {
         // To the service manager that is no failure, as a condition of its own would be none: ready, and over.
         if error.is_absent() {
             notify(&[NotifyState::Ready, NotifyState::Status(&error.to_string())]);
@@ -117,24 +120,18 @@ pub struct Daemon {
 }
 
 impl Daemon {
-    /// Binds the socket, has the pins opened by `open`, starts to measure, and tells the service manager that it is
+    /// Has the pins opened by `open`, starts to measure, and tells the service manager that it is
     /// ready.
     ///
     /// # Errors
     /// What is missing.
     pub fn start(
         loaded: Loaded,
+        listening: Listening,
         signals: Signals,
         open: impl FnOnce(&Loaded) -> Result<AnyPins, OpenError>,
     ) -> Result<Daemon, DaemonError> {
-        let config = &loaded.config;
-        let (listener, place) = match Listener::from_systemd()? {
-            Some(listener) => (listener, "the socket passed by systemd".to_owned()),
-            None => {
-                let path = &config.server.socket;
-                (Listener::bind(path, config.server.mode)?, path.display().to_string())
-            }
-        };
+        let Listening { listener, place } = listening;
         let channels = publish::channels(&loaded);
         let mut server =
             Server::new(listener, &channels, Limits::of_this_process()).map_err(system("epoll"))?;
@@ -143,7 +140,7 @@ impl Daemon {
         let outputs = waited_for(open_outputs(&loaded))?.unwrap_or_else(|_| no_outputs(&loaded));
         let known = Known::of(&pins);
         let threads = Threads::start(pins, outputs, &loaded)?;
-        log::info!("serving {} channel(s) on {place}", config.channels.len());
+        log::info!("serving {} channel(s) on {place}", loaded.config.channels.len());
         let watchdog = sd_notify::watchdog_enabled();
         notify(&[NotifyState::Ready, NotifyState::Status(&known.away_or("measuring"))]);
         Ok(Daemon {
@@ -247,21 +244,9 @@ impl Daemon {
         self.server.set_tape_header(&header);
     }
 
-    /// Reads the configuration again. The service manager waits for the second of two messages: sd_notify(3) on
-    /// RELOADING=1.
+    /// Reads the configuration again.
     fn reload(&mut self, path: &Path) -> Result<(), DaemonError> {
-        log::info!("reading {} again", path.display());
-        if let Ok(now) = NotifyState::monotonic_usec_now() {
-            notify(&[NotifyState::Reloading, now]);
-        }
-        let result = match Loaded::load(path) {
-            Ok(loaded) => self.change_to(loaded),
-            // A file that is wrong leaves everything as it is.
-            Err(error) => {
-                log::error!("{KEPT}: {error}");
-                Ok(())
-            }
-        };
+        let result = reloaded(path).map_or(Ok(()), |loaded| self.change_to(loaded));
         notify(&[NotifyState::Ready]);
         result
     }
@@ -312,6 +297,16 @@ impl Daemon {
     }
 }
 
+/// Reads the configuration again; `None` where it is wrong, which leaves everything as it is. The service manager waits for READY=1
+/// after that: sd_notify(3) on RELOADING=1.
+fn reloaded(path: &Path) -> Option<Loaded> {
+    log::info!("reading {} again", path.display());
+    if let Ok(now) = NotifyState::monotonic_usec_now() {
+        notify(&[NotifyState::Reloading, now]);
+    }
+    Loaded::load(path).inspect_err(|error| log::error!("{KEPT}: {error}")).ok()
+}
+
 /// Makes lines inputs, for after a kill: those that were asked for, as the runtime directory says; where nobody has kept
 /// them, those of the configuration.
 ///
@@ -334,9 +329,14 @@ pub fn release_lines(path: &Path) -> Result<Released, DaemonError> {
 /// for it, without end. By hand it is better told at once.
 fn waited_for<T>(opened: Result<T, OpenError>) -> Result<Result<T, OpenError>, OpenError> {
     match opened {
-        Err(error) if !is_held(&error) || env::var_os("NOTIFY_SOCKET").is_none() => Err(error),
+        Err(error) if !is_held(&error) || !is_service() => Err(error),
         opened => Ok(opened),
     }
+}
+
+/// Whether a service manager has started this, and hears what is the matter.
+fn is_service() -> bool {
+    env::var_os("NOTIFY_SOCKET").is_some()
 }
 
 /// Without a service manager nobody listens, and that is no error.

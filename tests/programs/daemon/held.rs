@@ -36,7 +36,8 @@ fn serve() {
         }))
     };
     let loaded = Loaded::load(Path::new(&path)).unwrap();
-    let started = daemon::Daemon::start(loaded, Signals::new().unwrap(), held);
+    let listening = daemon::Listening::new(&loaded).unwrap();
+    let started = daemon::Daemon::start(loaded, listening, Signals::new().unwrap(), held);
     match started.and_then(|mut daemon| daemon.serve(Some(Path::new(&path)))) {
         Ok(()) => process::exit(0),
         Err(error) => {

@@ -1,4 +1,5 @@
-# A line that another program holds: the service waits, says for whom, measures when the line is free, and ends at once while it waits.
+# A line that another program holds, or a socket that it serves: the service waits, says for whom, measures when that is over, and ends at
+# once while it waits.
 . /test/package/service.sh
 install /test/cermd_*_arm64.deb
 write_configuration $config method=tracked
@@ -73,5 +74,30 @@ cat said
 [ $status = 1 ] || fail "exit status $status"
 grep 'held by another consumer: GPIO5 ("another")' said || fail "it does not say who holds which line"
 let_go
+echo "== its socket is served by another"
+mkdir -p /run/cermd
+write_configuration other.toml backend=mock method=tracked
+cermd --config other.toml 2>other.log &
+other=$!
+until_true 100 reading || fail "the other one does not measure: $(cat other.log)"
+since=$(date '+%F %T')
+systemctl start cermd
+sleep 3
+systemctl status --full --no-pager cermd >status
+cat status
+grep "Status: \"no socket: .* is already served by pid $other (cermd)" status >/dev/null || fail "the status does not say who serves"
+[ "$(property ActiveState) $(property NRestarts)" = "active 0" ] || fail "it is $(property ActiveState), after $(property NRestarts) restarts"
+said=$(journalctl --unit=cermd --output=cat --no-pager --since="$since" | grep -c 'is already served' || true)
+[ "$said" = 1 ] || fail "told $said times"
+kill $other
+wait $other || true
+now
+until_true 100 reading || fail "it does not take over: $(systemctl status --full --no-pager cermd)"
+echo "measures $(ms) ms after the other one's end"
+between "$(ms)" 0 2000
+[ "$(property NRestarts)" = 0 ] || fail "it was restarted"
+systemctl stop cermd
+is_over cermd
+lines_are_safe stopped
 systemctl --failed --no-legend --plain | tee failed
 [ ! -s failed ] || fail "units failed"
