@@ -29,18 +29,21 @@ pub const UNKNOWN_NOISE: f64 = 3e-3;
 pub const RESISTOR_TOLERANCE: f64 = 0.08;
 
 // Leaks, by discharges that were held back.
-/// After which part of a discharge it is held: where a current into or out of the node does what it does on average, whatever
-/// the threshold (from 0.52 for one of 0.6 V_DD to 0.58 for one of 0.15 V_DD).
-pub const LEAK_HELD_AT: f64 = 0.55;
+/// After which part of a discharge a current into or out of the node does what it does on average, whatever the threshold (from
+/// 0.52 for one of 0.6 V_DD to 0.58 for one of 0.15 V_DD).
+pub const LEAK_AVERAGE: f64 = 0.55;
+/// After which parts of it discharges are held: what flows through a resistor to ground looks alike at both, and nothing else does.
+/// One that were held later would end meanwhile where a leak is just no defect.
+pub const LEAK_HELD_AT: [f64; 2] = [0.1, 0.6];
 /// A leak of which nobody knows before there has been a look, siemens: as much as is no defect.
 pub const LIKELY_LEAK_SIEMENS: f64 = GROSS_LEAK_SIEMENS;
 /// How long a discharge is held.
 pub const LEAK_HOLD: Nanos = Nanos(40_000_000);
-/// From one held discharge to the next.
-pub const LEAK_EVERY: Nanos = Nanos(5_000_000_000);
-/// Held discharges that are remembered: of a minute and a half.
-pub const LEAK_REMEMBERED: usize = 16;
-/// The first held discharges follow each other; fewer tell little.
+/// From one discharge that is held at a level to the next at the same.
+pub const LEAK_EVERY: Nanos = Nanos(10_000_000_000);
+/// Held discharges that are remembered of each level: of two minutes.
+pub const LEAK_REMEMBERED: usize = 12;
+/// The first held discharges follow each other; fewer, of both levels together, tell little.
 pub const LEAK_FIRST: usize = 8;
 /// One comes before the first reading, and if it shows a defect, which no uncertainty allows for, so many in all: a spike is not in
 /// each of them.
@@ -52,6 +55,15 @@ pub const LOOK_SURPRISE: f64 = 2.5;
 /// A leak through less than this is a defect, not an imperfection: capacitors insulate more than 1 Gohm, pulls of
 /// processors are 30 to 100 kohm.
 pub const GROSS_LEAK_SIEMENS: f64 = 1.0 / 200e3;
+/// What is left of the error that a known leak of G to ground has made, 1 sigma, with one node and with two: as a part of it, of
+/// G R_1 R_2, since the calibration is off, and of G R_x R_2. Looks do not tell at which of two nodes it is, and one at B moves what B
+/// starts from.
+pub const LEAK_LEFT: [[f64; 3]; 2] = [[0.1, 0.0, 0.0], [1.0, 1.0, 0.2]];
+/// What a leak that is none to ground leaves beside that, 1 sigma, where both levels differ by K siemens: as a part of the error that K
+/// to ground would make; of K R_1 R_2 and of K R_x R_2, since the calibration is off; and of K R_x^2 t_2/t_1 for a discharge that goes on for
+/// t_2 after t_1 through the sensor, up to A and up to B, since K does more to its end than to its beginning. Found with
+/// tests/accuracy, hostile.
+pub const LEAK_BENT: [[f64; 5]; 2] = [[0.4, 0.4, 0.0, 1.0, 1.0], [1.5, 1.6, 0.6, 3.0, 4.0]];
 
 // Dielectric absorption, by discharges after a rest at V_DD; found with tests/stability, dielectrics.
 /// How long a rest is: what is filled more slowly than that does little to discharges that are shorter.

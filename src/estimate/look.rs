@@ -79,8 +79,11 @@ impl<const N: usize> Looks<N> {
         self.median
     }
 
-    /// The noise of that, 1 sigma.
+    /// The noise of that, 1 sigma; 0 before the first.
     pub fn noise(&self) -> f64 {
+        if self.taken == 0 {
+            return 0.0;
+        }
         // The variance of a median is pi/2 times that of the mean.
         (self.variance * FRAC_PI_2 / self.taken.min(N) as f64).sqrt()
     }

@@ -8,7 +8,7 @@ use crate::config::{Config, Findings, Severity};
 use crate::ctl::check::full_plan;
 use crate::ctl::limits::{NO_PULL, PATIENCE, PLAUSIBLE, PLAUSIBLE_RATIO, SMALLEST_LEAK};
 use crate::estimate::leak::LeakTest;
-use crate::estimate::limits::{LEAK_FIRST, LEAK_HELD_AT, LEAK_HOLD};
+use crate::estimate::limits::{LEAK_FIRST, LEAK_HOLD};
 use crate::estimate::scatter;
 use crate::instrument::diagnosis::Nominal;
 use crate::instrument::discharge::{self, Plan};
@@ -140,30 +140,38 @@ impl Inspection<'_> {
         self.holds(false)
     }
 
-    /// The instrument's own test: discharges through R_2 that are held half-way, against some that are not.
+    /// The instrument's own test: discharges through R_2 that are held on their way, against some that are not.
     fn leak(&mut self, c2: &Record) -> Result<(), PinsError> {
         let Some(a_ns) = c2.a_ns else { return Ok(()) };
         let usual = self.calibration_plan(c2.through);
-        let switch = Some((Nanos((LEAK_HELD_AT * a_ns) as i64), c2.through));
-        let held = Plan { hold: LEAK_HOLD, switch, ..usual };
-        let mut lost_ns = Vec::with_capacity(LEAK_FIRST);
+        let r2_ohm = self.nominal.r_ohm[1];
+        let mut seen_ns: Vec<[f64; 2]> = Vec::with_capacity(LEAK_FIRST);
+        let in_turn = |seen_ns: &[[f64; 2]], variance: f64| {
+            let mut test = LeakTest::default();
+            seen_ns
+                .iter()
+                .for_each(|[usual, left]| test.add(Some((usual - left, variance)), r2_ohm, Nanos::ZERO));
+            test
+        };
         // Some may come to nothing.
         for _ in 0..2 * LEAK_FIRST {
-            if lost_ns.len() == LEAK_FIRST {
+            if seen_ns.len() == LEAK_FIRST {
                 break;
             }
+            let held_at = in_turn(&seen_ns, 0.0).held_at();
+            let switch = Some((Nanos((held_at * a_ns) as i64), c2.through));
+            let held = Plan { hold: LEAK_HOLD, switch, ..usual };
             let [usual, held] = [usual, held].map(|plan| self.discharge(plan));
             if let (Ok(usual), Ok(Record { a_ns, switch: Some(switch), .. })) = (usual?, held?) {
                 let left_ns = a_ns.map(|a_ns| a_ns - (switch.on_ns - switch.at_ns));
-                lost_ns.extend(usual.a_ns.zip(left_ns).map(|(usual, left)| usual - left));
+                seen_ns.extend(usual.a_ns.zip(left_ns).map(|(usual, left)| [usual, left]));
             }
         }
-        let u_ns = scatter::mean(lost_ns.iter().copied()).and_then(|mean| mean.u).unwrap_or_default();
-        let variance = lost_ns.len() as f64 * u_ns.powi(2);
-        let mut test = LeakTest::default();
-        for lost_ns in lost_ns {
-            test.add(Some((lost_ns, variance)), self.nominal.r_ohm[1], Nanos::ZERO);
-        }
+        // Of the usual ones, which nothing but noise tells apart; each is compared with one more that has as much.
+        let u_ns = scatter::mean(seen_ns.iter().map(|[usual, _]| *usual))
+            .and_then(|mean| mean.u)
+            .unwrap_or_default();
+        let test = in_turn(&seen_ns, 2.0 * seen_ns.len() as f64 * u_ns.powi(2));
         if let Some(siemens) = test.siemens().filter(|siemens| siemens.abs() > SMALLEST_LEAK) {
             let (like, what) = match siemens > 0.0 {
                 true => (Suspect::Leak, "charge leaks away"),

@@ -3,12 +3,13 @@
 
 use super::Estimator;
 use crate::estimate::absorption::{self, AbsorptionTest};
-use crate::estimate::leak::{self, LeakTest};
+use crate::estimate::leak::{self, Course, LeakTest};
 use crate::estimate::limits::{
     BEYOND_NOISE, COVERAGE, GROSS_LEAK_SIEMENS, HIGHEST_R_O_OHM, LATEST_STAMP_NS, RESISTOR_TOLERANCE,
     UNKNOWN_JITTER_NS,
 };
 use crate::reading::{Fault, Measured};
+use crate::record::Record;
 
 impl Estimator {
     /// Says nothing of leaks.
@@ -63,7 +64,7 @@ impl Estimator {
 
     /// The same estimate less what a leak that shows has made of it; that, or what one that does not show may have made of it,
     /// is in its uncertainty, and what dielectrics do. `None` if the sensor may have any higher resistance.
-    pub(super) fn with_defects(&self, r_ohm: Measured) -> Option<Measured> {
+    pub(super) fn with_defects(&self, r_ohm: Measured, record: &Record) -> Option<Measured> {
         let beside = self.method.rules().sinks_beside;
         let leak = self.leak.as_ref();
         let error_ohm = match leak.map(LeakTest::likely_siemens) {
@@ -71,12 +72,20 @@ impl Estimator {
             None => 0.0,
         };
         let is_bounded = r_ohm.value < self.r2_ohm || r_ohm.value > COVERAGE * error_ohm.abs();
-        let known_ohm = if leak.and_then(LeakTest::siemens).is_some() { error_ohm } else { 0.0 };
+        let known = leak.filter(|leak| leak.siemens().is_some());
+        let known_ohm = if known.is_some() { error_ohm } else { 0.0 };
+        let (course, r) = (Course::of(record, r_ohm.value, self.nodes), [self.r1_ohm, self.r2_ohm]);
+        // A dielectric looks like a leak, and is none.
+        let left_ohm = match known.filter(|_| self.absorbed.is_none()) {
+            Some(leak) => course.left_ohm(leak, error_ohm, r),
+            None => error_ohm,
+        };
+        let bent_ohm = leak.map_or(0.0, |leak| course.bent_ohm(leak, r));
         let path_ohm = r_ohm.value + self.offset().r_o().unwrap_or(0.0);
         let absorption_ohm =
             self.absorbed.map_or(0.0, |share| absorption::u_ohm(share, self.r1_ohm, path_ohm));
         let left_out_ohm = self.state().map_or(0.0, |tracker| tracker.left_out_ohm(r_ohm.value));
-        let u = r_ohm.u.map(|u| u.hypot(error_ohm).hypot(absorption_ohm).hypot(left_out_ohm));
+        let u = r_ohm.u.map(|u| u.hypot(left_ohm).hypot(bent_ohm).hypot(absorption_ohm).hypot(left_out_ohm));
         is_bounded.then_some(Measured { value: r_ohm.value - known_ohm, u })
     }
 }

@@ -6,7 +6,7 @@ use super::{Branch, CalibrationKind, Cycle, Estimator, Fault, Judged, Look, Plan
 use crate::circuit::Node;
 use crate::estimate::Predicted;
 use crate::estimate::law::State;
-use crate::estimate::limits::{ABSORPTION_REST, BEYOND_NOISE, LEAK_HELD_AT, LEAK_HOLD, SPLIT_FRACTION};
+use crate::estimate::limits::{ABSORPTION_REST, BEYOND_NOISE, LEAK_HOLD, SPLIT_FRACTION};
 use crate::estimate::method::Switching;
 use crate::estimate::motion::Motion;
 use crate::estimate::scatter::expected_ns;
@@ -140,7 +140,7 @@ impl Cycle {
             return Plan { charge, ..plan };
         }
         let usual = self.estimator.calibration();
-        let at = usual.and_then(|(_, c2)| Some(Nanos((LEAK_HELD_AT * c2[0]?) as i64)));
+        let at = usual.and_then(|(_, c2)| Some(Nanos((self.leak.held_at() * c2[0]?) as i64)));
         Plan { hold: LEAK_HOLD, ..self.plan(second, at.map(|at| (at, second)), Node::A) }
     }
 

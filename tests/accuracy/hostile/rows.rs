@@ -204,7 +204,15 @@ const A_PULL_UP: &str = "[circuit.node-a]\npull-up = '1 Mohm'";
 const B_50_KOHM: &str = "[circuit.node-b]\nleakage-resistance = '50 kohm'";
 const B_3_MOHM: &str = "[circuit.node-b]\nleakage-resistance = '3 Mohm'";
 
-pub static LEAKS: [Row; 12] = [
+const A_BOTH: &str = "[circuit.node-a]\npull-up = '3 Mohm'\nleakage-resistance = '3 Mohm'";
+const B_CURRENT: &str = "[circuit.node-b]\nleakage = '-2 uA'";
+const B_PULL_UP: &str = "[circuit.node-b]\npull-up = '1 Mohm'";
+/// Where the error that a leak makes is none, and where discharges end through another resistor early.
+const LOW: &[(Method, &[f64])] =
+    &[(Tracked, &[50.0, 200.0, 470.0, 1000.0, 5000.0]), (Cerm, &[200.0, 470.0, 1000.0])];
+const ONE: &[(Method, &[f64])] = &[(Tracked, &[50.0, 470.0, 5000.0, 16_200.0])];
+
+pub static LEAKS: [Row; 19] = [
     Row { name: "100 kohm at A, the first 10 s", scene: A_100_KOHM, ..FIRST },
     Row { name: "100 kohm at A, later", scene: A_100_KOHM, ..LATER },
     Row { name: "1 Mohm at A, the first 10 s", scene: A_1_MOHM, ..FIRST },
@@ -217,6 +225,37 @@ pub static LEAKS: [Row; 12] = [
     Row { name: "50 kohm at B, later", scene: B_50_KOHM, cases: AT_B, ..LATER },
     Row { name: "3 Mohm at B, the first 10 s", scene: B_3_MOHM, cases: AT_B, ..FIRST },
     Row { name: "3 Mohm at B, later", scene: B_3_MOHM, cases: AT_B, ..LATER },
+    Row { name: "pull-up of 1 Mohm at A, low ones", scene: A_PULL_UP, cases: LOW, ..LATER },
+    Row { name: "pull-up and leak of 3 Mohm at A, later", scene: A_BOTH, cases: LOW, ..LATER },
+    Row { name: "2 uA into B, pi-zero, later", scene: B_CURRENT, base: "pi-zero", cases: LOW, ..LATER },
+    Row {
+        name: "pull-up of 1 Mohm at B, pi-zero, later",
+        scene: B_PULL_UP,
+        base: "pi-zero",
+        cases: LOW,
+        ..LATER
+    },
+    Row {
+        name: "1 Mohm at A, one node, later",
+        scene: A_1_MOHM,
+        kind: Some(Kind::OneCapacitor),
+        cases: ONE,
+        ..LATER
+    },
+    Row {
+        name: "pull-up of 1 Mohm at A, one node, later",
+        scene: A_PULL_UP,
+        kind: Some(Kind::OneCapacitor),
+        cases: ONE,
+        ..LATER
+    },
+    Row {
+        name: "pull-up and leak of 3 Mohm at A, one node",
+        scene: A_BOTH,
+        kind: Some(Kind::OneCapacitor),
+        cases: ONE,
+        ..LATER
+    },
 ];
 
 /// Charges by nominal values would remember too much there, and without much noise one sees it.
