@@ -28,6 +28,7 @@
 //! | `WARM`, `COLD` | | s | those of [`characterize`](crate::characterize::limits); a rehearsal that has no state or offset by the second has nothing to expect |
 //! | `METERED` | 1 | s | of a rehearsal for the processor time: fifty discharges at the least, or those of the longest mean |
 //! | `REHEARSED`, `REHEARSED_READINGS` | 2, 200 | s, | how long it counts on each board at the most |
+//! | `LONGEST_REHEARSED` | 5 | s | of a mean: `check` takes some seconds for it, and longer means differ in what they state by less than boards do |
 //! | `REHEARSED_BOARDS` | 8 | | what a board states scatters by a tenth (`tcdic`, 50 kohm): a mean of so many, by 4 % |
 //! | `BEYOND_CHANCE` | 2 | standard errors | of what boards of a kind are off by, above what they state: the error is then what is to be expected |
 //! | `REHEARSED_RESISTANCES` | 5 | | of the range of a sensor, for `size` |
@@ -74,6 +75,7 @@ pub const DISCHARGES: usize = 50;
 pub const SHARES_OF_R_2: [f64; 4] = [0.01, 0.1, 1.0, 4.0];
 pub const METERED: Nanos = Nanos(1_000_000_000);
 pub const REHEARSED: Nanos = Nanos(2_000_000_000);
+pub const LONGEST_REHEARSED: Nanos = Nanos(5_000_000_000);
 pub const PROGRESS_COLUMNS: usize = 24;
 pub const LIVE_READINGS: usize = 400;
 pub const LIVE_AVERAGES: [Nanos; 2] = [Nanos::ZERO, Nanos(1_000_000_000)];
