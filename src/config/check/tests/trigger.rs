@@ -43,7 +43,7 @@ fn thresholds_and_times_that_cannot_work() {
         ("output = { line = 17 }", "output: the channel has no threshold"),
         ("on-above = '2 N'\nhold = '61 s'", "hold: 61 s is not between 0 and 1 min"),
         ("on-above = '2 N'\nhold = '-1 ms'", "hold: -1 ms is not between 0 and 1 min"),
-        ("on-above = '2 N'\nstale = '0 s'", "stale: 0 s is not between 0 and 1 min"),
+        ("on-above = '2 N'\nstale = '0 s'", "stale: 0 s is not above 0 and up to 1 min"),
         ("on-above = '2 N'\nstale = '100 ms'", "stale: 100 ms is shorter than"),
     ] {
         one_trigger(lines, &format!("error: channel.thumb.{beginning}"));
