@@ -7,6 +7,7 @@
 //! | `B_MARGIN` | 0.05 | V_DD | below it node B crosses late and unsteadily | judgement |
 //! | `CALIBRATION_RATIO` | 1.5 | | below it the difference of two times is mostly noise | judgement |
 //! | `LONGEST_WAIT` | 60 | s | a longer one is a slip of a prefix | judgement |
+//! | `SLOWEST_HZ` | 1/60 | Hz | `LONGEST_WAIT` from one reading to the next; what follows from it, stale triggers and sensors that are read rarely, stays within what counts in ns | judgement |
 //! | `RESOLUTIONS` | 1 ns to 1 ms | ns | Linux counts in the first; the second is coarser than any clock | judgement |
 //! | `LARGEST_SWITCH_FRACTION` | 1.3 | T_xA | beyond it even a late node B has crossed | judgement |
 //! | `HYSTERESIS` | 0.8 | of `on-above` | where a channel is released unless it is said: more than the tremor of a hand, 2 % | as of a ForceSensor, clients/python |
@@ -49,6 +50,7 @@ pub const B_MARGIN: f64 = 0.05;
 pub const CALIBRATION_RATIO: f64 = 1.5;
 /// Of what is waited for or averaged over.
 pub const LONGEST_WAIT: Nanos = Nanos(60_000_000_000);
+pub const SLOWEST_HZ: f64 = 1.0 / 60.0;
 pub const RESOLUTIONS: RangeInclusive<Nanos> = Nanos(1)..=Nanos(1_000_000);
 pub const LARGEST_SWITCH_FRACTION: f64 = 1.3;
 pub const HYSTERESIS: f64 = 0.8;

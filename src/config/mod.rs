@@ -89,7 +89,8 @@ pub struct Config {
 pub struct Measure {
     /// The method. Default: `tracked`, or `qerm` with series calibration.
     pub method: Option<Method>,
-    /// Readings of each channel per second, hertz, above 0; each of them is the mean over the time since the one before.
+    /// Readings of each channel per second, hertz, at least one in a minute (0.017); each of them is the mean over the time since
+    /// the one before.
     /// Default: as fast as the circuit allows.
     #[serde(deserialize_with = "number::optional")]
     pub rate_hz: Option<f64>,

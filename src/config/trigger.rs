@@ -195,7 +195,7 @@ impl Config {
         let of = |(index, channel): (usize, &ChannelTable)| {
             let Thresholds { on, off, .. } = channel.levels()?.ok()?;
             let hold = channel.hold.unwrap_or(Nanos::ZERO);
-            let planned = Nanos(STALE_READINGS * self.longest_interval(channel).0);
+            let planned = Nanos(self.longest_interval(channel).0.saturating_mul(STALE_READINGS));
             let stale = channel.stale.unwrap_or(planned.max(SHORTEST_STALE));
             let rules = TriggerRules { quantity: on.quantity(), on: on.value, off: off.value, hold, stale };
             let output = channel

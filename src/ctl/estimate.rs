@@ -43,5 +43,10 @@ pub fn run(arguments: &cli::Estimate) -> Result<(), CtlError> {
             }
         }
     }
-    summary.rows().iter().try_for_each(|row| print(&if arguments.json { line(row) } else { row.to_string() }))
+    summary
+        .rows()
+        .iter()
+        .try_for_each(|row| print(&if arguments.json { line(row) } else { row.to_string() }))?;
+    // A tape without a discharge of a sensor has nothing to give.
+    replays.iter().find_map(Replay::missed).map_or(Ok(()), |why| Err(wrong(&why)))
 }

@@ -22,12 +22,14 @@
 //! | `LIVE_READINGS`, `LIVE_AVERAGES`, `LIVE_MEANS` | 400; 0, 1 s; 10 | readings | of a resistor on hardware: the root mean square is known to 4 %, and somebody waits for it |
 //! | `MISTAKEN` | 0.2, 50 | R, ohm | a reading that is off by more is that of another resistor |
 //! | `WORST_FIT` | 0.5 | | residuals beyond it are a mistake: two sensors of a kind differ by a tenth of it |
+//! | `NO_RESIDUAL` | 1e-9 | | smaller ones are what rounding leaves of none |
 //! | `WAKE_UPS`, `SLEEP` | 300, 1 | , ms | sleeps that are timed by `check` |
 //! | `DISCHARGES` | 50 | | discharges that are timed by `check` |
 //! | `SHARES_OF_R_2` | 0.01 to 4 | R_2 | resistances of which `check` says what to expect: what Rc2 is chosen for |
 //! | `WARM`, `COLD` | | s | those of [`characterize`](crate::characterize::limits); a rehearsal that has no state or offset by the second has nothing to expect |
 //! | `METERED` | 1 | s | of a rehearsal for the processor time: fifty discharges at the least, or those of the longest mean |
 //! | `REHEARSED`, `REHEARSED_READINGS` | 2, 200 | s, | how long it counts on each board at the most |
+//! | `LONGEST_REHEARSED` | 5 | s | of a mean: `check` takes some seconds for it, and longer means differ in what they state by less than boards do |
 //! | `REHEARSED_BOARDS` | 8 | | what a board states scatters by a tenth (`tcdic`, 50 kohm): a mean of so many, by 4 % |
 //! | `BEYOND_CHANCE` | 2 | standard errors | of what boards of a kind are off by, above what they state: the error is then what is to be expected |
 //! | `REHEARSED_RESISTANCES` | 5 | | of the range of a sensor, for `size` |
@@ -68,12 +70,14 @@ pub const BAR_COLUMNS: RangeInclusive<usize> = 6..=30;
 pub const HISTORY_COLUMNS: usize = 60;
 pub const NAME_COLUMNS: usize = 11;
 pub const WORST_FIT: f64 = 0.5;
+pub const NO_RESIDUAL: f64 = 1e-9;
 pub const WAKE_UPS: usize = 300;
 pub const SLEEP: Duration = Duration::from_millis(1);
 pub const DISCHARGES: usize = 50;
 pub const SHARES_OF_R_2: [f64; 4] = [0.01, 0.1, 1.0, 4.0];
 pub const METERED: Nanos = Nanos(1_000_000_000);
 pub const REHEARSED: Nanos = Nanos(2_000_000_000);
+pub const LONGEST_REHEARSED: Nanos = Nanos(5_000_000_000);
 pub const PROGRESS_COLUMNS: usize = 24;
 pub const LIVE_READINGS: usize = 400;
 pub const LIVE_AVERAGES: [Nanos; 2] = [Nanos::ZERO, Nanos(1_000_000_000)];

@@ -1,6 +1,7 @@
 //! Estimating from a tape: the discharges go through the instrument's own order of things, so that a tape is read as the
 //! daemon has read it.
 
+use crate::circuit::Node;
 use crate::estimate::offset::Offset;
 use crate::estimate::scatter::SwitchScatter;
 use crate::instrument::cycle::Cycle;
@@ -34,8 +35,14 @@ pub struct Replay {
     header: Header,
     method: Method,
     cycle: Cycle,
+    /// Whether the calibration is followed.
+    tracked: bool,
     /// The offset is what the tape tells, from the first four split discharges on.
     is_auto: bool,
+    /// How many estimates were numbers.
+    numbers: u64,
+    /// How many discharges of sensors ended before the last node that the method times.
+    ended_early: u64,
 }
 
 impl Replay {
@@ -84,10 +91,11 @@ impl Replay {
             switch_fraction: 1.0,
         });
         cycle.ignore_leaks();
+        // That of a calibration which is followed is followed with it.
         if let Some(offset) = offset.filter(|_| !tracked) {
             cycle.set_offset(offset);
         }
-        Ok(Replay { header, method, cycle, is_auto })
+        Ok(Replay { header, method, cycle, tracked, is_auto, numbers: 0, ended_early: 0 })
     }
 
     /// Takes the next discharge; the estimate, if it was a sensor's.
@@ -99,6 +107,7 @@ impl Replay {
         let channel = &self.header.channels[reading.channel];
         let mut state = StateLine::new(&reading.status, self.method, &Unit::named(channel.unit()));
         state.method = Some(self.method.to_string());
+        self.numbers += u64::from(state.r_ohm.is_some());
         let channel = channel.id.clone();
         let t_mono_ns = entry.is_timed.then_some(reading.at.0);
         Ok(Some(EstimateLine { seq: entry.seq, channel, t_mono_ns, state }))
@@ -111,8 +120,9 @@ impl Replay {
     pub fn read(&mut self, entry: &Entry) -> Result<Option<Reading>, String> {
         let Entry { is_timed, is_held, record, .. } = entry;
         let is_switched = record.through.channel().is_some() && record.switch.is_some();
-        let is_wanting = self.method.needs_offset() && !self.cycle.offset_is_known();
-        // Others are read as the daemon reads them before it has found the offset, unless the tape is to tell.
+        let is_wanting = self.method.needs_offset() && !self.tracked && !self.cycle.offset_is_known();
+        // Of a calibration that is followed, readings say that there is none yet. Others are read as the daemon reads them
+        // before it has found the offset, unless the tape is to tell.
         let is_settled = is_wanting && (is_switched || self.is_auto) && self.cycle.settle_offset();
         if is_wanting && is_switched && !is_settled {
             return Err(format!(
@@ -121,6 +131,9 @@ impl Replay {
                 self.method
             ));
         }
+        let is_cut = record.a_ns.is_some() && record.b_ns.is_none() && record.waited_ns.is_none();
+        let needs_b = self.method.rules().last(self.header.circuit.kind) == Node::B;
+        self.ended_early += u64::from(record.through.channel().is_some() && is_cut && needs_b);
         Ok(self.cycle.replay(record, *is_timed, *is_held))
     }
 
@@ -132,6 +145,22 @@ impl Replay {
         let signed = is_known.then(|| estimator.estimate(record).map(|estimate| estimate.r_ohm.value));
         self.cycle.replay(record, entry.is_timed, entry.is_held);
         signed
+    }
+
+    /// At the end of the tape: what was missing on it, if there is not a single number because of that.
+    pub fn missed(&self) -> Option<String> {
+        let method = self.method;
+        match self.numbers {
+            0 if self.tracked && !self.cycle.offset_is_known() => Some(format!(
+                "no number: the tape shows too few whole rounds of calibration discharges to follow the calibration of {method} by; \
+                 record it again, all of it: `cermctl record --raw` begins with them",
+            )),
+            0 if self.ended_early > 0 => Some(format!(
+                "no number: the discharges of this tape end at node A, and {method} needs node B, too; take --method tracked, or \
+                 record a cermd with method = \"{method}\"",
+            )),
+            _ => None,
+        }
     }
 
     /// What all discharges belong to.

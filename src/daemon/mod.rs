@@ -13,6 +13,7 @@ mod listening;
 mod measuring;
 pub(crate) mod publish;
 mod requested;
+mod rounds;
 mod signals;
 mod threads;
 mod triggering;

@@ -3,6 +3,7 @@
 use super::Loaded;
 use super::limits::GONE_AFTER;
 use super::measuring::{Lost, Update};
+use super::rounds::Round;
 use super::triggering::ChannelEvent;
 use crate::config::Config;
 use crate::config::backend::OpenError;
@@ -35,6 +36,8 @@ pub struct Known {
     pub stats: Stats,
     /// What became of the wishes of `[realtime]`; `None` before its first word.
     pub realtime: Option<realtime::Rights>,
+    /// Of calibration discharges, as far as it has come.
+    round: Round,
     /// Why the GPIO lines cannot be used; they are tried again.
     away: Option<String>,
     /// The suspect that the log has named last, and when a fault pointed to it last: named once, not with each reading.
@@ -130,10 +133,22 @@ pub fn publish(server: &mut Server, known: &mut Known, loaded: &Loaded, update: 
     match update {
         Update::Message(Message::Reading(reading)) => {
             known.log_suspect(&reading);
+            if reading.status == Status::Fault(Fault::CalibrationStep) {
+                // A state begins anew: no round of before it belongs to that.
+                known.round = Round::default();
+                server.forget_rounds();
+            }
             let time = time_of(reading.at, to_wall);
             server.publish_reading(&reading, time);
         }
         Update::Message(Message::Discharge { seq, record, is_held, as_read_ohm, .. }) => {
+            // What was held back is no calibration.
+            let round = (!is_held)
+                .then(|| known.round.add(&loaded.settings, &loaded.tape_header, (seq, &record)))
+                .flatten();
+            if let Some(round) = round {
+                server.keep_round(&round);
+            }
             if server.wants_raw() {
                 let line = loaded.tape_header.discharge(seq, &record, is_held);
                 server.publish_discharge(DischargeLine { as_read_ohm, ..line });

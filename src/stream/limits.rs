@@ -44,6 +44,8 @@ pub mod serving {
     pub const OTHER_DESCRIPTORS: usize = 64;
     /// Lines that wait for a client that reads slowly: 10 s at 100 lines/s.
     pub const QUEUE_LINES: usize = 1024;
+    /// Rounds of calibration discharges that a tape begins with: a state takes 32, and some may be spikes.
+    pub const ROUNDS: usize = 40;
     /// `SO_SNDBUF` of each client, bytes: 32 MiB in the kernel when 1024 clients do not read.
     pub const SEND_BUFFER_BYTES: usize = 16 * 1024;
     /// Connections that are accepted in one turn.

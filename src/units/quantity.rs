@@ -50,7 +50,11 @@ impl ParseQuantityError {
     /// `got`: without quotes; `text`: as it was written.
     fn new<Q: Quantity>(got: &str, text: String) -> ParseQuantityError {
         // Whatever is a quantity as soon as it has a unit.
-        let right = value_of::<Q>(&format!("{}{}", got.trim(), Q::UNITS[0]));
+        let number = got.trim();
+        // Who writes no more than 1 means a part of it, not of a percent.
+        let part = number.parse().ok().filter(|part: &f64| Q::UNITS[0] == "%" && (0.0..=1.0).contains(part));
+        let number = part.map_or(number.to_owned(), |part| rounded(100.0 * part, 7).to_string());
+        let right = value_of::<Q>(&format!("{number}{}", Q::UNITS[0]));
         let with_unit = right.map(|value| Q::from_si(value).to_string());
         ParseQuantityError { name: Q::NAME, example: Q::EXAMPLE, got: text, with_unit }
     }
@@ -311,6 +315,9 @@ mod tests {
         };
         assert_eq!(says("2.32k"), of("\"2.32k\"", "2.32 kohm"));
         assert_eq!(says("2320"), of("\"2320\"", "2.32 kohm"));
+        let says_part = |text: &str| text.parse::<Percent>().unwrap_err().to_string();
+        assert!(says_part("0.1").ends_with("write \"10 %\""), "{}", says_part("0.1"));
+        assert!(says_part("8.7").ends_with("write \"8.7 %\""), "{}", says_part("8.7"));
         let says = |json: &str| {
             let text = serde_json::from_str::<Ohm>(json).unwrap_err().to_string();
             text.split(" at line").next().unwrap().to_owned()

@@ -302,6 +302,24 @@ fn every_model_gives_a_usable_configuration() {
 }
 
 #[test]
+fn weights_that_are_all_on_the_fit_state_no_uncertainty() {
+    for (model, csv, says) in [
+        ("alpha", "1,10000\n2,5000\n", "all weights are on the fit"),
+        ("alpha", "1.2,11122\n1.2,11122\n", "all weights are on the fit"),
+        ("power", "1,8000\n2,4000\n4,2000\n", "all weights are on the fit"),
+        ("alpha", "1.2,11122\n", "as many numbers were fitted as there are weights"),
+    ] {
+        let folder = Folder::new();
+        fs::write(folder.path("weights.csv"), csv).unwrap();
+        let mut command = folder.force(&["--csv", "weights.csv", "--model", model, "--yes"]);
+        let text = stdout(command.write_stdin(""));
+        assert!(text.contains(says), "{csv}: {text}");
+        let config = folder.config();
+        assert!(!config.contains("u = \""), "{config}");
+    }
+}
+
+#[test]
 fn a_configuration_that_would_not_be_usable_stays_as_it_is() {
     let folder = Folder::new();
     folder.configure(Folder::file().set("mock.scene", "pi9"));

@@ -357,6 +357,20 @@ fn names_of_states_faults_and_codes_are_all_there() {
     }
 }
 
+/// Samples are put into the pages by a program: this section is not of a number.
+#[test]
+fn the_readings_without_a_number_are_such() {
+    let page = read("docs/protocol.md");
+    let (_, section) =
+        page.split_once("READING, above what can be resolved, and one that has no number:").unwrap();
+    let lines = section.split("```").nth(1).unwrap().lines().filter(|line| line.starts_with('{'));
+    let readings: Vec<Value> = lines.map(|line| serde_json::from_str(line).unwrap()).collect();
+    let states: Vec<_> = readings.iter().map(|reading| reading["status"].as_str().unwrap()).collect();
+    assert_eq!(states, ["open", "fault"]);
+    assert!(readings.iter().all(|reading| reading.get("r_ohm").is_none()), "{readings:?}");
+    assert!(readings[0]["r_min_ohm"].is_number() && readings[1]["fault"] == "missed-edge", "{readings:?}");
+}
+
 #[test]
 fn the_lines_of_the_pages_are_lines_of_the_protocol() {
     let (schema, mut seen) = (Schema::new(), 0);

@@ -41,6 +41,15 @@ fn a_setup_is_usable_and_can_be_taken_back() {
 }
 
 #[test]
+fn a_name_alone_is_of_the_folder_that_one_is_in() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut command = assert_cmd::Command::new(env!("CARGO_BIN_EXE_cermctl"));
+    command.args(["setup", "--scene", "pi4", "--no-service", "--yes", "--config", "mine.toml"]);
+    command.current_dir(folder.path()).assert().success();
+    assert!(folder.path().join("mine.toml").exists());
+}
+
+#[test]
 fn what_is_asked_may_be_answered_wrongly_and_again() {
     let folder = tempfile::tempdir().unwrap();
     let mut command = assert_cmd::Command::new(env!("CARGO_BIN_EXE_cermctl"));

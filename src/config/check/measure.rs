@@ -2,7 +2,7 @@
 
 use crate::circuit::Kind;
 use crate::config::Findings;
-use crate::config::limits::{LARGEST_SWITCH_FRACTION, LONGEST_WAIT, RESOLUTIONS};
+use crate::config::limits::{LARGEST_SWITCH_FRACTION, LONGEST_WAIT, RESOLUTIONS, SLOWEST_HZ};
 use crate::config::{Calibration, Config, Measure};
 use crate::instrument::settings::OffsetSource;
 use crate::reading::Method;
@@ -88,12 +88,18 @@ fn durations(measure: &Measure, findings: &mut Findings) {
 }
 
 fn numbers(measure: &Measure, findings: &mut Findings) {
-    let rate = measure.rate_hz.is_none_or(|rate| rate.is_finite() && rate > 0.0);
+    // Not a number is not at least anything.
+    let rate = measure.rate_hz.is_none_or(|rate| rate.is_finite() && rate >= SLOWEST_HZ);
     let resolution = measure.resolution.is_none_or(|clock| RESOLUTIONS.contains(&clock));
     let fraction = measure.switch_fraction;
     let fraction = fraction.is_none_or(|fraction| fraction > 0.0 && fraction < LARGEST_SWITCH_FRACTION);
     for (name, is_right, reason, remedy) in [
-        ("rate-hz", rate, "not above zero", "20, or without it: as fast as the circuit allows"),
+        (
+            "rate-hz",
+            rate,
+            "not a number of at least one reading in a minute, 0.017",
+            "20, or without it: as fast as the circuit allows",
+        ),
         ("resolution", resolution, "not between 1 ns and 1 ms", "\"1 ns\""),
         ("switch-fraction", fraction, "not between 0 and 1.3", "0.9"),
     ] {

@@ -6,7 +6,7 @@ use crate::circuit::{Chargers, Node};
 use crate::config::Config;
 use crate::config::Findings;
 use crate::config::charge::Remembered;
-use crate::config::limits::{LONGEST_WAIT, SHORT_CHARGE, SHORTEST_PART};
+use crate::config::limits::{LONGEST_WAIT, SHORT_CHARGE, SHORTEST_PART, SLOWEST_HZ};
 use crate::estimate::method::Switching;
 use crate::instrument::settings::OffsetSource;
 use crate::units::{Hertz, Seconds, rounded_down};
@@ -72,7 +72,10 @@ fn rate(config: &Config, findings: &mut Findings) {
     let [usual, _] = config.cycle(config.discharge(config.circuit.r_second()));
     // Downwards, or who follows it hears the same again.
     let most = rounded_down(1.0 / usual.0, 2);
-    let remedy = format!("at most {most}, a shorter charge-time, or smaller capacitors");
+    let remedy = match most < SLOWEST_HZ {
+        true => "without it: as fast as the circuit allows, or smaller capacitors".to_owned(),
+        false => format!("at most {most}, a shorter charge-time, or smaller capacitors"),
+    };
     if rate * fastest.0 > 1.0 {
         let reason =
             format!("calibration and charging alone take {fastest:.3}, {:.2}", Hertz(1.0 / fastest.0));

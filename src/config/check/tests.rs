@@ -255,8 +255,11 @@ fn durations() {
 
 #[test]
 fn rates() {
-    one_measure("rate-hz = 0", "error: measure.rate-hz: not above zero");
-    one_measure("rate-hz = nan", "error: measure.rate-hz: not above zero");
+    for rate in ["0", "-1", "nan", "inf", "0.0166", "1e-10", "1e-300"] {
+        let line = format!("rate-hz = {rate}");
+        one_measure(&line, "error: measure.rate-hz: not a number of at least one reading in a minute, 0.017");
+    }
+    assert_eq!(complaints(&config(|c| c.set("measure.rate-hz", 0.017))), Vec::<String>::new());
     one_measure("rate-hz = 100", "error: measure.rate-hz: calibration and charging alone take");
     one_measure("rate-hz = 45", "warning: measure.rate-hz: a cycle with the sensor at Rc2 takes");
     // 86 readings a second are simulated of these at Rc2 (docs/methods.md).

@@ -121,7 +121,8 @@ fn times(channel: &ChannelTable, at: &dyn Fn(&str) -> String, findings: &mut Fin
         ("stale", channel.stale, Nanos(1), "\"500 ms\", or without it"),
     ] {
         if let Some(time) = time.filter(|time| !(least..=LONGEST_WAIT).contains(time)) {
-            let reason = format!("{:.3} is not between 0 and 1 min", Seconds::from(time));
+            let bounds = if least > Nanos::ZERO { "above 0 and up to" } else { "between 0 and" };
+            let reason = format!("{:.3} is not {bounds} 1 min", Seconds::from(time));
             findings.error(at(name), reason, remedy);
         }
     }

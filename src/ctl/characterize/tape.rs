@@ -73,6 +73,14 @@ fn known(header: &Header, truth: &[(String, f64)]) -> Result<Vec<(usize, f64)>, 
     let place = |id: &String| ids.iter().position(|known| known == id);
     let of =
         |(id, r_ohm): &(String, f64)| Ok((place(id).ok_or_else(|| CtlError::no_channel(id, &ids))?, *r_ohm));
+    // Which of two is right nobody knows.
+    let twice = truth
+        .iter()
+        .enumerate()
+        .find(|(index, (id, _))| truth[..*index].iter().any(|(other, _)| other == id));
+    if let Some((_, (id, _))) = twice {
+        return Err(CtlError::Said(format!("--truth names {id} twice: one resistor for each channel")));
+    }
     truth.iter().map(of).collect()
 }
 

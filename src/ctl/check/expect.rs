@@ -5,7 +5,8 @@ use crate::circuit::{Circuit, Network, Node};
 use crate::config::backend;
 use crate::config::{Backend, Config, Findings};
 use crate::ctl::limits::{
-    BEYOND_CHANCE, COLD, REHEARSED, REHEARSED_BOARDS, REHEARSED_READINGS, SHARES_OF_R_2, WARM,
+    BEYOND_CHANCE, COLD, LONGEST_REHEARSED, REHEARSED, REHEARSED_BOARDS, REHEARSED_READINGS, SHARES_OF_R_2,
+    WARM,
 };
 use crate::estimate::scatter;
 use crate::instrument::settings::Settings;
@@ -73,10 +74,25 @@ pub fn resistances(config: &Config, settings: &Settings) -> Vec<f64> {
 
 /// At these [`resistances`].
 pub fn expected(config: &Config, settings: &Settings, scene: &Scene) -> Vec<Expected> {
-    resistances(config, settings)
-        .into_iter()
-        .filter_map(|r_ohm| rehearse(settings, scene, r_ohm, REHEARSED_BOARDS))
-        .collect()
+    let short = shortened(settings);
+    // What is the mean over a part of the time comes as much more often.
+    let part = short.average.zip(settings.average).filter(|(short, long)| short < long);
+    let slower = part.map_or(1.0, |(short, long)| short.as_seconds() / long.as_seconds());
+    let rehearsed = |r_ohm| rehearse(&short, scene, r_ohm, REHEARSED_BOARDS);
+    let slowed = |found: Expected| Expected { rate_hz: slower * found.rate_hz, ..found };
+    resistances(config, settings).into_iter().filter_map(rehearsed).map(slowed).collect()
+}
+
+/// Whether what is published is the mean over more time than somebody waits for. Where cycles rest between readings, however
+/// rare, few discharges have to be simulated.
+fn is_shortened(settings: &Settings) -> bool {
+    settings.period.is_none() && settings.average.is_some_and(|average| average > LONGEST_REHEARSED)
+}
+
+/// The same with means that do not take minutes to simulate. They are no better than longer ones: what is expected of them holds.
+pub(super) fn shortened(settings: &Settings) -> Settings {
+    let average = if is_shortened(settings) { Some(LONGEST_REHEARSED) } else { settings.average };
+    Settings { average, ..settings.clone() }
 }
 
 /// What so many boards of a kind do together: each has another noise, and has learned another u from it. At each channel is a sensor
@@ -137,7 +153,7 @@ impl RehearsalSum {
 
 /// Lets an instrument find its state and its offset; when it has them, `None` if that takes too long.
 pub(super) fn warm_up<P: Pins>(instrument: &mut Instrument<P>, settings: &Settings) -> Option<Nanos> {
-    let cold = COLD.max(Nanos(2 * longest(settings).0));
+    let cold = COLD.max(longest(settings) + longest(settings));
     loop {
         let now = instrument.pins().now();
         if now > WARM && instrument.cycle().offset_is_known() {
@@ -162,7 +178,7 @@ fn rehearse_board(settings: &Settings, scene: &Scene, r_ohm: f64) -> Option<Rehe
     let mut now = warm_up(&mut instrument, settings)?;
     let (mut began, mut last) = (None, Nanos::ZERO);
     let mut found = RehearsalSum::default();
-    let end = |began: Nanos| began + REHEARSED.max(Nanos(3 * longest(settings).0));
+    let end = |began: Nanos| began + REHEARSED.max(Nanos(longest(settings).0.saturating_mul(3)));
     let enough = REHEARSED_READINGS * settings.channels.len();
     while found.readings < enough && began.is_none_or(|began| now < end(began)) {
         let step = instrument.step(&mut |message| match message {
@@ -189,12 +205,18 @@ fn rehearse_board(settings: &Settings, scene: &Scene, r_ohm: f64) -> Option<Rehe
 
 /// Adds what readings are to be expected: their errors, their forces, and how often they come.
 pub fn readings(config: &Config, settings: &Settings, jitter: Option<Seconds>, findings: &mut Findings) {
-    let Some((scene, how)) = board(config, jitter) else { return };
+    let Some((scene, mut how)) = board(config, jitter) else { return };
+    if is_shortened(settings) {
+        let rehearsed = Seconds::from(LONGEST_REHEARSED);
+        how = format!("{how}, with means over {rehearsed:.0}, which longer ones are no worse than");
+    }
     let all = expected(config, settings, &scene);
     let says = |Expected { r_ohm, u_ohm, rate_hz, discharges_hz }: &Expected| match u_ohm {
         Some(_) => {
             let r_ohm = measured(*r_ohm, *u_ohm, "ohm", false);
-            format!("{r_ohm} at {rate_hz:.1} Hz ({discharges_hz:.0} discharges a second)")
+            // One in a minute is not none.
+            let places = if *rate_hz < 0.05 { 3 } else { 1 };
+            format!("{r_ohm} at {rate_hz:.places$} Hz ({discharges_hz:.0} discharges a second)")
         }
         None => format!("{:.0}: no number", Ohm(*r_ohm)),
     };

@@ -31,9 +31,10 @@ struct Cost {
 /// Lines for `cermctl check`; nothing for a circuit that never measures. `busy`: of a real discharge.
 pub fn text(config: &Config, settings: &Settings, busy: Option<Nanos>) -> String {
     let Some((scene, _)) = expect::board(config, None) else { return String::new() };
+    let short = expect::shortened(settings);
     let all: Vec<Cost> = expect::resistances(config, settings)
         .into_iter()
-        .filter_map(|r_ohm| rehearse(settings, &scene, r_ohm))
+        .filter_map(|r_ohm| rehearse(&short, &scene, r_ohm))
         .map(|cost| Cost { calls: busy.map_or(cost.calls, Nanos::as_seconds), ..cost })
         .collect();
     let Some(most) = all.iter().max_by(|a, b| a.discharges_hz.total_cmp(&b.discharges_hz)) else {

@@ -3,7 +3,7 @@
 use super::{Connection, number_of};
 use crate::units::Seconds;
 use clap::{Args, Subcommand};
-use std::net::SocketAddr;
+use std::net::{Ipv6Addr, SocketAddr};
 use std::path::PathBuf;
 
 /// `cermctl bridge`.
@@ -81,7 +81,7 @@ pub struct Web {
 #[derive(Debug, Args)]
 pub struct Mqtt {
     /// Name or address of the broker
-    #[arg(long, value_name = "HOST")]
+    #[arg(long, value_name = "HOST", value_parser = host)]
     pub broker: String,
     /// Its port [default: 1883, with TLS 8883]
     #[arg(long, value_name = "NUMBER")]
@@ -124,6 +124,16 @@ pub struct Mqtt {
 
 fn address(text: &str) -> Result<SocketAddr, String> {
     text.parse().map_err(|_| "an address and a port, such as 127.0.0.1:8390 or [::1]:8390".to_owned())
+}
+
+/// A name or an address. What is none would be asked for without end, as a broker is that does not answer yet.
+fn host(text: &str) -> Result<String, String> {
+    let address = text.split('%').next().unwrap_or(text);
+    let is_fit = !text.is_empty()
+        && !text.contains(|c: char| c.is_whitespace() || c == '/')
+        && (!text.contains(':') || address.parse::<Ipv6Addr>().is_ok());
+    let wanted = "a name or an address alone, such as 192.168.1.10; a port goes to --port";
+    is_fit.then(|| text.to_owned()).ok_or_else(|| wanted.to_owned())
 }
 
 fn board_id(text: &str) -> Result<String, String> {

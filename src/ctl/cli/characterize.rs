@@ -4,7 +4,7 @@ use super::calibrate::ohm;
 use crate::circuit::Kind;
 use crate::config::LONGEST_WAIT;
 use crate::reading::Method;
-use crate::units::Nanos;
+use crate::units::{Nanos, Seconds};
 use clap::Args;
 use std::path::PathBuf;
 
@@ -66,5 +66,7 @@ fn truth(text: &str) -> Result<(String, f64), String> {
 fn average(text: &str) -> Result<Nanos, String> {
     let time: Nanos = text.parse().map_err(|error| format!("{error}"))?;
     let is_right = (Nanos::ZERO..=LONGEST_WAIT).contains(&time);
-    is_right.then_some(time).ok_or_else(|| format!("at most {LONGEST_WAIT}, such as \"100 ms\""))
+    is_right
+        .then_some(time)
+        .ok_or_else(|| format!("at most {}, such as \"100 ms\"", Seconds::from(LONGEST_WAIT)))
 }

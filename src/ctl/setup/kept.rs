@@ -47,7 +47,8 @@ fn text(path: &Path) -> Result<Option<String>, CtlError> {
 /// # Errors
 /// Then what was there is as it was.
 pub fn replace(path: &Path, new: &str, is_enabled: bool) -> Result<Option<PathBuf>, CtlError> {
-    if let Some(folder) = path.parent().filter(|folder| !folder.exists()) {
+    let folder = files::folder_of(path);
+    if !folder.exists() {
         fs::create_dir_all(folder).map_err(CtlError::file(folder))?;
         readable(folder, 0o755)?;
     }

@@ -1,13 +1,15 @@
 //! What all clients share: the channels with their last readings, the header of a tape, the counts.
 
 use crate::reading::Reading;
-use crate::stream::limits::serving::ACHIEVED_OVER_S;
+use crate::stream::limits::serving::{ACHIEVED_OVER_S, ROUNDS};
+use crate::stream::tape::DischargeLine;
 use crate::stream::wire::{
     ChannelInfo, ChannelStats, ErrorCode, ErrorLine, EventLine, InstrumentStats, ReadingLine, ReadingTally,
     StatsLine, Unit, VersionLine, excerpt, to_line,
 };
 use jiff::Timestamp;
 use serde::Serialize;
+use std::collections::VecDeque;
 use std::sync::Arc;
 
 /// A whole line, made once and shared by every client that waits for it, and what it is.
@@ -50,6 +52,8 @@ pub(super) struct Hub {
     pub version: Arc<Published>,
     /// The line that begins a tape, once it is known.
     pub tape_header: Option<Arc<Published>>,
+    /// The lines of the last rounds of calibration discharges, oldest first.
+    pub rounds: VecDeque<Vec<u8>>,
     pub clients: usize,
     pub published: u64,
     /// Summed over the clients.
@@ -97,12 +101,41 @@ impl Hub {
             tallies: Default::default(),
         };
         let channels = channels.iter().map(new).collect();
-        Hub { version, tape_header: None, clients: 0, published: 0, lost: 0, channels }
+        Hub {
+            version,
+            tape_header: None,
+            rounds: VecDeque::new(),
+            clients: 0,
+            published: 0,
+            lost: 0,
+            channels,
+        }
     }
 
     pub fn set_channels(&mut self, channels: &[ChannelInfo]) {
         let Hub { version, channels, .. } = Hub::new(channels);
         (self.version, self.channels) = (version, channels);
+        // They were of the circuit before.
+        self.rounds.clear();
+    }
+
+    /// Keeps the last ones.
+    pub fn keep_round(&mut self, round: &[DischargeLine]) {
+        if self.rounds.len() == ROUNDS {
+            self.rounds.pop_front();
+        }
+        self.rounds.push_back(round.iter().flat_map(to_line).collect());
+    }
+
+    /// What a tape begins with: its header, and the calibration discharges by which it can be followed.
+    pub fn tape_beginning(&self) -> Option<Arc<Published>> {
+        let header = self.tape_header.as_ref()?;
+        if self.rounds.is_empty() {
+            return Some(Arc::clone(header));
+        }
+        let rounds = self.rounds.iter().flatten();
+        let line = header.line.iter().chain(rounds).copied().collect();
+        Some(Arc::new(Published { content: Content::Tape, line }))
     }
 
     /// STATS, with what the daemon tells.

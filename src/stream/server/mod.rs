@@ -111,6 +111,16 @@ impl Server {
         self.publish(&header);
     }
 
+    /// Keeps calibration discharges for who begins a tape later, until there are other channels.
+    pub fn keep_round(&mut self, round: &[DischargeLine]) {
+        self.hub.keep_round(round);
+    }
+
+    /// The calibration begins anew: a tape begins with what comes.
+    pub fn forget_rounds(&mut self) {
+        self.hub.rounds.clear();
+    }
+
     /// Publishes a reading. `time` is `reading.at` on the wall clock. It is sent by the next turn, and formatted only if
     /// somebody wants it.
     pub fn publish_reading(&mut self, reading: &Reading, time: Timestamp) {

@@ -225,7 +225,7 @@ impl Session {
         }
         self.subscription = Subscription::new(watch);
         if !was_raw || !self.wants_raw() {
-            self.tape_due = if self.wants_raw() { hub.tape_header.clone() } else { None };
+            self.tape_due = if self.wants_raw() { hub.tape_beginning() } else { None };
         }
         Ok(())
     }

@@ -136,6 +136,8 @@ fn a_tape_is_judged_by_what_its_recorder_knew() {
     };
     let said = complaint(&mut run("middle=2000"));
     assert!(said.contains("no channel \"middle\": there is thumb, index"), "{said}");
+    let said = complaint(run("thumb=1 kohm").args(["--truth", "thumb=2 kohm"]));
+    assert!(said.contains("--truth names thumb twice") && !out.exists(), "{said}");
     run("index=2 kohm").assert().success();
     let first = rows(&out);
     let cerm = first.iter().find(|row| row.method == Method::Cerm && row.average_s.is_none()).unwrap();

@@ -96,6 +96,52 @@ fn a_tape_that_begins_later_knows_the_offset_that_was_found() {
     ctl(&["estimate", "--method", "cerm", tape.to_str().unwrap()]).assert().success().stderr("");
 }
 
+/// As the pages say it: recorded in the middle, read again by any method.
+#[test]
+fn a_tape_of_a_tracked_calibration_may_begin_at_any_time() {
+    let daemon = Daemon::start_as(config().set("measure.method", "tracked"), &scene());
+    until_so("a state", || daemon.stats()["offset_known"] == true);
+    // Discharges that keep the state end at node A.
+    let cycles = || daemon.stats()["cycles"].as_u64().unwrap();
+    let since = cycles();
+    until_so("the beginning is over", || cycles() > since + 300);
+    let tape = daemon.path("tape");
+    daemon.ctl(&["record", "--raw", "--count", "400", "-o", tape.to_str().unwrap()]).assert().success();
+    for method in ["tracked", "cerm", "tcdic", "tpcm"] {
+        let arguments = ["estimate", "--method", method, "--summary", "--json", tape.to_str().unwrap()];
+        let rows = json_lines(&ctl(&arguments).assert().success().stderr("").get_output().stdout);
+        for (row, truth) in rows.iter().zip([2000.0, 100.0]) {
+            let of = |key: &str| row[key].as_f64().unwrap();
+            assert!(of("n") > 10.0 && (of("r_mean_ohm") / truth - 1.0).abs() < 0.02, "{row}");
+        }
+    }
+
+    let lines = std::fs::read_to_string(&tape).unwrap();
+    // Discharges that nobody let go on to node B, as those of larger capacitors.
+    let until_a = |line: &str| match line.split_once(",\"b_ns\":") {
+        Some((begin, rest)) if line.contains("\"channel\":") => {
+            format!("{begin}{}\n", &rest[rest.find([',', '}']).unwrap()..])
+        }
+        _ => format!("{line}\n"),
+    };
+    let until_a: String = lines.lines().map(until_a).collect();
+    let rows = estimates("tracked", &["--summary", "--json"], &until_a);
+    assert!(rows[0]["n"].as_u64() > Some(10), "{rows:?}");
+    estimate("cerm", &["--summary"], &until_a).assert().code(1).stderr(
+        "cermctl: standard input: no number: the discharges of this tape end at node A, and cerm needs node B, too; take \
+         --method tracked, or record a cermd with method = \"cerm\"\n",
+    );
+    // What a tape of another origin lacks is said.
+    let calibrations = |line: &&str| line.contains("TAPE") || line.contains("\"channel\"");
+    let without: String = lines.lines().filter(calibrations).map(|line| format!("{line}\n")).collect();
+    for method in ["tracked", "cerm"] {
+        estimate(method, &["--summary"], &without).assert().code(1).stderr(format!(
+            "cermctl: standard input: no number: the tape shows too few whole rounds of calibration discharges to follow the \
+             calibration of {method} by; record it again, all of it: `cermctl record --raw` begins with them\n"
+        ));
+    }
+}
+
 #[test]
 fn the_offset_is_the_tapes_or_the_one_given() {
     let value = |more: &[&str], tape: &str| estimates("cerm", more, tape)[1]["r_ohm"].as_f64().unwrap();

@@ -31,10 +31,16 @@ fn who_follows_a_bound_does_not_hear_of_it_again() {
         follow(good.clone().set("measure.rate-hz", rate), "measure.rate-hz");
     }
     // A circuit so slow that a tenth of a hertz is too much.
-    let mut slow = config_file::config(|c| {
-        let c = c.one_capacitor("one-capacitor", "1 mF").set("circuit.r-c2", "100 kohm");
-        c.set("gpio.backend", "mock").set("mock.scene", "pi4").channel("x").set("measure.rate-hz", 5.0)
-    });
-    let complaint = follow(&mut slow, "measure.rate-hz");
+    let slow = |r_c2: &str| {
+        config_file::config(|c| {
+            let c = c.one_capacitor("one-capacitor", "1 mF").set("circuit.r-c2", r_c2);
+            c.set("gpio.backend", "mock").set("mock.scene", "pi4").channel("x").set("measure.rate-hz", 5.0)
+        })
+    };
+    let complaint = follow(&mut slow("12.7 kohm"), "measure.rate-hz");
     assert!(complaint.contains("mHz") && !complaint.contains(" 0.0,"), "{complaint}");
+    // One so slow that no rate is right: none is proposed.
+    let complaints = complaints(&slow("100 kohm").parse());
+    let complaint = complaints.iter().find(|text| text.contains("measure.rate-hz")).unwrap();
+    assert!(complaint.contains("; try without it: as fast as the circuit allows"), "{complaint}");
 }

@@ -43,7 +43,7 @@ fn thresholds_and_times_that_cannot_work() {
         ("output = { line = 17 }", "output: the channel has no threshold"),
         ("on-above = '2 N'\nhold = '61 s'", "hold: 61 s is not between 0 and 1 min"),
         ("on-above = '2 N'\nhold = '-1 ms'", "hold: -1 ms is not between 0 and 1 min"),
-        ("on-above = '2 N'\nstale = '0 s'", "stale: 0 s is not between 0 and 1 min"),
+        ("on-above = '2 N'\nstale = '0 s'", "stale: 0 s is not above 0 and up to 1 min"),
         ("on-above = '2 N'\nstale = '100 ms'", "stale: 100 ms is shorter than"),
     ] {
         one_trigger(lines, &format!("error: channel.thumb.{beginning}"));
@@ -191,6 +191,15 @@ fn what_is_left_out_follows_from_the_circuit() {
     assert_eq!(rare.stale.0, 10 * up.stale.0);
     let mean = rules(|c| c.lines("channel.thumb", "on-above = '2 N'").set("measure.average", "1 s"));
     assert_eq!(mean.stale.0, up.stale.0 + 3_000_000_000);
+    // The slowest that there is: three times a thousand cycles of a minute, idle, or with one mean more.
+    let slowest = |idle: bool| {
+        rules(move |c| {
+            c.lines("channel.thumb", "on-above = '2 N'\nevery = 1000");
+            c.set("measure.rate-hz", 1.0 / 60.0).set("measure.idle", idle)
+        })
+    };
+    assert_eq!(slowest(true).stale, Nanos(180_000_000_000_000));
+    assert!(slowest(false).stale > Nanos(180_000_000_000));
 }
 
 #[test]

@@ -98,3 +98,19 @@ fn a_board_that_never_measures_has_nothing_to_expect() {
     let all = expected(&config, &settings, &scene);
     assert!(how == "the scene" && all.iter().all(|one| one.u_ohm.is_none()), "{all:?}");
 }
+
+#[test]
+fn a_mean_over_minutes_is_not_simulated_for_minutes() {
+    let found = |average: &str| {
+        let config = hardware("two-capacitor", &format!("average = \"{average}\""));
+        let (settings, (scene, _)) = (config.settings().unwrap(), board(&config, None).unwrap());
+        expected(&config, &settings, &scene)
+    };
+    let (longest, rehearsed) = (found("60 s"), found("5 s"));
+    assert!(!longest.is_empty());
+    for (long, short) in longest.iter().zip(&rehearsed) {
+        let rate = long.rate_hz / short.rate_hz * 60.0 / 5.0;
+        assert!(long.u_ohm == short.u_ohm && (rate - 1.0).abs() < 1e-9, "{long:?} {short:?}");
+        assert!((long.rate_hz * 60.0 - 1.0).abs() < 0.1, "{long:?}");
+    }
+}

@@ -17,6 +17,8 @@ const POSITIVE: Range = Range(|value| value > 0.0 && value.is_finite(), "has to 
 const NOT_NEGATIVE: Range = Range(|value| value >= 0.0 && value.is_finite(), "must not be negative");
 /// Seconds.
 const LATE: Range = Range(|value| (0.0..=LATEST).contains(&value), "has to be from 0 s to 1 s");
+const SHARE: Range =
+    Range(|value| (0.0..=1.0).contains(&value), "is a part of a call's time: write a number from 0 to 1");
 const PROBABILITY: Range =
     Range(|value| (0.0..=1.0).contains(&value), "is a probability: write a number from 0 to 1");
 
@@ -191,9 +193,8 @@ impl Scene {
             }
         }
         if let Some(calls) = &self.calls {
-            let values: &[KeyedValue] =
-                &[("fixed", &calls.fixed), ("per-line", &calls.per_line), ("jitter", &calls.jitter)];
-            all(LATE, "calls", values)?;
+            all(LATE, "calls", &[("fixed", &calls.fixed), ("per-line", &calls.per_line)])?;
+            all(SHARE, "calls", &[("jitter", &calls.jitter)])?;
             tail("calls", calls.tail_probability, calls.tail_mean)?;
             together("calls", "asleep-after and wakes-in", calls.asleep_after, calls.wakes_in)?;
             let values: &[KeyedValue] =

@@ -68,6 +68,10 @@ fn errors_name_the_key_and_the_remedy() {
             "[calls]\nfixed = \"1 us\"\nper-line = \"1 us\"\nwakes-in = \"2 us\"",
             "calls: asleep-after and wakes-in",
         ),
+        (
+            "[calls]\nfixed = \"1 us\"\nper-line = \"1 us\"\njitter = 1e300",
+            "calls.jitter: is a part of a call's time: write a number from 0 to 1",
+        ),
         ("[stamps]\nmean = \"-1 us\"", "stamps.mean: has to be from 0 s to 1 s"),
         // A thread that sleeps for ever cannot be stopped.
         ("[stamps]\nmean = \"1 us\"\njitter = \"1e30 s\"", "stamps.jitter: has to be from 0 s to 1 s"),

@@ -2,6 +2,7 @@
 
 use super::*;
 use crate::reading::{Fault, Method, Reading, Status};
+use crate::stream::limits::serving::ROUNDS;
 use crate::stream::tape::{DischargeLine, Header};
 use crate::stream::wire::{ChannelInfo, EventLine, EventName, InstrumentStats, Unit};
 use crate::units::Nanos;
@@ -90,6 +91,27 @@ fn a_tape_begins_with_its_header_and_has_no_past() {
     let stream = answers(&mut session, &hub, "");
     let lost = String::from_utf8(to_line(&ErrorLine::lost(1))).unwrap();
     assert_eq!(stream, format!("{header}\n{lost}{}", lines[1..].concat()));
+}
+
+#[test]
+fn a_tape_that_begins_later_begins_with_the_rounds_that_were_kept() {
+    let header = r#"{"class":"TAPE","proto_major":1,"circuit":{"kind":"one-capacitor","r_c1_ohm":1.0,"r_c2_ohm":2.0},"tracked":true,"channels":[]}"#;
+    let mut hub = hub();
+    hub.tape_header = Some(Published::new(Content::Tape, &serde_json::from_str::<Header>(header).unwrap()));
+    let line = |seq: usize| format!("{{\"class\":\"DISCHARGE\",\"seq\":{seq},\"through\":\"c1\"}}\n");
+    for round in 0..ROUNDS + 2 {
+        let lines =
+            [3 * round, 3 * round + 1, 3 * round + 2].map(|seq| serde_json::from_str(&line(seq)).unwrap());
+        hub.keep_round(&lines);
+    }
+    let watch = "{\"class\":\"WATCH\",\"raw\":true}\n";
+    let kept: String = (6..3 * (ROUNDS + 2)).map(line).collect();
+    let said = answers(&mut session(&hub), &hub, watch);
+    assert!(said.ends_with(&format!("]}}\n{header}\n{kept}")), "{said}");
+    // Those of other channels, or of a state that was given up, are of no use.
+    hub.set_channels(&[]);
+    let said = answers(&mut session(&hub), &hub, watch);
+    assert!(said.ends_with(&format!("]}}\n{header}\n")), "{said}");
 }
 
 fn event(hub: &mut Hub, session: &mut Session, event: EventName, t_mono_ns: i64) {

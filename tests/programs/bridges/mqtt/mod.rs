@@ -102,3 +102,19 @@ fn a_refusal_is_told_with_what_to_do() {
     let said = String::from_utf8(assert.get_output().stderr.clone()).unwrap();
     assert!(said.contains("/nowhere/ca.pem: "), "{said}");
 }
+
+#[test]
+fn what_is_no_host_is_refused_at_once() {
+    for broker in ["", "127.0.0.1:1", "broker.local:1883", "mqtt://broker", "[::1]", "a b"] {
+        let assert = ctl(&["bridge", "mqtt", "--broker", broker]).assert().failure().code(2);
+        let said = String::from_utf8(assert.get_output().stderr.clone()).unwrap();
+        assert!(said.contains("a port goes to --port"), "{broker}: {said}");
+    }
+    // These are hosts: what is missing then is something else.
+    for broker in ["::1", "fe80::1%eth0", "broker.local"] {
+        let assert =
+            ctl(&["bridge", "mqtt", "--broker", broker, "--ca", "/nowhere/ca.pem"]).assert().failure();
+        let said = String::from_utf8(assert.get_output().stderr.clone()).unwrap();
+        assert!(said.contains("/nowhere/ca.pem: "), "{broker}: {said}");
+    }
+}
