@@ -2,7 +2,8 @@
 
 use super::axis::{Axis, digits, ohms, percent, seconds};
 use super::heat::{Grid, Heat, Ramp, Tile, cells};
-use super::plot::{Filling, Plot, Point, Series};
+use super::mark::Filling;
+use super::plot::{Plot, Point, Series};
 use super::setting::{Setting, resistances};
 use super::{Drawing, Figure};
 use crate::characterize::table::{Row, Vary};

@@ -2,7 +2,8 @@
 
 use super::axis::{Axis, ohms, percent, seconds};
 use super::limits::{SHOWN, TIMES};
-use super::plot::{Filling, Ink, Mark, Plot, Point, Series};
+use super::mark::{Filling, Ink, Mark};
+use super::plot::{Plot, Point, Series};
 use super::rivals::RIVALS;
 use super::setting::{Setting, resistances};
 use super::{Drawing, Figure};

@@ -13,6 +13,7 @@ mod front;
 mod heat;
 mod limits;
 mod maps;
+pub mod mark;
 mod page;
 mod paper;
 #[doc(hidden)]

@@ -3,7 +3,8 @@
 pub mod numbers;
 
 use super::axis::{Axis, Writer, ohms, percent, plain};
-use super::plot::{Filling, Ink, Mark, Plot, Point, Series};
+use super::mark::{Filling, Ink, Mark};
+use super::plot::{Plot, Point, Series};
 use super::setting::ink;
 use super::{Drawing, Figure};
 use crate::characterize::limits::PAPER_READINGS;

@@ -1,7 +1,7 @@
 //! A method on a circuit: what has one line in a figure.
 
 use super::axis::{farads, ohms};
-use super::plot::{Filling, Ink, Mark};
+use super::mark::{Filling, Ink, Mark};
 use crate::characterize::table::{Row, Vary};
 use crate::circuit::Kind;
 use crate::reading::Method;

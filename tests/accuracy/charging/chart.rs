@@ -4,7 +4,8 @@ use super::bench::{Board, LONG_TAUS, NEIGHBOUR_OHM};
 use cermd::circuit::Chargers;
 use cermd::reading::Method;
 use cermd::report::axis::{Axis, plain, seconds};
-use cermd::report::plot::{Filling, Ink, Mark, Plot, Point, Series};
+use cermd::report::mark::{Filling, Ink, Mark};
+use cermd::report::plot::{Plot, Point, Series};
 
 const CHART: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/docs/charging.svg");
 const R_OHM: f64 = 5000.0;

@@ -77,6 +77,7 @@ let_go
 echo "== its socket is served by another"
 mkdir -p /run/cermd
 write_configuration other.toml backend=mock method=tracked
+printf "\n[mock]\nscene = \"pi4\"\n" >>other.toml
 cermd --config other.toml 2>other.log &
 other=$!
 until_true 100 reading || fail "the other one does not measure: $(cat other.log)"
