@@ -158,10 +158,12 @@ const HEAD: &str = "
 ## Leakage at node A
 
 Discharges through two known resistors cannot tell a leak from other capacitors, unless it is so large that a discharge through 0 \
-ohm would take longer than a pin explains. So one discharge through Rc2 in 5 s, and eight in the first second, is held half-way for 40 ms, in which charge \
-leaks away; it is shorter by what is lost. (A dielectric that goes on taking charge in looks the same.) A leak below 200 kohm makes \
-each reading a `leakage` fault. A weaker one is told by the log and by `leak_ohm` in STATS once it shows, and is corrected then; whether it shows or \
-not, readings have what it likely does to them in their uncertainty. Mean error and stated 1 sigma, ohm, of 300 readings of each \
+ohm would take longer than a pin explains. So one discharge through Rc2 in 5 s, and eight in the first second, is held for 40 ms, in which charge \
+leaks away; it is shorter by what is lost. By turns that is after a tenth and after six tenths of its way: a resistor to ground looks alike at both, \
+while a current, a pull-up, one that hides a leak, and a dielectric that goes on taking charge in do not, which is in the uncertainty. A leak below 200 kohm makes \
+each reading a `leakage` fault. A weaker one is told by the log and by `leak_ohm` in STATS once it shows, and is corrected then. Readings have in their \
+uncertainty what the correction leaves: with one node a tenth of it; with two, where a leak may be at either, all of it and what it does to the \
+calibration; where it does not show, what it likely does. Mean error and stated 1 sigma, ohm, of 300 readings of each \
 of 12 instruments, after 2000 with the leak; *told in*: in how many of the 12 it shows, where not in all. In every cell 93 % of \
 the numbers and more are off by less than 2u:
 
