@@ -76,7 +76,7 @@ grep 'held by another consumer: GPIO5 ("another")' said || fail "it does not say
 let_go
 echo "== its socket is served by another"
 mkdir -p /run/cermd
-write_configuration other.toml backend=mock method=tracked
+write_configuration other.toml backend=mock method=tracked r_c1="470 ohm"
 printf "\n[mock]\nscene = \"pi4\"\n" >>other.toml
 cermd --config other.toml 2>other.log &
 other=$!
