@@ -62,8 +62,8 @@ impl Listening {
             if asked.end {
                 return Ok(None);
             }
-            if let (true, Some(new)) = (asked.reload, reloaded(path)) {
-                *loaded = new;
+            if asked.reload {
+                *loaded = reloaded(path).unwrap_or_else(|| loaded.clone());
             }
         }
     }

@@ -60,6 +60,7 @@ fn a_service_waits_for_a_socket_that_another_one_serves() {
         assert!(told(&manager, "WATCHDOG=1").contains(&owner));
     }
     assert_eq!(home.log().matches(&owner).count(), 1, "{}", home.log());
+    assert_eq!(home.log().matches("reading ").count(), 1, "once for each signal: {}", home.log());
     home.configure(config(&["index"], FAST));
     second.signal(Signal::SIGHUP);
     told(&manager, "RELOADING=1");
