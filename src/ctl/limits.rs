@@ -22,7 +22,6 @@
 //! | `LIVE_READINGS`, `LIVE_AVERAGES`, `LIVE_MEANS` | 400; 0, 1 s; 10 | readings | of a resistor on hardware: the root mean square is known to 4 %, and somebody waits for it |
 //! | `MISTAKEN` | 0.2, 50 | R, ohm | a reading that is off by more is that of another resistor |
 //! | `WORST_FIT` | 0.5 | | residuals beyond it are a mistake: two sensors of a kind differ by a tenth of it |
-//! | `NO_RESIDUAL` | 1e-9 | | smaller ones are what rounding leaves of none |
 //! | `WAKE_UPS`, `SLEEP` | 300, 1 | , ms | sleeps that are timed by `check` |
 //! | `DISCHARGES` | 50 | | discharges that are timed by `check` |
 //! | `SHARES_OF_R_2` | 0.01 to 4 | R_2 | resistances of which `check` says what to expect: what Rc2 is chosen for |
@@ -70,7 +69,6 @@ pub const BAR_COLUMNS: RangeInclusive<usize> = 6..=30;
 pub const HISTORY_COLUMNS: usize = 60;
 pub const NAME_COLUMNS: usize = 11;
 pub const WORST_FIT: f64 = 0.5;
-pub const NO_RESIDUAL: f64 = 1e-9;
 pub const WAKE_UPS: usize = 300;
 pub const SLEEP: Duration = Duration::from_millis(1);
 pub const DISCHARGES: usize = 50;

@@ -2,7 +2,7 @@
 //!
 //! The force is taken as exact, the scatter as that of the resistance.
 
-use crate::estimate::limits::BLOCKS_OF_A_MEAN;
+use crate::estimate::limits::{BLOCKS_OF_A_MEAN, NO_RESIDUAL};
 use crate::estimate::scatter;
 use crate::reading::Measured;
 use crate::sensor::table::PairsError;
@@ -123,19 +123,24 @@ impl Fit {
 
     /// The characteristic as it is to be used: as good as the pairs have shown it to be, and where they were.
     pub fn force(&self, pairs: &[Weighing]) -> Force {
-        let (law, parameters) = (self.law.clone(), if let Law::Power { .. } = self.law { 2.0 } else { 1.0 });
+        let law = self.law.clone();
         let forces = || pairs.iter().map(|pair| pair.f_n);
         let range_n = [forces().fold(f64::INFINITY, f64::min), forces().fold(0.0, f64::max)];
-        // A table goes through its pairs, and so does a law with as many parameters.
-        let freedom = pairs.len() as f64 - parameters;
         let is_table = matches!(law, Law::Table { .. });
+        let freedom = self.freedom(pairs) as f64;
         let u = self.relative_rms(pairs).map(|rms| rms * (pairs.len() as f64 / freedom).sqrt());
         Force {
             law,
-            u: u.filter(|_| freedom > 0.0 && !is_table),
+            // A table goes through its pairs, and so does a law with as many parameters. Pairs that are all on it say no more.
+            u: u.filter(|u| freedom > 0.0 && !is_table && *u > NO_RESIDUAL),
             range_n: (!is_table).then_some(range_n),
             tare_n: None,
         }
+    }
+
+    /// How many more pairs there are than numbers that were fitted.
+    pub fn freedom(&self, pairs: &[Weighing]) -> usize {
+        pairs.len().saturating_sub(if let Law::Power { .. } = self.law { 2 } else { 1 })
     }
 
     /// The root mean square of the [residuals](Fit::residual); `None` for no pairs.

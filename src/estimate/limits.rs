@@ -167,6 +167,8 @@ pub const APART: f64 = 0.2;
 // Means of readings.
 /// Readings that share a calibration: as many blocks of them tell by how much it scatters.
 pub const BLOCKS_OF_A_MEAN: usize = 10;
+/// Residuals of a fit that are smaller are what rounding leaves of none, relative.
+pub const NO_RESIDUAL: f64 = 1e-9;
 /// Steps from reading to reading that are believed, at the least.
 pub const STEPS_OF_A_MEAN: f64 = 16.0;
 /// Readings scatter by more than they say when their steps show it with so many sigma.

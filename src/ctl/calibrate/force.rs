@@ -6,7 +6,7 @@ use super::{CtlError, Target, Value, plot, typed_line, wait_for};
 use crate::circuit::Circuit;
 use crate::config::pairs;
 use crate::ctl::cli::{Connection, Force, Model};
-use crate::ctl::limits::{NO_RESIDUAL, WORST_FIT};
+use crate::ctl::limits::WORST_FIT;
 use crate::ctl::progress::Progress;
 use crate::ctl::stream::Stream;
 use crate::estimate::fit::{self, Fit, Weighing};
@@ -38,7 +38,7 @@ pub fn run(arguments: &Force) -> Result<(), CtlError> {
         Model::Table => fit::table(&pairs),
     };
     let fit = fit.map_err(CtlError::said)?;
-    let force = stated(&fit, &pairs);
+    let force = fit.force(&pairs);
     target.say(&report(&fit, &force, &pairs, &target.config.circuit))?;
     if let Some(refusal) = refusal(&fit, &pairs, arguments.model) {
         return Err(CtlError::Said(refusal));
@@ -49,12 +49,6 @@ pub fn run(arguments: &Force) -> Result<(), CtlError> {
     }
     let line = ForceLine::new(&fit, &force, &pairs, &target);
     target.offer(&Value::Force(force, pairs), line)
-}
-
-/// The fit as it is to be stored. Pairs that are all on it say as little of how well forces are known as too few of them.
-fn stated(fit: &Fit, pairs: &[Weighing]) -> sensor::Force {
-    let force = fit.force(pairs);
-    sensor::Force { u: force.u.filter(|u| *u > NO_RESIDUAL), ..force }
 }
 
 /// Pairs from standard input, up to an empty line. Its end without one may be a line that was cut off: no pairs.
@@ -200,7 +194,7 @@ fn meaning(fit: &Fit, force: &sensor::Force, pairs: &[Weighing], [least, greates
             "a residual is how much more resistance than the fit a weight made; they make forces uncertain by {} % (1 sigma)",
             rounded(100.0 * u, 2)
         ),
-        None if is_over_determined(fit, pairs) => {
+        None if fit.freedom(pairs) > 0 => {
             "all weights are on the fit: residuals of 0 say nothing, so forces have no u of their own; weigh once more".to_owned()
         }
         None => "as many numbers were fitted as there are weights: residuals of 0 say nothing, take more weights".to_owned(),
@@ -217,11 +211,6 @@ fn meaning(fit: &Fit, force: &sensor::Force, pairs: &[Weighing], [least, greates
         Newton(greatest)
     ));
     lines.join("\n")
-}
-
-/// Whether there are more weights than numbers that were fitted.
-fn is_over_determined(fit: &Fit, pairs: &[Weighing]) -> bool {
-    pairs.len() > if let Law::Power { .. } = fit.law { 2 } else { 1 }
 }
 
 /// What residuals of one parameter a second one would leave, relative, where it takes most of them away.
