@@ -6,7 +6,7 @@ use std::time::Duration;
 /// How often the main thread looks after the measuring thread when nothing else wakes it.
 pub const LOOK_AFTER: Duration = Duration::from_millis(500);
 /// From one attempt to bind a socket, something being in its way, to the next.
-pub const LISTEN_AGAIN_MS: u16 = 500;
+pub const LISTEN_AGAIN: Duration = Duration::from_millis(500);
 /// From one status line to the next where the service manager has no watchdog.
 pub const STATUS_EVERY: Duration = Duration::from_secs(5);
 /// A suspect of the board that has not shown for so long is gone.

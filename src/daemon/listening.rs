@@ -1,11 +1,9 @@
 //! The socket that is served. A service waits for what is in its way to go: its manager would only start it again and again.
 
 use super::error::{DaemonError, system};
-use super::limits::LISTEN_AGAIN_MS;
-use super::{Loaded, Signals, is_service, notify, reloaded};
+use super::limits::LISTEN_AGAIN;
+use super::{Loaded, Signals, is_service, notify, readable, reloaded, wait_for};
 use crate::stream::server::{ListenError, Listener};
-use nix::errno::Errno;
-use nix::poll::{PollFd, PollFlags, poll};
 use sd_notify::NotifyState;
 use std::os::fd::AsFd;
 use std::path::Path;
@@ -48,22 +46,18 @@ impl Listening {
                 Err(error) => error.to_string(),
             };
             if said != error {
-                log::error!("{error}; trying again every {LISTEN_AGAIN_MS} ms");
+                log::error!("{error}; trying again every {} ms", LISTEN_AGAIN.as_millis());
             }
             let status = format!("no socket: {error}");
             notify(&[NotifyState::Ready, NotifyState::Status(&status), NotifyState::Watchdog]);
             said = error;
-            let mut woken = [PollFd::new(signals.as_fd(), PollFlags::POLLIN)];
-            match poll(&mut woken, LISTEN_AGAIN_MS) {
-                Ok(_) | Err(Errno::EINTR) => {}
-                Err(errno) => return Err(system("poll")(errno.into())),
-            }
+            wait_for(&mut [readable(signals.as_fd())], LISTEN_AGAIN).map_err(system("poll"))?;
             let asked = signals.take();
             if asked.end {
                 return Ok(None);
             }
-            if asked.reload {
-                *loaded = reloaded(path).unwrap_or_else(|| loaded.clone());
+            if let Some(new) = asked.reload.then(|| reloaded(path)).flatten() {
+                *loaded = new;
             }
         }
     }

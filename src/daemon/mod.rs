@@ -40,7 +40,7 @@ use sd_notify::NotifyState;
 pub use signals::{Signals, StopHandle};
 use std::env;
 use std::io;
-use std::os::fd::AsFd;
+use std::os::fd::{AsFd, BorrowedFd};
 use std::path::Path;
 use std::time::Duration;
 use threads::{Threads, no_outputs, open, open_outputs};
@@ -191,16 +191,12 @@ impl Daemon {
     }
 
     fn wait(&self) -> io::Result<()> {
-        let watch = |fd| PollFd::new(fd, PollFlags::POLLIN);
-        let mut descriptors = vec![watch(self.server.as_fd()), watch(self.signals.as_fd())];
-        descriptors.extend(self.threads.descriptors().map(watch));
+        let mut descriptors = vec![readable(self.server.as_fd()), readable(self.signals.as_fd())];
+        descriptors.extend(self.threads.descriptors().map(readable));
         let now = monotonic();
         let until = self.server.wake_at().map(|at| Duration::from_nanos((at - now).0.max(0) as u64));
         let timeout = until.unwrap_or(LOOK_AFTER).min(LOOK_AFTER).min(self.heartbeat.patience(now));
-        match poll(&mut descriptors, PollTimeout::try_from(timeout).unwrap_or(PollTimeout::MAX)) {
-            Ok(_) | Err(nix::errno::Errno::EINTR) => Ok(()),
-            Err(errno) => Err(errno.into()),
-        }
+        wait_for(&mut descriptors, timeout)
     }
 
     fn publish(&mut self) {
@@ -295,6 +291,18 @@ impl Daemon {
         let status = self.known.away_or(&counts);
         let states = [NotifyState::Status(&status), NotifyState::Watchdog];
         notify(if self.has_watchdog { &states } else { &states[..1] });
+    }
+}
+
+fn readable(descriptor: BorrowedFd<'_>) -> PollFd<'_> {
+    PollFd::new(descriptor, PollFlags::POLLIN)
+}
+
+/// Until one of them is, a signal has come or the time is over.
+fn wait_for(descriptors: &mut [PollFd<'_>], timeout: Duration) -> io::Result<()> {
+    match poll(descriptors, PollTimeout::try_from(timeout).unwrap_or(PollTimeout::MAX)) {
+        Ok(_) | Err(nix::errno::Errno::EINTR) => Ok(()),
+        Err(errno) => Err(errno.into()),
     }
 }
 

@@ -5,7 +5,7 @@
 //! would show how the calibration is followed, but never where it stands.
 
 use crate::instrument::settings::Settings;
-use crate::record::{CalibrationKind, Record};
+use crate::record::Record;
 use crate::stream::tape::{DischargeLine, Header};
 
 /// The discharges since the last whole round: the last one of each kind.
@@ -22,8 +22,7 @@ impl Round {
     ) -> Option<[DischargeLine; 3]> {
         let is_of_use = settings.tracked && record.complete(settings.nodes()).is_some();
         let kind = record.calibration_kind().filter(|_| is_of_use)?;
-        let of_kind = CalibrationKind::ALL.iter().position(|one| *one == kind)?;
-        self.0[of_kind] = Some((seq, *record));
+        self.0[kind as usize] = Some((seq, *record));
         let [Some(first), Some(second), Some(split)] = self.0 else { return None };
         self.0 = Default::default();
         let mut round = [first, second, split];

@@ -2,11 +2,10 @@
 
 use super::FAST;
 use super::process::{self, Daemon, Home, config};
-use crate::waiting::PATIENCE;
 use nix::sys::signal::Signal;
 use std::fs::{self, File};
 use std::os::fd::OwnedFd;
-use std::os::unix::net::{UnixDatagram, UnixListener};
+use std::os::unix::net::UnixListener;
 use std::process::{Command, Stdio};
 
 #[test]
@@ -27,53 +26,45 @@ fn a_live_socket_is_refused_and_a_stale_one_replaced() {
     assert!(home.log().contains("which nobody serves any more"), "{}", home.log());
 }
 
-/// What the service manager is told, until it is told this.
-fn told(manager: &UnixDatagram, wanted: &str) -> String {
-    manager.set_read_timeout(Some(PATIENCE)).unwrap();
-    let mut bytes = [0; 1000];
-    loop {
-        let count = manager.recv(&mut bytes).unwrap_or_else(|error| panic!("not told {wanted}: {error}"));
-        let text = String::from_utf8_lossy(&bytes[..count]).into_owned();
-        if text.contains(wanted) {
-            return text;
-        }
-    }
-}
-
 /// Its manager would start it ten times a second.
 #[test]
 fn a_service_waits_for_a_socket_that_another_one_serves() {
     let home = Home::new(&config(&["thumb"], FAST));
     let first = home.start();
     home.connect().next_of("READING");
-    let manager = UnixDatagram::bind(home.path().join("manager")).unwrap();
-    let managed = || Daemon::spawn(home.command().env("NOTIFY_SOCKET", home.path().join("manager")));
+    let manager = process::notify::Manager::new(&home);
+    let managed = || {
+        let mut command = home.command();
+        manager.watch(&mut command);
+        Daemon::spawn(&mut command)
+    };
+    let told = |wanted: &str| manager.wait_for_one(wanted, |message| message.contains(wanted));
     let second = managed();
     let owner = format!("is already served by pid {} (cermd", first.pid());
-    let text = told(&manager, "STATUS=");
+    let text = told("STATUS=");
     assert!(text.starts_with("READY=1\nSTATUS=no socket: ") && text.contains(&owner), "{text}");
     // It does not stop being alive, and says it in the log only once; a configuration that is wrong changes nothing.
     home.configure("");
     second.signal(Signal::SIGHUP);
     home.wait_for_log("the old configuration stays in force");
     for _ in 0..3 {
-        assert!(told(&manager, "WATCHDOG=1").contains(&owner));
+        assert!(told("WATCHDOG=1").contains(&owner));
     }
     assert_eq!(home.log().matches(&owner).count(), 1, "{}", home.log());
     assert_eq!(home.log().matches("reading ").count(), 1, "once for each signal: {}", home.log());
     home.configure(config(&["index"], FAST));
     second.signal(Signal::SIGHUP);
-    told(&manager, "RELOADING=1");
-    told(&manager, "READY=1");
+    told("RELOADING=1");
+    told("READY=1");
 
     first.signal(Signal::SIGTERM);
     assert_eq!(first.end().code(), Some(0));
-    told(&manager, "STATUS=measuring");
+    told("STATUS=measuring");
     assert_eq!(home.connect().next_of("READING")["channel"], "index");
 
     // Another one, which is told to end while it waits, does so and leaves the socket.
     let third = managed();
-    told(&manager, &format!("is already served by pid {} (cermd", second.pid()));
+    told(&format!("is already served by pid {} (cermd", second.pid()));
     third.signal(Signal::SIGTERM);
     assert_eq!(third.end().code(), Some(0));
     home.connect().next_of("READING");
