@@ -29,16 +29,25 @@ pub enum Key {
 impl Key {
     pub const ALL: [Key; 7] = [Key::Wiring, Key::CA, Key::CB, Key::C, Key::RC1, Key::RC2, Key::Sensor];
 
-    /// What is asked.
-    pub fn question(self) -> &'static str {
+    /// What it is of.
+    fn name(self) -> &'static str {
         match self {
-            Key::Wiring => "capacitors: one, or two",
+            Key::Wiring => "capacitors",
             Key::CA => "C_A, between the nodes A and B, as printed",
             Key::CB => "C_B, from node B to ground, as printed",
             Key::C => "the capacitor as printed",
             Key::RC1 => "Rc1 as measured",
             Key::RC2 => "Rc2 as measured",
-            Key::Sensor => "sensor: fsr402, or ohm for no force",
+            Key::Sensor => "sensor",
+        }
+    }
+
+    /// What is asked, with the words that it may be where these are few.
+    pub fn question(self) -> String {
+        match self {
+            Key::Wiring => format!("{}: one, or two", self.name()),
+            Key::Sensor => format!("{}: fsr402, or ohm for no force", self.name()),
+            _ => self.name().to_owned(),
         }
     }
 
@@ -90,10 +99,7 @@ impl<'a> Answers<'a> {
         let mut answers = Answers { arguments, chip, texts: Key::ALL.map(|key| key.usual().to_owned()) };
         for key in Key::ALL {
             if let Some(text) = answers.given(key) {
-                answers.answer(key, text).map_err(|error| {
-                    // The words that it may be are in the question and in the error.
-                    format!("{}: {error}", key.question().split(':').next().unwrap_or_default())
-                })?;
+                answers.answer(key, text).map_err(|error| format!("{}: {error}", key.name()))?;
             }
         }
         if let Some(text) = &arguments.r_charge {
