@@ -63,9 +63,8 @@ impl LeakTest {
 
     /// 1 sigma of that, siemens.
     pub fn u_siemens(&self) -> f64 {
-        let late = self.share_of_late();
-        let [of_early, of_late] = self.looks.each_ref().map(Looks::noise);
-        ((1.0 - late) * of_early).hypot(late * of_late)
+        let ([early, late], [of_early, of_late]) = (self.weights(), self.looks.each_ref().map(Looks::noise));
+        (early * of_early).hypot(late * of_late)
     }
 
     /// By how much more or less it takes at the end of a discharge than at its beginning, beyond what noise explains, siemens: nothing to
@@ -115,19 +114,19 @@ impl LeakTest {
         if !self.is_known() {
             return LIKELY_LEAK_SIEMENS;
         }
-        let late = self.share_of_late();
-        let [by_early, by_late] = self.looks.each_ref().map(Looks::median);
-        (1.0 - late) * by_early + late * by_late
+        let ([early, late], [by_early, by_late]) = (self.weights(), self.looks.each_ref().map(Looks::median));
+        early * by_early + late * by_late
     }
 
-    /// The part of the later level in what a leak does on average over a discharge; of a level of which nothing is known, none.
-    fn share_of_late(&self) -> f64 {
+    /// The parts of both levels in what a leak does on average over a discharge; of a level of which nothing is known, none.
+    fn weights(&self) -> [f64; 2] {
         let [early, late] = LEAK_HELD_AT;
-        match self.looks.each_ref().map(Looks::taken) {
+        let of_late = match self.looks.each_ref().map(Looks::taken) {
             [0, _] => 1.0,
             [_, 0] => 0.0,
             _ => (LEAK_AVERAGE - early) / (late - early),
-        }
+        };
+        [1.0 - of_late, of_late]
     }
 
     fn gate(&self) -> f64 {

@@ -171,9 +171,8 @@ impl SwitchScatter {
         let expected = expected_ns * expected_ns;
         let expected = bound.map_or(expected, |bound| expected.min(bound));
         let doubt = expected.max(self.splits.excess());
-        let information = |u: &f64| (*u > 0.0).then(|| 1.0 / (u * u));
-        let [prior, shown] =
-            [Some(doubt), self.splits.u()].map(|u| u.as_ref().and_then(information).unwrap_or(0.0));
+        let information = |u: Option<f64>| u.filter(|u| *u > 0.0).map_or(0.0, |u| 1.0 / (u * u));
+        let [prior, shown] = [Some(doubt), self.splits.u()].map(information);
         let all = prior + shown;
         if all <= 0.0 {
             return expected_ns;
