@@ -78,7 +78,7 @@ pub struct Record {
     pub start: Nanos,
     /// When the second of two resistors that sink at once was sunk, ns; `None` for a single one.
     pub second_ns: Option<f64>,
-    /// The switch, if one was made before node B (or the only node) crossed.
+    /// The switch, if one was made before node B (or the only node) crossed; to the same resistor where the program has only woken.
     pub switch: Option<Switch>,
     /// The crossing of node A.
     pub a_ns: Option<f64>,
@@ -121,8 +121,10 @@ impl Record {
     pub fn calibration_kind(&self) -> Option<CalibrationKind> {
         let to = self.switch.map(|switch| switch.to);
         match (self.through, to) {
-            (Through::C1, None) => Some(CalibrationKind::First),
-            (Through::C2 | Through::C12, None) => Some(CalibrationKind::Second),
+            (Through::C1, None | Some(Through::C1)) => Some(CalibrationKind::First),
+            (Through::C2 | Through::C12, None | Some(Through::C2 | Through::C12)) => {
+                Some(CalibrationKind::Second)
+            }
             (Through::C1, Some(Through::C2 | Through::C12)) => Some(CalibrationKind::Split),
             _ => None,
         }

@@ -209,7 +209,8 @@ impl Estimator {
             let solution = tracked::solve(tracker, &self.observed(record)?)?;
             let observed_u_ns = self.u_switch_ns(record, solution.branch);
             let unlike_ohm = tracker.unlike_calls_ohm(&solution.by_state, solution.by_switch, observed_u_ns);
-            let u_ohm = solution.variance.sqrt().hypot(unlike_ohm);
+            let asleep_ohm = tracker.asleep_ohm(solution.r_ohm, &solution.by_state, record);
+            let u_ohm = solution.variance.sqrt().hypot(unlike_ohm).hypot(asleep_ohm);
             let r_ohm = Measured { value: solution.r_ohm, u: Some(u_ohm) };
             let own = (solution.variance - tracker.variance(&solution.by_state)).max(0.0);
             let by_switch = (solution.branch == Branch::Inferred).then_some(solution.by_switch);

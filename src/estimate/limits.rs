@@ -99,6 +99,19 @@ pub const BY_ELSEWHERE: f64 = 1.5;
 /// The same between R_1 and R_2, where it is greatest.
 pub const BY_ELSEWHERE_ABOVE: f64 = 7.0;
 
+// Stamps that are later after long waits, by calibration discharges in which the program wakes before they end; found with
+// tests/accuracy, hostile.
+/// When it does, before they end: so many sigma of a crossing.
+pub const AWAKE_MARGIN: f64 = 6.0;
+/// One plain discharge in so many is such a one.
+pub const AWAKE_EVERY: u32 = 4;
+/// The first of them follow each other; fewer tell little.
+pub const AWAKE_FIRST: usize = 6;
+/// How many are remembered through either resistor.
+pub const AWAKE_REMEMBERED: usize = 256;
+/// What they show is there beyond so many sigma.
+pub const AWAKE_SHOWS: f64 = 4.0;
+
 // Noise of crossings.
 /// The largest share of a crossing's variance that both crossings have in common, whatever the resistor.
 pub const SHARED_VARIANCE: f64 = 0.5;

@@ -14,10 +14,12 @@ use crate::estimate::scatter::{SwitchScatter, expected_ns};
 use crate::reading::Fault;
 use crate::record::{CalibrationKind, Record, Switch, Through, UNLIKE_CALLS};
 use crate::units::Nanos;
+use awake::Awake;
 use elsewhere::Elsewhere;
 use gain::Gain;
 use speeds::Speeds;
 
+mod awake;
 mod beginning;
 mod elsewhere;
 mod evidence;
@@ -67,6 +69,7 @@ pub struct Tracker {
     counts: Counts,
     scatter: SwitchScatter,
     elsewhere: Elsewhere,
+    awake: Awake,
     split: SplitCalibration,
     rounds: Vec<[Record; 3]>,
     round: [Option<Record>; 3],
@@ -106,6 +109,7 @@ impl Tracker {
             counts: Counts::default(),
             scatter: SwitchScatter::default(),
             elsewhere: Elsewhere::default(),
+            awake: Awake::default(),
             split,
             rounds,
             round: [None; 3],
@@ -192,7 +196,8 @@ impl Tracker {
     ) -> Result<(), Fault> {
         self.advance(record.start);
         self.last = Default::default();
-        if !self.takes_elsewhere(kind, record) {
+        let unlike_others = self.takes_awake(kind, record).or_else(|| self.takes_elsewhere(kind, record));
+        if unlike_others == Some(false) {
             return Ok(());
         }
         match self.correct(kind, record, times) {
@@ -205,6 +210,8 @@ impl Tracker {
                 self.counts.used += 1;
                 return Ok(());
             }
+            // It has shown what the state leaves out, not that it is a late stamp.
+            Err(_) if unlike_others.is_some() => return Ok(()),
             Err(beside_ns) => {
                 self.noise.tell_far(kind, beside_ns.iter().any(|ns| ns.abs() > LATE_NS));
             }
@@ -242,7 +249,8 @@ impl Tracker {
 
     /// The resistors of a calibration discharge.
     fn route(&self, kind: CalibrationKind, record: &Record) -> Route {
-        let switch = record.switch.map(|switch| (switch, self.r_ohm[1]));
+        let is_split = kind == CalibrationKind::Split;
+        let switch = record.switch.filter(|_| is_split).map(|switch| (switch, self.r_ohm[1]));
         Route { first_ohm: self.first_ohm(kind), switch }
     }
 

@@ -255,6 +255,10 @@ impl Discharge {
 
     fn released(&mut self, bracket: Bracket, to: Through) -> Action {
         self.switch = Some(SwitchMade { released: bracket.before, sunk: bracket.before, to });
+        if to == self.plan.through && !self.is_held() {
+            // No line was touched.
+            return self.wait_on(bracket);
+        }
         if self.took_too_long(Call::Release, bracket) {
             return self.stop(Some(Fault::WideBracket));
         }

@@ -87,11 +87,11 @@ impl Tracker {
 
     /// After a step. Nothing of the old state may bias the new one: how far the step went is not known.
     pub fn begin_anew(&mut self) {
-        let counts = Counts { steps: self.counts.steps + 1, ..self.counts };
+        let (counts, awake) = (Counts { steps: self.counts.steps + 1, ..self.counts }, self.awake);
         let (mut split, mut rounds) = (std::mem::take(&mut self.split), std::mem::take(&mut self.rounds));
         split.clear();
         rounds.clear();
-        *self =
-            Tracker { counts, ..Tracker::empty(self.r_ohm, self.nodes, self.resolution_ns, split, rounds) };
+        let empty = Tracker::empty(self.r_ohm, self.nodes, self.resolution_ns, split, rounds);
+        *self = Tracker { counts, awake, ..empty };
     }
 }

@@ -5,7 +5,7 @@
 //! later that comes, the less is left of the way, and the more of what is left that is. Such discharges correct the state as long
 //! as they agree with it.
 
-use super::{Tracker, quadratic};
+use super::Tracker;
 use crate::estimate::limits::{
     BY_ELSEWHERE, BY_ELSEWHERE_ABOVE, ELSEWHERE, ELSEWHERE_AT_LEAST, ELSEWHERE_EVERY, ELSEWHERE_FIRST,
     ELSEWHERE_MARGIN, ELSEWHERE_REMEMBERED, ELSEWHERE_SHOWS, SPLIT_FRACTION,
@@ -44,26 +44,17 @@ impl Tracker {
         (latest_ns > ELSEWHERE_AT_LEAST * first_ns).then_some(latest_ns)
     }
 
-    /// Takes a split discharge, for what it shows if it switched late; whether the state is to be corrected by it.
-    pub(super) fn takes_elsewhere(&mut self, kind: CalibrationKind, record: &Record) -> bool {
-        let (CalibrationKind::Split, Some(switch)) = (kind, record.switch) else { return true };
+    /// Takes a split discharge for what it shows; whether the state is to be corrected by it, `None` where it did not switch late.
+    pub(super) fn takes_elsewhere(&mut self, kind: CalibrationKind, record: &Record) -> Option<bool> {
+        let switch = record.switch.filter(|_| kind == CalibrationKind::Split)?;
         self.elsewhere.splits = self.elsewhere.splits.wrapping_add(1);
         if switch.at_ns < f64::midpoint(SPLIT_FRACTION, ELSEWHERE_AT_LEAST) * self.takes_ns()[0] {
-            return true;
+            return None;
         }
-        let (beside_ns, u_state_ns) = self.beside_elsewhere(kind, record).unzip();
+        let (beside_ns, u_state_ns) = self.beside(kind, record).unzip();
         self.elsewhere.u_state_ns = u_state_ns.unwrap_or(self.elsewhere.u_state_ns);
         self.elsewhere.beside_ns.add(beside_ns, record.start);
-        !self.shown_elsewhere_ns().is_some_and(is_certain)
-    }
-
-    /// By how much node A crossed later than expected, ns, the variance of that, and what the state's own uncertainty is of it,
-    /// 1 sigma.
-    fn beside_elsewhere(&self, kind: CalibrationKind, record: &Record) -> Option<([f64; 2], f64)> {
-        let ([a, _], noise) = self.expected(kind, record);
-        let (_, noise) = noise?;
-        let u_state_ns = quadratic(&self.covariance, &a.by_state).sqrt();
-        Some(([record.a_ns? - a.ns, noise.aa], u_state_ns))
+        Some(!self.shown_elsewhere_ns().is_some_and(is_certain))
     }
 
     /// By how much node A crosses beside what the state says, and the uncertainty of that, 1 sigma, ns.

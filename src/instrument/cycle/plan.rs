@@ -112,11 +112,13 @@ impl Memory {
 impl Cycle {
     pub(super) fn calibration_plan(&self, kind: CalibrationKind, last: Node) -> Plan {
         let second = self.settings.second();
-        let (through, switch) = match kind {
-            CalibrationKind::First => (Through::C1, None),
-            CalibrationKind::Second => (second, None),
-            CalibrationKind::Split => (Through::C1, self.split_time().map(|after| (after, second))),
+        let wakes = self.estimator.tracker().and_then(|tracker| tracker.wake_ns(kind)).map(|ns| Nanos(ns as i64));
+        let (through, to, after) = match kind {
+            CalibrationKind::First => (Through::C1, Through::C1, wakes),
+            CalibrationKind::Second => (second, second, wakes),
+            CalibrationKind::Split => (Through::C1, second, self.split_time()),
         };
+        let switch = after.map(|after| (after, to));
         Plan { expected: self.expected(kind), ..self.plan(through, switch, last) }
     }
 

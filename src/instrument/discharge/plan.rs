@@ -41,7 +41,8 @@ impl Charge {
 pub struct Plan {
     /// What to discharge through first.
     pub through: Through,
-    /// After how long to switch, and to what. Comes to nothing if the last node crosses earlier.
+    /// After how long to switch, and to what. Comes to nothing if the last node crosses earlier. To what sinks already: the program
+    /// wakes then, and touches no line.
     pub switch: Option<(Nanos, Through)>,
     /// How long nothing sinks between the release and the next sinking of that switch.
     pub hold: Nanos,
