@@ -12,8 +12,8 @@
 //! only the calibration is wrong.
 
 use crate::estimate::limits::{
-    GROSS_LEAK_SIEMENS, LEAK_AVERAGE, LEAK_BENT, LEAK_EVERY, LEAK_FIRST, LEAK_GROSS_FIRST, LEAK_HELD_AT,
-    LEAK_HOLD, LEAK_LEFT, LEAK_REMEMBERED, LIKELY_LEAK_SIEMENS, LOOK_SHOWS,
+    COVERAGE, GROSS_LEAK_SIEMENS, LEAK_AVERAGE, LEAK_BENT, LEAK_EVERY, LEAK_FIRST, LEAK_GROSS_FIRST,
+    LEAK_HELD_AT, LEAK_HOLD, LEAK_LEFT, LEAK_REMEMBERED, LIKELY_LEAK_SIEMENS, LOOK_SHOWS,
 };
 use crate::estimate::look::Looks;
 use crate::record::Record;
@@ -67,15 +67,15 @@ impl LeakTest {
         (early * of_early).hypot(late * of_late)
     }
 
-    /// By how much more or less it takes at the end of a discharge than at its beginning, beyond what noise explains, siemens: nothing to
-    /// speak of through a resistor to ground.
+    /// By how much more or less it takes at the end of a discharge than at its beginning, beyond what noise does once in twenty times,
+    /// siemens: nothing to speak of through a resistor to ground.
     pub fn bent_siemens(&self) -> f64 {
         let [early, late] = &self.looks;
         if !self.is_known() || early.taken() == 0 || late.taken() == 0 {
             return 0.0;
         }
         let variance = early.noise().powi(2) + late.noise().powi(2);
-        ((late.median() - early.median()).powi(2) - variance).max(0.0).sqrt()
+        ((late.median() - early.median()).powi(2) - COVERAGE.powi(2) * variance).max(0.0).sqrt()
     }
 
     /// Whether the leak has come, grown or gone since this last was so.

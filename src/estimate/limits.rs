@@ -104,13 +104,13 @@ pub const BY_ELSEWHERE_ABOVE: f64 = 7.0;
 /// When it does, before they end: so many sigma of a crossing.
 pub const AWAKE_MARGIN: f64 = 6.0;
 /// One plain discharge in so many is such a one.
-pub const AWAKE_EVERY: u32 = 4;
+pub const AWAKE_EVERY: u32 = 2;
 /// The first of them follow each other; fewer tell little.
 pub const AWAKE_FIRST: usize = 6;
 /// How many are remembered through either resistor.
 pub const AWAKE_REMEMBERED: usize = 256;
 /// What they show is there beyond so many sigma.
-pub const AWAKE_SHOWS: f64 = 4.0;
+pub const AWAKE_SHOWS: f64 = 3.0;
 
 // Noise of crossings.
 /// The largest share of a crossing's variance that both crossings have in common, whatever the resistor.

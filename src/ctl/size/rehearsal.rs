@@ -39,7 +39,10 @@ pub struct Overall {
 pub fn all(asked: &Asked, ranked: &[Ranked]) -> Result<Vec<Rehearsed>, CtlError> {
     let candidates = shortlist(asked, ranked);
     let tuned = std::thread::scope(|scope| {
-        let running: Vec<_> = candidates.iter().map(|one| scope.spawn(move || tuned(asked, one))).collect();
+        let running: Vec<_> = candidates
+            .iter()
+            .map(|one| scope.spawn(move || tuned(asked, &one.design, one.worst, 1)))
+            .collect();
         running.into_iter().map(|one| one.join()).collect::<Vec<_>>()
     });
     let died = |_| CtlError::said("a rehearsal has died: this is a mistake in cermctl");
@@ -102,13 +105,13 @@ fn shortlist<'a>(asked: &Asked, ranked: &'a [Ranked]) -> Vec<&'a Ranked> {
     list
 }
 
-/// Rehearsed, with the mean as long as it has to be.
-fn tuned(asked: &Asked, candidate: &Ranked) -> Result<Rehearsed, CtlError> {
+/// Rehearsed on so many boards, with the mean as long as it has to be.
+fn tuned(asked: &Asked, design: &Design, worst: (f64, Shares), boards: usize) -> Result<Rehearsed, CtlError> {
     let need = &asked.search.need;
     let mut best: Option<Rehearsed> = None;
-    let mut design = candidate.design.clone();
+    let mut design = design.clone();
     for _ in 0..TUNINGS {
-        let done = rehearsed(asked, &design, candidate.worst, 1)?;
+        let done = rehearsed(asked, &design, worst, boards)?;
         let next = match (need.tolerance, need.rate_hz, &done.overall) {
             (Some(_), None, Ok(overall)) if !(TOO_GOOD..=GOOD).contains(&overall.error) => {
                 longer(&design, overall)
@@ -131,11 +134,11 @@ fn tuned(asked: &Asked, candidate: &Ranked) -> Result<Rehearsed, CtlError> {
     best.ok_or_else(|| CtlError::said("nothing was rehearsed"))
 }
 
-/// Sorted, the first of them rehearsed on more boards of the kind; one that was good on the first board alone is not.
+/// Sorted, the first of them tuned on more boards of the kind: what was long enough on the first board alone may not be.
 pub fn confirmed(asked: &Asked, all: &mut [Rehearsed]) -> Result<(), CtlError> {
     sort(asked, all);
     while let Some(first) = all.first_mut().filter(|first| first.boards < CONFIRMING) {
-        *first = rehearsed(asked, &first.design, first.worst, CONFIRMING)?;
+        *first = tuned(asked, &first.design, first.worst, CONFIRMING)?;
         sort(asked, all);
     }
     Ok(())

@@ -7,9 +7,7 @@
 
 use super::{Tracker, quadratic};
 use crate::estimate::law::{D, State};
-use crate::estimate::limits::{
-    AWAKE_EVERY, AWAKE_FIRST, AWAKE_MARGIN, AWAKE_REMEMBERED, AWAKE_SHOWS, COVERAGE,
-};
+use crate::estimate::limits::{AWAKE_EVERY, AWAKE_FIRST, AWAKE_MARGIN, AWAKE_REMEMBERED, AWAKE_SHOWS};
 use crate::estimate::look::Looks;
 use crate::record::{CalibrationKind, Record, Through};
 
@@ -68,7 +66,7 @@ impl Tracker {
     fn later_asleep_ns(&self) -> [f64; 2] {
         [0, 1].map(|resistor| {
             let [shown_ns, u_ns] = self.shown_awake_ns(resistor);
-            (shown_ns.powi(2) - (COVERAGE * u_ns).powi(2)).max(0.0).sqrt()
+            (shown_ns.powi(2) - (AWAKE_SHOWS * u_ns).powi(2)).max(0.0).sqrt()
         })
     }
 

@@ -112,7 +112,8 @@ impl Memory {
 impl Cycle {
     pub(super) fn calibration_plan(&self, kind: CalibrationKind, last: Node) -> Plan {
         let second = self.settings.second();
-        let wakes = self.estimator.tracker().and_then(|tracker| tracker.wake_ns(kind)).map(|ns| Nanos(ns as i64));
+        let wakes =
+            self.estimator.tracker().and_then(|tracker| tracker.wake_ns(kind)).map(|ns| Nanos(ns as i64));
         let (through, to, after) = match kind {
             CalibrationKind::First => (Through::C1, Through::C1, wakes),
             CalibrationKind::Second => (second, second, wakes),
