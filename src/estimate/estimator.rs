@@ -1,6 +1,7 @@
 //! The estimator: the calibration that is in force, uncertainty by propagation, and the states of a reading.
 
 use crate::circuit::Node;
+use crate::estimate::awake::AwakeTest;
 use crate::estimate::leak::LeakTest;
 use crate::estimate::limits::{BEYOND_NOISE, UNTOLD_SWITCH_NS};
 use crate::estimate::mean::Basis;
@@ -60,6 +61,8 @@ pub struct Estimator {
     leak: Option<LeakTest>,
     /// By which share of their time discharges are longer after a rest, if that shows.
     absorbed: Option<f64>,
+    /// Whether stamps are later after long waits, without a tracked calibration.
+    awake: AwakeTest,
     /// With it, c1 and c2 are only used until it is ready.
     tracker: Option<Tracker>,
 }
@@ -80,6 +83,7 @@ impl Estimator {
             c2: None,
             leak: None,
             absorbed: None,
+            awake: AwakeTest::default(),
             tracker: None,
         }
     }
@@ -324,10 +328,15 @@ impl Estimator {
         let ratio = (rules.ratio)(&variables, branch)?;
         let scale = Scale { r_ohm: [self.r1_ohm, self.r2_ohm], u: &u };
         let evidence = (rules.evidence)(&variables, branch, &scale)?;
+        let asleep = self.asleep(&ratio.by, record).unwrap_or(0.0);
         let by_switch = (branch == Branch::Inferred).then_some(ratio.by.switch);
         let basis =
             covariances.as_ref().map(|covariances| Basis { by_switch, ..covariances.basis(&ratio.by) });
-        Some((Measured { value: ratio.value, u: u(&ratio) }, basis.unwrap_or_default(), evidence))
+        Some((
+            Measured { value: ratio.value, u: u(&ratio).map(|u| u.hypot(asleep)) },
+            basis.unwrap_or_default(),
+            evidence,
+        ))
     }
 
     /// The covariances of all times; `late` are the crossings that a discharge only through the resistor that ran last

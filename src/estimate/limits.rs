@@ -103,10 +103,12 @@ pub const BY_ELSEWHERE_ABOVE: f64 = 7.0;
 // tests/accuracy, hostile.
 /// When it does, before they end: so many sigma of a crossing.
 pub const AWAKE_MARGIN: f64 = 6.0;
-/// One plain discharge in so many is such a one.
+/// One plain discharge in so many is such a one, of those that a calibration is followed by.
 pub const AWAKE_EVERY: u32 = 2;
 /// The first of them follow each other; fewer tell little.
 pub const AWAKE_FIRST: usize = 6;
+/// The same beside calibration discharges that are taken anew for each reading.
+pub const AWAKE_AGAIN: Nanos = Nanos(1_000_000_000);
 /// How many are remembered through either resistor.
 pub const AWAKE_REMEMBERED: usize = 256;
 /// What they show is there beyond so many sigma.

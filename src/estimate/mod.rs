@@ -4,6 +4,7 @@
 //! pure. Must not know: pins, clocks, or in which order discharges are taken.
 
 pub mod absorption;
+pub mod awake;
 pub mod estimator;
 pub mod fit;
 pub mod law;

@@ -6,6 +6,7 @@
 //! ([`Noise`]), and so is how fast g, Ro and d walk.
 
 use crate::circuit::Node;
+use crate::estimate::awake::AwakeTest;
 use crate::estimate::law::{Crossing, D, D_B, R_O, Route, State, UNKNOWNS};
 use crate::estimate::limits::{FIRST_ROUNDS, INNOVATION_GATE, LATE_NS, REJECTED_OF_A_STEP, SPLIT_FRACTION};
 use crate::estimate::noise::{Covariance, Noise};
@@ -14,7 +15,6 @@ use crate::estimate::scatter::{SwitchScatter, expected_ns};
 use crate::reading::Fault;
 use crate::record::{CalibrationKind, Record, Switch, Through, UNLIKE_CALLS};
 use crate::units::Nanos;
-use awake::Awake;
 use elsewhere::Elsewhere;
 use gain::Gain;
 use speeds::Speeds;
@@ -69,7 +69,7 @@ pub struct Tracker {
     counts: Counts,
     scatter: SwitchScatter,
     elsewhere: Elsewhere,
-    awake: Awake,
+    awake: AwakeTest,
     split: SplitCalibration,
     rounds: Vec<[Record; 3]>,
     round: [Option<Record>; 3],
@@ -109,7 +109,7 @@ impl Tracker {
             counts: Counts::default(),
             scatter: SwitchScatter::default(),
             elsewhere: Elsewhere::default(),
-            awake: Awake::default(),
+            awake: AwakeTest::default(),
             split,
             rounds,
             round: [None; 3],

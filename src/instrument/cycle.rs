@@ -26,6 +26,7 @@ mod window;
 use crate::circuit::Node;
 use crate::estimate::Estimator;
 use crate::estimate::absorption::AbsorptionTest;
+use crate::estimate::awake::AwakeTest;
 use crate::estimate::estimator::Judged;
 use crate::estimate::leak::LeakTest;
 use crate::estimate::offset::{Offset, SplitCalibration};
@@ -79,6 +80,7 @@ pub struct Cycle {
     calls: CallGate,
     leak: LeakTest,
     absorption: AbsorptionTest,
+    awake: AwakeTest,
     diagnosis: Diagnosis,
     step: Step,
     retries: u32,
@@ -133,6 +135,7 @@ impl Cycle {
             calls: CallGate::default(),
             leak,
             absorption: AbsorptionTest::default(),
+            awake: AwakeTest::default(),
             diagnosis: Diagnosis::new(settings.board()),
             step: Step::Start,
             retries: 0,
@@ -164,6 +167,7 @@ impl Cycle {
         stats.offset_is_known = self.offset_is_known();
         stats.leak_siemens = self.leak.siemens();
         stats.absorbed = self.absorption.share();
+        stats.later_asleep_ns = self.estimator.awake().later_ns();
         stats.tracking = self.estimator.tracker().map(|tracker| tracker.counts());
         stats
     }
@@ -242,8 +246,7 @@ impl Cycle {
     pub fn replay(&mut self, record: &Record, is_timed: bool, is_held: bool) -> Option<Reading> {
         self.step = match (record.through.channel(), record.calibration_kind()) {
             (Some(channel), _) => Step::Sensor(channel),
-            (None, _) if is_held && record.switch.is_some() => Step::Hold(Look::Leak),
-            (None, _) if is_held => Step::Hold(Look::Absorption),
+            (None, kind) if is_held => Step::Hold(Look::of(record, kind)),
             (None, Some(kind)) => Step::Calibrate(kind, self.settings.last()),
             (None, None) => return None,
         };
@@ -284,11 +287,14 @@ impl Cycle {
         self.failed.is_none() && self.estimator.calibration().is_some()
     }
 
-    /// The next cycle, or before it, from time to time, a look for leaks and absorption: where no reading waits for it.
+    /// The next cycle, or before it, from time to time, a look for what is wrong: where no reading waits for it.
     fn after_sensors(&self, now: Nanos) -> Step {
         match self.may_look() {
             true if self.leak.is_due(now) => Step::Hold(Look::Leak),
             true if self.absorption.is_due(now) => Step::Hold(Look::Absorption),
+            true if !self.settings.tracked => {
+                self.awake.due(now).map_or(Step::Start, |r| Step::Hold(Look::Awake(r)))
+            }
             _ => Step::Start,
         }
     }

@@ -3,11 +3,14 @@
 
 use super::Estimator;
 use crate::estimate::absorption::{self, AbsorptionTest};
+use crate::estimate::awake::{AwakeTest, of_stamp_ns};
 use crate::estimate::leak::{self, Course, LeakTest};
 use crate::estimate::limits::{
     BEYOND_NOISE, COVERAGE, GROSS_LEAK_SIEMENS, HIGHEST_R_O_OHM, LATEST_STAMP_NS, RESISTOR_TOLERANCE,
     UNKNOWN_JITTER_NS,
 };
+use crate::estimate::method::dual::Gradient;
+use crate::estimate::tracker::Tracker;
 use crate::reading::{Fault, Measured};
 use crate::record::Record;
 
@@ -20,6 +23,25 @@ impl Estimator {
     /// Takes over what looks have told of leaks.
     pub fn set_leak(&mut self, leak: &LeakTest) {
         self.leak = Some(*leak);
+    }
+
+    /// Takes over whether stamps are later after long waits.
+    pub fn set_awake(&mut self, awake: &AwakeTest) {
+        self.awake = *awake;
+    }
+
+    /// Whether stamps are later after long waits.
+    pub fn awake(&self) -> &AwakeTest {
+        self.tracker.as_ref().map_or(&self.awake, Tracker::awake)
+    }
+
+    /// What that does to a ratio, 1 sigma: each of its crossings may be later by what shows after such a wait, and d is by any of them.
+    pub(super) fn asleep(&self, by: &Gradient, record: &Record) -> Option<f64> {
+        let ((c1, _), later_ns) = (self.calibration()?, self.awake().beyond_ns(COVERAGE));
+        let ([after_first, after_second], of_stamp) = (later_ns, of_stamp_ns(later_ns, record, c1[0]?));
+        let crossings = [(by.c1, after_first), (by.c2, after_second), (by.x, of_stamp)];
+        let of_crossings = crossings.map(|([a, b], late_ns)| a.hypot(b) * late_ns);
+        Some(of_crossings.into_iter().fold(by.offset * after_first.max(after_second), f64::hypot))
     }
 
     /// Takes over what capacitors absorb.

@@ -1,8 +1,10 @@
 //! Discharges beside the others, now and then, which look for what is wrong with the circuit.
 
 use super::{Cycle, Step};
+use crate::estimate::awake::resistor_of;
 use crate::estimate::limits::UNKNOWN_JITTER_NS;
 use crate::instrument::discharge::Outcome;
+use crate::record::{CalibrationKind, Record};
 use crate::units::Nanos;
 
 /// What a discharge beside the others looks for.
@@ -14,12 +16,26 @@ pub enum Look {
     First,
     /// What capacitors absorb: it comes after a rest at V_DD.
     Absorption,
+    /// Whether stamps are later after long waits: the program wakes before it ends. 0: through R_1, 1: through R_2.
+    Awake(usize),
+}
+
+impl Look {
+    /// What a discharge that was one of them looked for.
+    pub fn of(record: &Record, kind: Option<CalibrationKind>) -> Look {
+        match record.switch {
+            Some(switch) if switch.on_ns > switch.at_ns => Look::Leak,
+            Some(_) => Look::Awake(kind.and_then(resistor_of).unwrap_or(1)),
+            None => Look::Absorption,
+        }
+    }
 }
 
 impl Cycle {
     /// Another length than an ordinary discharge through R_2 has. One that came to nothing tells nothing.
     pub(super) fn held_done(&mut self, look: Look, outcome: &Outcome, now: Nanos) {
-        let usual = self.estimator.calibration().map(|(_, c2)| c2);
+        let resistor = if let Look::Awake(resistor) = look { resistor } else { 1 };
+        let usual = self.estimator.calibration().map(|(c1, c2)| [c1, c2][resistor]);
         // The two discharges have their own noise each.
         let noise = usual.and_then(|usual| self.estimator.noise().covariance(usual));
         let variance = 2.0 * noise.map_or(UNKNOWN_JITTER_NS * UNKNOWN_JITTER_NS, |noise| noise.aa);
@@ -36,6 +52,14 @@ impl Cycle {
                     self.estimator.begin_anew();
                 }
             }
+            Look::Awake(_) => {
+                let longer = found.and_then(|(record, usual)| {
+                    let (a_ns, switch) = (record.a_ns?, record.switch?);
+                    (a_ns > switch.on_ns).then_some([a_ns - usual, variance])
+                });
+                self.awake.add(resistor, longer, 0.0, now);
+                self.estimator.set_awake(&self.awake);
+            }
             Look::Absorption => {
                 let longer = found.and_then(|(record, usual)| {
                     Some([(record.a_ns? - usual) / usual, variance / usual.powi(2)])
@@ -47,7 +71,7 @@ impl Cycle {
         self.step = match look {
             Look::First if self.leak.is_wanting() => self.next_calibration(None),
             Look::First => self.first_sensor(),
-            Look::Leak | Look::Absorption => Step::Start,
+            Look::Leak | Look::Absorption | Look::Awake(_) => Step::Start,
         };
     }
 }

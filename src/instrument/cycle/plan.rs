@@ -5,8 +5,9 @@ use super::window::Window;
 use super::{Branch, CalibrationKind, Cycle, Estimator, Fault, Judged, Look, Plan, Record, Status, Through};
 use crate::circuit::Node;
 use crate::estimate::Predicted;
+use crate::estimate::awake;
 use crate::estimate::law::State;
-use crate::estimate::limits::{ABSORPTION_REST, BEYOND_NOISE, LEAK_HOLD, SPLIT_FRACTION};
+use crate::estimate::limits::{ABSORPTION_REST, BEYOND_NOISE, LATEST_STAMP_NS, LEAK_HOLD, SPLIT_FRACTION};
 use crate::estimate::method::Switching;
 use crate::estimate::motion::Motion;
 use crate::estimate::scatter::expected_ns;
@@ -134,7 +135,8 @@ impl Cycle {
         crossings.map(|ns| ns.map(|ns| Nanos(ns as i64)))
     }
 
-    /// R_2 with a pause on the way, in which a leak would show, or with a longer charge before it, which fills dielectrics.
+    /// R_2 with a pause on the way, in which a leak would show, or with a longer charge before it, which fills dielectrics; R_1 or R_2
+    /// with the program awake at its end.
     pub(super) fn held_plan(&self, look: Look) -> Plan {
         let second = self.settings.second();
         if look == Look::Absorption {
@@ -143,6 +145,14 @@ impl Cycle {
             return Plan { charge, ..plan };
         }
         let usual = self.estimator.calibration();
+        if let Look::Awake(resistor) = look {
+            let through = [Through::C1, second][resistor];
+            let wakes = usual.and_then(|(c1, c2)| {
+                let due = [c1, c2][resistor];
+                awake::wake_ns(due[0]? - LATEST_STAMP_NS, self.estimator.noise().covariance(due)?.aa.sqrt())
+            });
+            return self.plan(through, wakes.map(|ns| (Nanos(ns as i64), through)), Node::A);
+        }
         let at = usual.and_then(|(_, c2)| Some(Nanos((self.leak.held_at() * c2[0]?) as i64)));
         Plan { hold: LEAK_HOLD, ..self.plan(second, at.map(|at| (at, second)), Node::A) }
     }
