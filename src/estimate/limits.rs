@@ -83,7 +83,7 @@ pub const ABSORPTION_GROWS: f64 = 1.3;
 /// When they do, in parts of node A's time through R_1.
 pub const ELSEWHERE: f64 = 0.98;
 /// So many sigma of a crossing before A at the least.
-pub const ELSEWHERE_MARGIN: f64 = 6.0;
+pub const ELSEWHERE_MARGIN: f64 = 1.0;
 /// An earlier one shows little beside those of calibration.
 pub const ELSEWHERE_AT_LEAST: f64 = 0.94;
 /// One split discharge in so many does.
