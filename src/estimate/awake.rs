@@ -5,7 +5,8 @@
 //! wakes shortly before some of them end, which changes nothing in the circuit: a switch to the resistor that sinks already.
 
 use crate::estimate::limits::{
-    AWAKE_AGAIN, AWAKE_EVERY, AWAKE_FIRST, AWAKE_MARGIN, AWAKE_REMEMBERED, AWAKE_SHOWS,
+    AWAKE_AGAIN, AWAKE_EVERY, AWAKE_FIRST, AWAKE_MARGIN, AWAKE_REMEMBERED, AWAKE_SHOWS, AWAKE_YOUNG,
+    LATEST_STAMP_NS,
 };
 use crate::estimate::look::Looks;
 use crate::record::{CalibrationKind, Record, Through};
@@ -24,7 +25,7 @@ pub struct AwakeTest {
 impl AwakeTest {
     /// Whether the next plain discharge through a resistor is to be such a one, where they are calibration discharges.
     pub fn is_next(&self, resistor: usize) -> bool {
-        let every = if self.looks[resistor].taken() < AWAKE_FIRST { 1 } else { AWAKE_EVERY };
+        let every = if self.looks[resistor].taken() < AWAKE_YOUNG { 1 } else { AWAKE_EVERY };
         self.plain[resistor] % every == every - 1
     }
 
@@ -87,9 +88,10 @@ pub fn of_stamp_ns([after_first, after_second]: [f64; 2], record: &Record, first
     if is_short { after_first } else { after_first.max(after_second) }
 }
 
-/// When to wake before a crossing that is due, less its latency, ns; `jitter_ns`: its noise. `None` where that is before the start.
+/// When to wake before a crossing that is due, ns; `jitter_ns`: its noise. How late it is stamped is not known. `None` where that is
+/// before the start.
 pub fn wake_ns(due_ns: f64, jitter_ns: f64) -> Option<f64> {
-    Some(due_ns - AWAKE_MARGIN * jitter_ns).filter(|at_ns| *at_ns > 0.0)
+    Some(due_ns - LATEST_STAMP_NS - AWAKE_MARGIN * jitter_ns).filter(|at_ns| *at_ns > 0.0)
 }
 
 /// The resistor of a plain calibration discharge: 0 for R_1, 1 for R_2.

@@ -101,12 +101,14 @@ pub const BY_ELSEWHERE_ABOVE: f64 = 7.0;
 
 // Stamps that are later after long waits, by calibration discharges in which the program wakes before they end; found with
 // tests/accuracy, hostile.
-/// When it does, before they end: so many sigma of a crossing.
+/// When it does, before they end: so many sigma of a crossing, and [`LATEST_STAMP_NS`].
 pub const AWAKE_MARGIN: f64 = 6.0;
-/// One plain discharge in so many is such a one, of those that a calibration is followed by.
+/// Of plain discharges that a calibration is followed by, so many are such ones, and then one in so many.
+pub const AWAKE_YOUNG: usize = 40;
+/// See there.
 pub const AWAKE_EVERY: u32 = 2;
 /// The first of them follow each other; fewer tell little.
-pub const AWAKE_FIRST: usize = 6;
+pub const AWAKE_FIRST: usize = 10;
 /// The same beside calibration discharges that are taken anew for each reading.
 pub const AWAKE_AGAIN: Nanos = Nanos(1_000_000_000);
 /// How many are remembered through either resistor.

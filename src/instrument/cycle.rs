@@ -26,7 +26,6 @@ mod window;
 use crate::circuit::Node;
 use crate::estimate::Estimator;
 use crate::estimate::absorption::AbsorptionTest;
-use crate::estimate::awake::AwakeTest;
 use crate::estimate::estimator::Judged;
 use crate::estimate::leak::LeakTest;
 use crate::estimate::offset::{Offset, SplitCalibration};
@@ -80,7 +79,6 @@ pub struct Cycle {
     calls: CallGate,
     leak: LeakTest,
     absorption: AbsorptionTest,
-    awake: AwakeTest,
     diagnosis: Diagnosis,
     step: Step,
     retries: u32,
@@ -135,7 +133,6 @@ impl Cycle {
             calls: CallGate::default(),
             leak,
             absorption: AbsorptionTest::default(),
-            awake: AwakeTest::default(),
             diagnosis: Diagnosis::new(settings.board()),
             step: Step::Start,
             retries: 0,
@@ -292,11 +289,15 @@ impl Cycle {
         match self.may_look() {
             true if self.leak.is_due(now) => Step::Hold(Look::Leak),
             true if self.absorption.is_due(now) => Step::Hold(Look::Absorption),
-            true if !self.settings.tracked => {
-                self.awake.due(now).map_or(Step::Start, |r| Step::Hold(Look::Awake(r)))
-            }
-            _ => Step::Start,
+            _ => self.before_start(now),
         }
+    }
+
+    /// The next cycle, or before it a discharge in which the program wakes; a calibration that is followed has such ones of its own.
+    fn before_start(&self, now: Nanos) -> Step {
+        let may_wake = self.may_look() && self.estimator.tracker().is_none();
+        let due = if may_wake { self.estimator.awake().due(now) } else { None };
+        due.map_or(Step::Start, |resistor| Step::Hold(Look::Awake(resistor)))
     }
 
     /// Takes the outcome of the discharge that [`Cycle::next`] asked for, `now` being the time; answers a reading when

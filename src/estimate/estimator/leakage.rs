@@ -13,6 +13,7 @@ use crate::estimate::method::dual::Gradient;
 use crate::estimate::tracker::Tracker;
 use crate::reading::{Fault, Measured};
 use crate::record::Record;
+use crate::units::Nanos;
 
 impl Estimator {
     /// Says nothing of leaks.
@@ -25,9 +26,10 @@ impl Estimator {
         self.leak = Some(*leak);
     }
 
-    /// Takes over whether stamps are later after long waits.
-    pub fn set_awake(&mut self, awake: &AwakeTest) {
-        self.awake = *awake;
+    /// Takes a discharge in which the program woke, beside those of calibration: as [`AwakeTest::add`].
+    pub fn add_awake(&mut self, resistor: usize, longer_ns: Option<[f64; 2]>, now: Nanos) {
+        let awake = self.tracker.as_mut().map_or(&mut self.awake, Tracker::awake_mut);
+        awake.add(resistor, longer_ns, 0.0, now);
     }
 
     /// Whether stamps are later after long waits.

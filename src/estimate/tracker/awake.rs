@@ -12,6 +12,11 @@ impl Tracker {
         &self.awake
     }
 
+    /// The same, for those that come before there is a state.
+    pub fn awake_mut(&mut self) -> &mut AwakeTest {
+        &mut self.awake
+    }
+
     /// When the program is to wake in the next calibration discharge of a kind, ns after its start, if it is to.
     pub fn wake_ns(&self, kind: CalibrationKind) -> Option<f64> {
         let is_next = |resistor: &usize| self.ready && !self.is_doubted() && self.awake.is_next(*resistor);

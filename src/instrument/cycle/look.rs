@@ -57,8 +57,7 @@ impl Cycle {
                     let (a_ns, switch) = (record.a_ns?, record.switch?);
                     (a_ns > switch.on_ns).then_some([a_ns - usual, variance])
                 });
-                self.awake.add(resistor, longer, 0.0, now);
-                self.estimator.set_awake(&self.awake);
+                self.estimator.add_awake(resistor, longer, now);
             }
             Look::Absorption => {
                 let longer = found.and_then(|(record, usual)| {
@@ -71,7 +70,9 @@ impl Cycle {
         self.step = match look {
             Look::First if self.leak.is_wanting() => self.next_calibration(None),
             Look::First => self.first_sensor(),
-            Look::Leak | Look::Absorption | Look::Awake(_) => Step::Start,
+            // The first of each come at once.
+            Look::Leak | Look::Absorption => self.before_start(now),
+            Look::Awake(_) => Step::Start,
         };
     }
 }

@@ -7,7 +7,7 @@ use crate::circuit::Node;
 use crate::estimate::Predicted;
 use crate::estimate::awake;
 use crate::estimate::law::State;
-use crate::estimate::limits::{ABSORPTION_REST, BEYOND_NOISE, LATEST_STAMP_NS, LEAK_HOLD, SPLIT_FRACTION};
+use crate::estimate::limits::{ABSORPTION_REST, BEYOND_NOISE, LEAK_HOLD, SPLIT_FRACTION, UNKNOWN_JITTER_NS};
 use crate::estimate::method::Switching;
 use crate::estimate::motion::Motion;
 use crate::estimate::scatter::expected_ns;
@@ -149,7 +149,8 @@ impl Cycle {
             let through = [Through::C1, second][resistor];
             let wakes = usual.and_then(|(c1, c2)| {
                 let due = [c1, c2][resistor];
-                awake::wake_ns(due[0]? - LATEST_STAMP_NS, self.estimator.noise().covariance(due)?.aa.sqrt())
+                let noise = self.estimator.noise().covariance(due);
+                awake::wake_ns(due[0]?, noise.map_or(UNKNOWN_JITTER_NS, |noise| noise.aa.sqrt()))
             });
             return self.plan(through, wakes.map(|ns| (Nanos(ns as i64), through)), Node::A);
         }

@@ -132,7 +132,24 @@ pub static STARTS: [Row; 6] = [
     },
 ];
 
-pub static STAMPS: [Row; 6] = [
+const SLEEPY: &[(Method, &[f64])] = &[
+    (Tracked, &[100.0, 1000.0, 5000.0]),
+    (Cerm, &[100.0, 1000.0, 5000.0]),
+    (Tcdic, &[100.0, 1000.0, 5000.0]),
+    (Tpcm, &[1000.0, 5000.0]),
+    (Qerm, &[1000.0, 5000.0]),
+];
+const SLEEPY_ONE: Row = Row {
+    kind: Some(Kind::OneCapacitor),
+    cases: &[(Tracked, &[100.0, 300.0, 1000.0, 5000.0]), (Tpcm, &[300.0, 5000.0])],
+    // A fault is an answer.
+    least_numbers: 0.0,
+    ..ROW
+};
+const LATER_BY_60: &str = "[events]\ndeep-sleep-after = '200 us'\ndeep-sleep-late = '60 us'";
+const LATER_BY_60_AFTER_500: &str = "[events]\ndeep-sleep-after = '500 us'\ndeep-sleep-late = '60 us'";
+
+pub static STAMPS: [Row; 13] = [
     Row { name: "B is stamped 3 us later than A", scene: "[events]\nb-later = '3 us'", cases: ALL, ..ROW },
     Row {
         name: "2 us later after waits of 4 ms",
@@ -147,9 +164,42 @@ pub static STAMPS: [Row; 6] = [
         ..ROW
     },
     Row {
+        name: "5 us later after waits of 2 ms",
+        scene: "[events]\ndeep-sleep-after = '2 ms'\ndeep-sleep-late = '5 us'",
+        cases: SLEEPY,
+        ..ROW
+    },
+    Row {
+        name: "10 us later after waits of 1 ms",
+        scene: "[events]\ndeep-sleep-after = '1 ms'\ndeep-sleep-late = '10 us'",
+        cases: SLEEPY,
+        ..ROW
+    },
+    Row {
+        name: "5 us later after waits of 200 us, one node",
+        scene: "[events]\ndeep-sleep-after = '200 us'\ndeep-sleep-late = '5 us'",
+        ..SLEEPY_ONE
+    },
+    Row {
+        name: "60 us later after waits of 200 us",
+        scene: LATER_BY_60,
+        cases: SLEEPY,
+        least_numbers: 0.0,
+        ..ROW
+    },
+    Row { name: "60 us later after waits of 200 us, one node", scene: LATER_BY_60, ..SLEEPY_ONE },
+    Row {
+        name: "60 us later after waits of 500 us",
+        scene: LATER_BY_60_AFTER_500,
+        cases: SLEEPY,
+        least_numbers: 0.0,
+        ..ROW
+    },
+    Row { name: "60 us later after waits of 500 us, one node", scene: LATER_BY_60_AFTER_500, ..SLEEPY_ONE },
+    Row {
         name: "30 % of stamps 1 ms late",
         scene: "[stamps]\ntail-probability = 0.3\ntail-mean = '1 ms'",
-        cases: &[(Tracked, &[300.0]), (Cerm, &[300.0]), (Tcdic, &[300.0])],
+        cases: &[(Tracked, &[50.0, 100.0, 300.0, 1000.0, 5000.0]), (Cerm, &[300.0]), (Tcdic, &[300.0])],
         least_numbers: 0.2,
         ..ROW
     },
@@ -324,7 +374,10 @@ macro_rules! dielectric {
 const DIELECTRIC: Row =
     Row { cases: &[(Tracked, &[100.0, 1000.0, 5000.0]), (Cerm, &[100.0]), (Tcdic, &[100.0, 5000.0])], ..ROW };
 
-pub static DIELECTRICS: [Row; 11] = [
+const FAST_ONE: Row =
+    Row { kind: Some(Kind::OneCapacitor), cases: &[(Tracked, &[100.0, 300.0, 1000.0, 5000.0])], ..ROW };
+
+pub static DIELECTRICS: [Row; 15] = [
     Row { name: "PP: 0.05 % over five decades", scene: dielectric!(spread "0.0001"), ..DIELECTRIC },
     Row { name: "PP: 0.05 % at 1 ms", scene: dielectric!(at "0.0005", "1 ms"), ..DIELECTRIC },
     Row { name: "PP: 0.05 % at 10 ms", scene: dielectric!(at "0.0005", "10 ms"), ..DIELECTRIC },
@@ -333,6 +386,10 @@ pub static DIELECTRICS: [Row; 11] = [
     Row { name: "PET: 0.25 % at 10 ms", scene: dielectric!(at "0.0025", "10 ms"), ..DIELECTRIC },
     Row { name: "PET: 0.25 % at 100 ms", scene: dielectric!(at "0.0025", "100 ms"), ..DIELECTRIC },
     Row { name: "X7R: 2.5 % over five decades", scene: dielectric!(spread "0.005"), ..DIELECTRIC },
+    Row { name: "X7R: 2.5 % at 100 us", scene: dielectric!(at "0.025", "100 us"), ..DIELECTRIC },
+    Row { name: "X7R: 2.5 % at 100 us, one node", scene: dielectric!(at "0.025", "100 us"), ..FAST_ONE },
+    Row { name: "X7R: 2.5 % at 300 us", scene: dielectric!(at "0.025", "300 us"), ..DIELECTRIC },
+    Row { name: "X7R: 2.5 % at 300 us, one node", scene: dielectric!(at "0.025", "300 us"), ..FAST_ONE },
     Row { name: "X7R: 2.5 % at 1 ms", scene: dielectric!(at "0.025", "1 ms"), ..DIELECTRIC },
     Row { name: "X7R: 2.5 % at 10 ms", scene: dielectric!(at "0.025", "10 ms"), ..DIELECTRIC },
     Row { name: "C0G: 0.01 % at 10 ms", scene: dielectric!(at "0.0001", "10 ms"), ..DIELECTRIC },
