@@ -46,6 +46,7 @@ pub struct Known {
     leak: bool,
     /// The same of what capacitors absorb.
     absorbs: bool,
+    sleeps: bool,
 }
 
 impl Known {
@@ -84,6 +85,17 @@ impl Known {
                 "the capacitors absorb charge: discharges are {:.2} % longer after a rest, and readings less certain by what \
                  that does to them; take film capacitors (PP, PET) or C0G, or a longer charge-time",
                 100.0 * share
+            );
+        }
+    }
+
+    fn log_sleep(&mut self, stats: &Stats) {
+        if let (Some(late_ns), false) = (stats.late_after_waits_ns, self.sleeps) {
+            self.sleeps = true;
+            log::warn!(
+                "crossings are stamped {:.1} us later after long waits, and readings are less certain by what that does to them: \
+                 processors sleep deeply; dma-latency in [realtime] keeps them from it",
+                late_ns / 1e3
             );
         }
     }
@@ -158,6 +170,7 @@ pub fn publish(server: &mut Server, known: &mut Known, loaded: &Loaded, update: 
         Update::Stats(stats) => {
             known.log_leak(&stats);
             known.log_absorption(&stats);
+            known.log_sleep(&stats);
             known.stats = stats;
         }
         Update::Realtime(report) => {
@@ -202,6 +215,7 @@ pub fn stats(known: &Known, config: &Config, uptime: Nanos) -> InstrumentStats {
         leak_ohm: stats.leak_siemens.filter(|siemens| *siemens > 0.0).map(|siemens| 1.0 / siemens),
         feed_ohm: stats.leak_siemens.filter(|siemens| *siemens < 0.0).map(|siemens| -1.0 / siemens),
         absorbed_percent: stats.absorbed.map(|share| 100.0 * share),
+        late_after_waits_ns: stats.late_after_waits_ns,
         retried: stats.retried,
         offset_known: stats.offset_is_known,
         offset_ns: offset.map(|offset| offset.d_ns),

@@ -65,7 +65,7 @@ impl AwakeTest {
     }
 
     /// By how much later stamps are after long waits, ns, if that shows.
-    pub fn later_ns(&self) -> Option<f64> {
+    pub fn late_ns(&self) -> Option<f64> {
         let shown = [0, 1].into_iter().filter(|resistor| self.shows(*resistor));
         shown.map(|resistor| self.shown_ns(resistor)[0]).reduce(f64::max)
     }
@@ -119,13 +119,13 @@ mod tests {
 
     #[test]
     fn what_is_beyond_noise_shows_and_counts() {
-        assert_eq!(tested(AWAKE_FIRST - 1, [60e3; 2]).later_ns(), None);
+        assert_eq!(tested(AWAKE_FIRST - 1, [60e3; 2]).late_ns(), None);
         for count in [AWAKE_FIRST, 2 * AWAKE_REMEMBERED] {
             let none = tested(count, [0.0; 2]);
-            assert_eq!((none.later_ns(), none.beyond_ns(AWAKE_SHOWS)), (None, [0.0; 2]), "{count}");
+            assert_eq!((none.late_ns(), none.beyond_ns(AWAKE_SHOWS)), (None, [0.0; 2]), "{count}");
         }
         let late = tested(2 * AWAKE_REMEMBERED, [0.0, 4e3]);
-        assert!(late.later_ns().is_some_and(|ns| (ns - 4e3).abs() < 1.0) && !late.shows(0), "{late:?}");
+        assert!(late.late_ns().is_some_and(|ns| (ns - 4e3).abs() < 1.0) && !late.shows(0), "{late:?}");
         let [first, second] = late.beyond_ns(AWAKE_SHOWS);
         assert!(first == 0.0 && (3.5e3..4e3).contains(&second), "{late:?}");
     }

@@ -90,6 +90,8 @@ pub const ELSEWHERE_AT_LEAST: f64 = 0.94;
 pub const ELSEWHERE_EVERY: u32 = 4;
 /// The first late ones follow each other; fewer tell little.
 pub const ELSEWHERE_FIRST: usize = 6;
+/// Until there are so many, half of them are.
+pub const ELSEWHERE_YOUNG: usize = 40;
 /// How many are remembered.
 pub const ELSEWHERE_REMEMBERED: usize = 256;
 /// What they show is there beyond so many sigma.

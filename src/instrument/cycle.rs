@@ -164,7 +164,7 @@ impl Cycle {
         stats.offset_is_known = self.offset_is_known();
         stats.leak_siemens = self.leak.siemens();
         stats.absorbed = self.absorption.share();
-        stats.later_asleep_ns = self.estimator.awake().later_ns();
+        stats.late_after_waits_ns = self.estimator.awake().late_ns();
         stats.tracking = self.estimator.tracker().map(|tracker| tracker.counts());
         stats
     }

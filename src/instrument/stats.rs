@@ -34,7 +34,7 @@ pub struct Stats {
     /// By which share of their time discharges are longer after a rest, if that shows: what capacitors absorb.
     pub absorbed: Option<f64>,
     /// By how much later stamps are after long waits, ns, if that shows.
-    pub later_asleep_ns: Option<f64>,
+    pub late_after_waits_ns: Option<f64>,
     /// What the last fault looked like, until a reading is none.
     pub suspect: Option<Suspect>,
     /// What a tracked calibration has counted.

@@ -313,6 +313,7 @@ fn instrument() -> InstrumentStats {
         leak_ohm: u,
         feed_ohm: u,
         absorbed_percent: u,
+        late_after_waits_ns: u,
         retried: 0,
         offset_known: true,
         offset_ns: u,

@@ -7,8 +7,9 @@
 
 use super::Tracker;
 use crate::estimate::limits::{
-    BY_ELSEWHERE, BY_ELSEWHERE_ABOVE, ELSEWHERE, ELSEWHERE_AT_LEAST, ELSEWHERE_EVERY, ELSEWHERE_FIRST,
-    ELSEWHERE_MARGIN, ELSEWHERE_REMEMBERED, ELSEWHERE_SHOWS, SPLIT_FRACTION,
+    BY_ELSEWHERE, BY_ELSEWHERE_ABOVE, COVERAGE, ELSEWHERE, ELSEWHERE_AT_LEAST, ELSEWHERE_EVERY,
+    ELSEWHERE_FIRST, ELSEWHERE_MARGIN, ELSEWHERE_REMEMBERED, ELSEWHERE_SHOWS, ELSEWHERE_YOUNG,
+    SPLIT_FRACTION,
 };
 use crate::estimate::look::Looks;
 use crate::record::{CalibrationKind, Record};
@@ -29,7 +30,7 @@ impl Tracker {
         let Elsewhere { beside_ns, splits, .. } = &self.elsewhere;
         let every = match beside_ns.taken() {
             taken if taken < ELSEWHERE_FIRST => 1,
-            _ if pays => 2,
+            taken if pays || taken < ELSEWHERE_YOUNG => 2,
             _ => ELSEWHERE_EVERY,
         };
         let is_due = self.ready && splits % every == every - 1;
@@ -68,8 +69,8 @@ impl Tracker {
     /// and R_2, which are read as themselves, all counts that noise does not explain.
     pub fn left_out_ohm(&self, r_ohm: f64) -> f64 {
         let Some([shown_ns, u_ns]) = self.shown_elsewhere_ns() else { return 0.0 };
-        let certain_ns = if is_certain([shown_ns, u_ns]) { shown_ns } else { 0.0 };
-        let likely_ns = (shown_ns.powi(2) - u_ns.powi(2)).max(0.0).sqrt();
+        let beyond_ns = |sigmas: f64| (shown_ns.powi(2) - (sigmas * u_ns).powi(2)).max(0.0).sqrt();
+        let (certain_ns, likely_ns) = (beyond_ns(COVERAGE), beyond_ns(1.0));
         let below_ohm = BY_ELSEWHERE * self.r_ohm[0] / self.takes_ns()[1] * certain_ns;
         below_ohm.max(self.left_out_above(r_ohm) * likely_ns)
     }

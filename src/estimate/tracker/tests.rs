@@ -3,7 +3,7 @@
 use super::*;
 use crate::chance::{mean_of, rms_of, share_is_in, sigmas};
 use crate::estimate::law::RATE;
-use crate::estimate::limits::{BY_ELSEWHERE, ROUGH_ROUNDS};
+use crate::estimate::limits::{AWAKE_YOUNG, BY_ELSEWHERE, ELSEWHERE_YOUNG, ROUGH_ROUNDS};
 use crate::record::Switch;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
@@ -226,10 +226,44 @@ fn late_splits_come_as_often_as_what_they_show_is_worth() {
     let r_ohm = 3.0 * R[0];
     let [hidden, lowered] = tracker.hidden_elsewhere(r_ohm).unwrap();
     assert!(lowered < hidden && tracker.hidden_elsewhere(R[0]).unwrap()[0] == 0.0);
-    assert_eq!(late(&mut tracker, true), 4);
-    assert_eq!(late(&mut tracker, false), 2);
+    // Half of the first ones, whether they pay or not.
+    assert_eq!((late(&mut tracker, true), late(&mut tracker, false)), (4, 4));
     let [less, _] = tracker.hidden_elsewhere(r_ohm).unwrap();
     assert!(less < 0.7 * hidden, "{less} of {hidden} ohm² with twice as many");
+    (0..ELSEWHERE_YOUNG / 4).for_each(|_| drop(late(&mut tracker, false)));
+    assert_eq!((late(&mut tracker, true), late(&mut tracker, false)), (4, 2));
+}
+
+/// All that waits long is stamped 30 us later: the state has that as its d, and only what waits shortly shows it.
+#[test]
+fn stamps_that_are_later_after_long_waits_show_and_are_no_step() {
+    let late_ns = 30_000.0;
+    let (mut plant, mut tracker) = (Plant::new(5), Tracker::new(R, 2, 1.0));
+    plant.state[D] += late_ns;
+    (0..FIRST_ROUNDS + ROUGH_ROUNDS).for_each(|_| plant.round(&mut tracker));
+    assert!(tracker.is_ready() && tracker.awake().late_ns().is_none());
+    for _ in 0..AWAKE_YOUNG {
+        for kind in CalibrationKind::ALL {
+            let record = plant.record(kind);
+            let woken = tracker.wake_ns(kind).map(|at_ns| Record {
+                switch: Some(Switch { at_ns, on_ns: at_ns, to: record.through }),
+                a_ns: record.a_ns.map(|a_ns| a_ns - late_ns),
+                b_ns: record.b_ns.map(|b_ns| b_ns - late_ns),
+                ..record
+            });
+            assert_eq!(woken.is_some(), kind != CalibrationKind::Split);
+            let record = woken.unwrap_or(record);
+            assert_eq!(record.calibration_kind(), Some(kind));
+            let _ = tracker.add(&record);
+        }
+    }
+    let shown_ns = tracker.awake().late_ns().unwrap();
+    assert!((shown_ns / late_ns - 1.0).abs() < 0.1, "{shown_ns}");
+    assert_eq!((tracker.counts().steps, tracker.counts().rejected), (0, 0));
+    let direct = Record { through: Through::X(0), switch: None, ..plant.record(CalibrationKind::First) };
+    let by_state = tracker.calibration()[0][0].by_state;
+    let u_ns = tracker.asleep_ohm(R[0], &by_state, &direct);
+    assert!((0.8..1.2).contains(&(u_ns / late_ns)), "{u_ns}");
 }
 
 /// What a mean shares with the state is what it was after a discharge that has corrected nothing.

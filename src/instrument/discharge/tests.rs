@@ -151,6 +151,18 @@ fn a_planned_switch_is_timed_by_the_entries_of_the_calls() {
 }
 
 #[test]
+fn a_switch_to_what_sinks_already_wakes_the_program_and_touches_no_line() {
+    let mut pins = Script::new(&[A, B]);
+    let outcome = run(&mut pins, plan(Some((Nanos(40_000), Through::X(2))))).unwrap();
+    let record = outcome.result.unwrap();
+    assert_eq!(record.switch, Some(Switch { at_ns: 40_000.0, on_ns: 40_000.0, to: Through::X(2) }));
+    assert_eq!((record.a_ns, record.b_ns), (Some(50_000.0), Some(60_000.0)));
+    assert_eq!(outcome.calls, [Some(Nanos(1000)), None, None], "no length of a call that releases a line");
+    let (log, at) = (pins.log.join("|"), START_BEFORE + 40_000);
+    assert!(log.contains(&format!("drive x2|sleep {}|levels|sleep {at}|drive x2|edge", at - LEAD)), "{log}");
+}
+
+#[test]
 fn a_charge_that_is_gone_before_the_start_is_no_charge() {
     let (mut discharge, _) = Discharge::new(plan(None), Nanos(LEAD));
     let drove = |at: i64| Event::Drove(Bracket { before: Nanos(at), after: Nanos(at + 1000) });

@@ -62,6 +62,9 @@ pub struct InstrumentStats {
     /// What capacitors absorb: by how much discharges are longer after a rest at V_DD, percent of their time.
     #[serde(default, serialize_with = "uncertainty", skip_serializing_if = "is_unknown")]
     pub absorbed_percent: Option<f64>,
+    /// By how much later crossings are stamped after long waits, ns.
+    #[serde(default, serialize_with = "uncertainty", skip_serializing_if = "is_unknown")]
+    pub late_after_waits_ns: Option<f64>,
     /// Discharges that were tried again.
     pub retried: u64,
     /// Whether the latency offset has been found or was given.
