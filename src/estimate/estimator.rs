@@ -33,6 +33,8 @@ pub struct Estimate {
     pub r_ohm: Measured,
     /// What that is made of; nothing where it is not known.
     pub basis: Basis,
+    /// What stamps that are later after long waits may do to it beside that, 1 sigma, ohm.
+    pub asleep_ohm: f64,
 }
 
 /// Variances of the [ratio](crate::estimate::method) to be expected.
@@ -214,15 +216,15 @@ impl Estimator {
             let observed_u_ns = self.u_switch_ns(record, solution.branch);
             let unlike_ohm = tracker.unlike_calls_ohm(&solution.by_state, solution.by_switch, observed_u_ns);
             let asleep_ohm = tracker.asleep_ohm(solution.r_ohm, &solution.by_state, record);
-            let u_ohm = solution.variance.sqrt().hypot(unlike_ohm).hypot(asleep_ohm);
+            let u_ohm = solution.variance.sqrt().hypot(unlike_ohm);
             let r_ohm = Measured { value: solution.r_ohm, u: Some(u_ohm) };
             let own = (solution.variance - tracker.variance(&solution.by_state)).max(0.0);
             let by_switch = (solution.branch == Branch::Inferred).then_some(solution.by_switch);
             let basis = Basis { own, by_state: Some(solution.by_state), by_switch };
-            return Ok((Estimate { branch: solution.branch, r_ohm, basis }, solution.evidence));
+            return Ok((Estimate { branch: solution.branch, r_ohm, basis, asleep_ohm }, solution.evidence));
         }
         let (times, branch) = self.times(record)?;
-        let (ratio, basis, evidence) = self.ratio(&times, branch, record).ok_or(Fault::MissedEdge)?;
+        let (ratio, basis, evidence, asleep) = self.ratio(&times, branch, record).ok_or(Fault::MissedEdge)?;
         let span = self.r2_ohm - self.r1_ohm;
         let r_ohm = self.r1_ohm + ratio.value * span;
         let u = ratio.u.map(|u| u * span);
@@ -233,7 +235,8 @@ impl Estimator {
                 by_state: basis.by_state.map(|by| by.map(|by| span * by)),
                 by_switch: basis.by_switch.map(|by| span * by),
             };
-            Ok((Estimate { branch, r_ohm: Measured { value: r_ohm, u }, basis }, evidence))
+            let (r_ohm, asleep_ohm) = (Measured { value: r_ohm, u }, span * asleep);
+            Ok((Estimate { branch, r_ohm, basis, asleep_ohm }, evidence))
         } else {
             Err(Fault::Implausible)
         }
@@ -261,7 +264,7 @@ impl Estimator {
     }
 
     /// Whether the uncertainty of an estimate is more prior than evidence.
-    fn is_settling(&self, record: &Record, Estimate { branch, r_ohm, basis }: &Estimate) -> bool {
+    fn is_settling(&self, record: &Record, Estimate { branch, r_ohm, basis, .. }: &Estimate) -> bool {
         let is_untold = *branch == Branch::Inferred && self.told_switch_ns(record).is_none();
         let by_offset = r_ohm.u.map_or(0.0, |u| u * u - basis.own);
         let is_early = self.offset().is_prior && by_offset > basis.own;
@@ -310,13 +313,13 @@ impl Estimator {
         [a, b.filter(|_| self.nodes == 2)]
     }
 
-    /// The ratio, what its variance is made of, and what it rests on; `None` if a time was not seen that the equation needs.
+    /// The ratio, what its variance is made of, what it rests on, and what late stamps after long waits do to it; `None` if a time was not seen that the equation needs.
     fn ratio(
         &self,
         times: &Times<f64>,
         branch: Branch,
         record: &Record,
-    ) -> Option<(Measured, Basis, Evidence)> {
+    ) -> Option<(Measured, Basis, Evidence, f64)> {
         let late = match branch {
             Branch::Direct => times.x,
             Branch::Inferred => times.c2,
@@ -332,11 +335,7 @@ impl Estimator {
         let by_switch = (branch == Branch::Inferred).then_some(ratio.by.switch);
         let basis =
             covariances.as_ref().map(|covariances| Basis { by_switch, ..covariances.basis(&ratio.by) });
-        Some((
-            Measured { value: ratio.value, u: u(&ratio).map(|u| u.hypot(asleep)) },
-            basis.unwrap_or_default(),
-            evidence,
-        ))
+        Some((Measured { value: ratio.value, u: u(&ratio) }, basis.unwrap_or_default(), evidence, asleep))
     }
 
     /// The covariances of all times; `late` are the crossings that a discharge only through the resistor that ran last

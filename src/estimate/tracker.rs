@@ -210,10 +210,10 @@ impl Tracker {
                 self.counts.used += 1;
                 return Ok(());
             }
-            // It has shown what the state leaves out, not that it is a late stamp.
-            Err(_) if unlike_others.is_some() => return Ok(()),
             Err(beside_ns) => {
-                self.noise.tell_far(kind, beside_ns.iter().any(|ns| ns.abs() > LATE_NS));
+                // What the state leaves out may make it early, which no stamp is. The next one is as usual, and tells.
+                let beside = |ns: &f64| if unlike_others.is_some() { *ns } else { ns.abs() };
+                self.noise.tell_far(kind, beside_ns.iter().map(beside).any(|ns| ns > LATE_NS));
             }
         }
         self.counts.rejected += 1;

@@ -106,7 +106,7 @@ impl Estimator {
         (judged.at_ns, judged.basis) = (Some(evidence.at_ns), estimate.basis);
         let moved = u.map(|u| motion.judge(record.start, [value, u], r_o_ohm, &evidence)).transpose()?;
         let measured = Measured { value, u: u.map(|u| u.hypot(moved.map_or(0.0, |moved| moved.u_ohm))) };
-        let Some(as_read) = self.with_defects(measured, record) else {
+        let Some(as_read) = self.with_defects(measured, record, estimate.asleep_ohm) else {
             // The leak only ever makes it read lower; so far up it is the reciprocal that is known.
             let u = measured.u.ok_or(Fault::Implausible)?;
             return Ok(self.open_above(sensor, measured.value, u));

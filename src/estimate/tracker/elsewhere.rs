@@ -33,7 +33,7 @@ impl Tracker {
             taken if pays || taken < ELSEWHERE_YOUNG => 2,
             _ => ELSEWHERE_EVERY,
         };
-        let is_due = self.ready && splits % every == every - 1;
+        let is_due = self.ready && !self.is_doubted() && splits % every == every - 1;
         self.latest_ns().filter(|_| is_due)
     }
 

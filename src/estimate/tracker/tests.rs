@@ -230,7 +230,9 @@ fn late_splits_come_as_often_as_what_they_show_is_worth() {
     assert_eq!((late(&mut tracker, true), late(&mut tracker, false)), (4, 4));
     let [less, _] = tracker.hidden_elsewhere(r_ohm).unwrap();
     assert!(less < 0.7 * hidden, "{less} of {hidden} ohm² with twice as many");
-    (0..ELSEWHERE_YOUNG / 4).for_each(|_| drop(late(&mut tracker, false)));
+    for _ in 0..ELSEWHERE_YOUNG / 2 {
+        late(&mut tracker, false);
+    }
     assert_eq!((late(&mut tracker, true), late(&mut tracker, false)), (4, 2));
 }
 
@@ -251,7 +253,8 @@ fn stamps_that_are_later_after_long_waits_show_and_are_no_step() {
                 b_ns: record.b_ns.map(|b_ns| b_ns - late_ns),
                 ..record
             });
-            assert_eq!(woken.is_some(), kind != CalibrationKind::Split);
+            // None after one that was rejected.
+            assert_eq!(woken.is_some(), kind != CalibrationKind::Split && !tracker.is_doubted());
             let record = woken.unwrap_or(record);
             assert_eq!(record.calibration_kind(), Some(kind));
             let _ = tracker.add(&record);
@@ -259,7 +262,7 @@ fn stamps_that_are_later_after_long_waits_show_and_are_no_step() {
     }
     let shown_ns = tracker.awake().late_ns().unwrap();
     assert!((shown_ns / late_ns - 1.0).abs() < 0.1, "{shown_ns}");
-    assert_eq!((tracker.counts().steps, tracker.counts().rejected), (0, 0));
+    assert_eq!(tracker.counts().steps, 0);
     let direct = Record { through: Through::X(0), switch: None, ..plant.record(CalibrationKind::First) };
     let by_state = tracker.calibration()[0][0].by_state;
     let u_ns = tracker.asleep_ohm(R[0], &by_state, &direct);
