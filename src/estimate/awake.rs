@@ -50,8 +50,9 @@ impl AwakeTest {
     /// By how much later stamps are after a wait as long as a discharge through a resistor, and the uncertainty of that, 1 sigma, ns.
     fn shown_ns(&self, resistor: usize) -> [f64; 2] {
         let looks = &self.looks[resistor];
-        let is_known = looks.taken() >= AWAKE_FIRST;
-        if is_known {
+        // What is more is no latency: the circuit was another one meanwhile.
+        let is_latency = looks.median().abs() <= LATEST_STAMP_NS;
+        if looks.taken() >= AWAKE_FIRST && is_latency {
             [looks.median().abs(), looks.noise().hypot(self.u_usual_ns[resistor])]
         } else {
             [0.0; 2]
@@ -124,6 +125,7 @@ mod tests {
             let none = tested(count, [0.0; 2]);
             assert_eq!((none.late_ns(), none.beyond_ns(AWAKE_SHOWS)), (None, [0.0; 2]), "{count}");
         }
+        assert_eq!(tested(AWAKE_FIRST, [1e6; 2]).beyond_ns(AWAKE_SHOWS), [0.0; 2], "no latency");
         let late = tested(2 * AWAKE_REMEMBERED, [0.0, 4e3]);
         assert!(late.late_ns().is_some_and(|ns| (ns - 4e3).abs() < 1.0) && !late.shows(0), "{late:?}");
         let [first, second] = late.beyond_ns(AWAKE_SHOWS);
