@@ -292,7 +292,7 @@ fn the_demo_runs_every_board_by_every_method_it_allows() {
 
 #[test]
 fn the_demo_runs_on_one_capacitor() {
-    let text = output(&mut ctl(&["demo", "--seconds", "1", "--wiring", "one"]));
+    let text = output(&mut ctl(&["demo", "--seconds", "4", "--wiring", "one"]));
     assert!(text.contains("board pi4, method tracked") && text.contains(" one-capacitor, a hand"), "{text}");
     let numbers = text.split(" numbers").next().and_then(|text| text.rsplit(' ').next());
     assert!(numbers.and_then(|count| count.parse().ok()).is_some_and(|count: usize| count > 10), "{text}");
