@@ -8,7 +8,7 @@ use crate::estimate::limits::{
     AWAKE_AGAIN, AWAKE_EVERY, AWAKE_FIRST, AWAKE_MARGIN, AWAKE_REMEMBERED, AWAKE_SHOWS, AWAKE_YOUNG,
     LATEST_STAMP_NS,
 };
-use crate::estimate::look::Looks;
+use crate::estimate::look::{Looks, beyond};
 use crate::record::{CalibrationKind, Record, Through};
 use crate::units::Nanos;
 
@@ -75,7 +75,7 @@ impl AwakeTest {
     pub fn beyond_ns(&self, sigmas: f64) -> [f64; 2] {
         [0, 1].map(|resistor| {
             let [shown_ns, u_ns] = self.shown_ns(resistor);
-            (shown_ns.powi(2) - (sigmas * u_ns).powi(2)).max(0.0).sqrt()
+            beyond(shown_ns, sigmas * u_ns)
         })
     }
 }

@@ -313,7 +313,8 @@ impl Estimator {
         [a, b.filter(|_| self.nodes == 2)]
     }
 
-    /// The ratio, what its variance is made of, what it rests on, and what late stamps after long waits do to it; `None` if a time was not seen that the equation needs.
+    /// The ratio, what its variance is made of, what it rests on, and what late stamps after long waits do to it; `None` if a time was
+    /// not seen that the equation needs.
     fn ratio(
         &self,
         times: &Times<f64>,

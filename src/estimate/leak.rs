@@ -15,7 +15,7 @@ use crate::estimate::limits::{
     COVERAGE, GROSS_LEAK_SIEMENS, LEAK_AVERAGE, LEAK_BENT, LEAK_EVERY, LEAK_FIRST, LEAK_GROSS_FIRST,
     LEAK_HELD_AT, LEAK_HOLD, LEAK_LEFT, LEAK_REMEMBERED, LIKELY_LEAK_SIEMENS, LOOK_SHOWS,
 };
-use crate::estimate::look::Looks;
+use crate::estimate::look::{Looks, beyond};
 use crate::record::Record;
 use crate::units::Nanos;
 
@@ -74,8 +74,7 @@ impl LeakTest {
         if !self.is_known() || early.taken() == 0 || late.taken() == 0 {
             return 0.0;
         }
-        let variance = early.noise().powi(2) + late.noise().powi(2);
-        ((late.median() - early.median()).powi(2) - COVERAGE.powi(2) * variance).max(0.0).sqrt()
+        beyond(late.median() - early.median(), COVERAGE * early.noise().hypot(late.noise()))
     }
 
     /// Whether the leak has come, grown or gone since this last was so.

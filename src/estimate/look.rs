@@ -5,6 +5,11 @@ use crate::estimate::scatter::median;
 use crate::units::Nanos;
 use std::f64::consts::FRAC_PI_2;
 
+/// What of something that shows is more than chance makes of none.
+pub fn beyond(shown: f64, chance: f64) -> f64 {
+    (shown.powi(2) - chance.powi(2)).max(0.0).sqrt()
+}
+
 /// Looks so far, the last `N` of them with what they have shown.
 #[derive(Debug, Clone, Copy)]
 pub struct Looks<const N: usize> {

@@ -11,7 +11,7 @@ use crate::estimate::limits::{
     ELSEWHERE_FIRST, ELSEWHERE_MARGIN, ELSEWHERE_REMEMBERED, ELSEWHERE_SHOWS, ELSEWHERE_YOUNG,
     SPLIT_FRACTION,
 };
-use crate::estimate::look::Looks;
+use crate::estimate::look::{Looks, beyond};
 use crate::record::{CalibrationKind, Record};
 
 /// By how much node A crossed beside what the state says, ns, and how many split discharges there were.
@@ -69,8 +69,7 @@ impl Tracker {
     /// and R_2, which are read as themselves, all counts that noise does not explain.
     pub fn left_out_ohm(&self, r_ohm: f64) -> f64 {
         let Some([shown_ns, u_ns]) = self.shown_elsewhere_ns() else { return 0.0 };
-        let beyond_ns = |sigmas: f64| (shown_ns.powi(2) - (sigmas * u_ns).powi(2)).max(0.0).sqrt();
-        let (certain_ns, likely_ns) = (beyond_ns(COVERAGE), beyond_ns(1.0));
+        let (certain_ns, likely_ns) = (beyond(shown_ns, COVERAGE * u_ns), beyond(shown_ns, u_ns));
         let below_ohm = BY_ELSEWHERE * self.r_ohm[0] / self.takes_ns()[1] * certain_ns;
         below_ohm.max(self.left_out_above(r_ohm) * likely_ns)
     }
