@@ -176,10 +176,7 @@ impl Estimator {
         let kind = record.calibration_kind().ok_or(Fault::NoCalibration)?;
         let times = record.complete(self.nodes).ok_or(Fault::NoCalibration)?;
         let ended = record.ended(self.nodes).ok_or(Fault::NoCalibration)?;
-        let judged = self.noise.add(kind, ended, [0.0; 2]);
-        if self.tracker.is_none() {
-            judged?;
-        }
+        self.noise.add(kind, ended, [0.0; 2])?;
         match kind {
             CalibrationKind::First => self.c1 = Some(times),
             CalibrationKind::Second => self.c2 = Some(times),

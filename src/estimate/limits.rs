@@ -132,6 +132,14 @@ pub const NOISE_WARM_UP: usize = 16;
 pub const FAR_OF: f64 = 64.0;
 /// Of a usual board one discharge in fifty is far off; so many are not by chance, and those that are near may be late as well.
 pub const OFTEN_LATE: f64 = 0.2;
+/// So few are accidents, of which no two come together.
+pub const SELDOM_LATE: f64 = 0.03;
+/// What late stamps do by chance with this probability they do not do.
+pub const BY_CHANCE: f64 = 1e-6;
+/// How likely one is as late as another, within noise.
+pub const ALIKE_BY_CHANCE: f64 = 0.2;
+/// Readings among which others like one are looked for.
+pub const REPEATS_OF: usize = 12;
 /// What is less far is no late stamp, however small the noise, ns: on a board without any, all that is new is many sigma away.
 pub const LATE_NS: f64 = 20_000.0;
 /// So many outliers in a row are no late stamps, however frequent these are.
@@ -144,7 +152,7 @@ pub const TOO_MANY_LATE: (usize, f64) = (4, 20.0);
 pub const SHORTEST_THIRD: f64 = 0.507;
 /// For how many differences of successive discharges such an interval stands: the 6 values in it have 5.
 pub const WEIGHT_OF_A_THIRD: f64 = 5.0;
-/// So many outliers in a row are a step: the mean starts anew.
+/// So many outliers in a row are a step: the mean, or the filter, starts anew.
 pub const OUTLIERS_OF_A_STEP: u32 = 3;
 /// Differences of successive discharges that are remembered, about.
 pub const NOISE_MEMORY: f64 = 2048.0;
@@ -168,9 +176,6 @@ pub const MOTION_POINTS: usize = 6;
 /// A sensor whose readings have a larger predicted error, relative, moves fast: crossings that contradict each other are its
 /// own then.
 pub const FAST: f64 = 0.01;
-/// Where stamps are often late: a sensor may change by so much from reading to reading. Of stamps that are late alike few are so
-/// by less, and that is no more than some sigma of such a board's readings.
-pub const NEAR: f64 = 0.03;
 /// A predicted error below so many sigma may be noise.
 pub const STATED: f64 = 3.0;
 /// What is so many times faster than everything before it was not to be expected.
@@ -221,8 +226,6 @@ pub const BEGINNINGS: usize = 8;
 pub const MOST_REJECTED: usize = 8;
 /// An innovation beyond so many sigma is rejected.
 pub const INNOVATION_GATE: f64 = 4.0;
-/// So many rejections in a row are a step.
-pub const REJECTED_OF_A_STEP: u32 = 3;
 /// How slowly d, g and Ro walk, per root second: d in parts of its jitter, for what makes the latency jitter makes its mean
 /// wander; g relative, beside how fast it drifts, which is part of the state; Ro in ohm, for the temperature of a board changes
 /// in minutes.

@@ -18,9 +18,10 @@
 mod drift;
 mod evidence;
 mod point;
+mod repeats;
 
 use crate::estimate::limits::{
-    BEYOND_NOISE, COVERAGE, FAST, FOLLOWED, MOTION_POINTS, NEAR, OPEN_LN, STATED, SUDDEN,
+    BEYOND_NOISE, COVERAGE, FAST, FOLLOWED, MOTION_POINTS, OPEN_LN, STATED, SUDDEN,
 };
 use crate::reading::Fault;
 use crate::units::Nanos;
@@ -28,6 +29,8 @@ use drift::{Drift, bend, second_greatest};
 pub use evidence::Evidence;
 use evidence::Pair;
 use point::{Point, Trust};
+use repeats::Recent;
+pub use repeats::Repeats;
 
 /// What the sensor's own change adds to a reading.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -45,8 +48,7 @@ pub struct Motion {
     count: usize,
     /// The last one changed by more than its noise can hide.
     is_fast: bool,
-    /// ln(R_x+Ro) of the last reading that none has repeated yet, and 1 sigma.
-    alone: Option<[f64; 2]>,
+    recent: Recent,
     /// The last one was settling.
     was_settling: bool,
     /// The last one before a rise that one stretch alone has shown: two late stamps in a row look like it.
@@ -55,7 +57,7 @@ pub struct Motion {
 
 impl Motion {
     /// Takes an estimate (`r_ohm` with `u_ohm`) of a discharge that began at `start`; answers what the sensor's own change
-    /// adds to its uncertainty. `r_o_ohm`: Ro, if it is known.
+    /// adds to its uncertainty. `r_o_ohm`: Ro, if it is known; `unproven`: what of it may be no change, relative.
     ///
     /// # Errors
     /// [`Fault::LatencyOutlier`] if it contradicts itself as by one late stamp, [`Fault::Unsettled`] if the sensor has
@@ -66,6 +68,7 @@ impl Motion {
         [r_ohm, u_ohm]: [f64; 2],
         r_o_ohm: Option<f64>,
         evidence: &Evidence,
+        unproven: f64,
     ) -> Result<Moved, Fault> {
         let all_ohm = through(r_ohm, r_o_ohm);
         // Where the value is anything, nothing can be said of how it changes, but that it was no more.
@@ -99,6 +102,7 @@ impl Motion {
             self.is_fast = error > FAST.max(STATED * point.u);
             error
         };
+        let error = error.hypot(unproven);
         let moved = Moved { u_ohm: error * all_ohm, is_moving: error > point.u };
         let is_number = !moved.is_moving || COVERAGE * moved.u_ohm < r_ohm;
         if is_number { Ok(moved) } else { Err(Fault::Unsettled) }
@@ -118,17 +122,10 @@ impl Motion {
         self.error(evidence, is_sudden).hypot(hidden.max(unproven))
     }
 
-    /// Whether a reading is near the last one, or else near the last that was not: where stamps are often late, two may be late
-    /// alike, and only a change that has come twice is one.
-    pub fn repeats(&mut self, [r_ohm, u_ohm]: [f64; 2], r_o_ohm: Option<f64>) -> bool {
+    /// What the readings before say of one more, whatever became of them.
+    pub fn repeats(&mut self, [r_ohm, u_ohm]: [f64; 2], r_o_ohm: Option<f64>) -> Repeats {
         let all_ohm = through(r_ohm, r_o_ohm);
-        let [z, u] = [all_ohm.ln(), u_ohm / all_ohm];
-        let last = self.points().last().map(|point| [point.z, point.u]);
-        let is_near =
-            |[before, u_before]: [f64; 2]| (z - before).abs() <= NEAR + BEYOND_NOISE * u.hypot(u_before);
-        let repeats = last.into_iter().chain(self.alone).any(is_near);
-        self.alone = (!repeats).then_some([z, u]);
-        repeats
+        self.recent.take(Point { z: all_ohm.ln(), u: u_ohm / all_ohm, ..Point::default() })
     }
 
     /// Whether a reading is settling, or the first that is not: no other has yet been known well enough to tell a late stamp of
@@ -207,14 +204,15 @@ impl Motion {
     /// A sensor that has at once what it had before a sudden change never changed: had it come back in the middle of this
     /// discharge, this would be something in between.
     fn forget_what_is_gone(&mut self, point: &Point) {
-        let Some(rest) = self.points().iter().rposition(|point| point.trust != Trust::Sudden) else { return };
-        let before = self.points[rest];
-        let is_known = before.trust == Trust::Sound && !before.is_open();
         let is_near = |other: &Point| (point.z - other.z).abs() <= BEYOND_NOISE * point.u.hypot(other.u);
         // What is near both is no return.
-        let is_back = is_near(&before) && !self.points().last().is_some_and(is_near);
-        if is_known && is_back {
-            self.count = rest + 1;
+        if self.points().last().is_none_or(is_near) {
+            return;
+        }
+        let Some(sudden) = self.points().iter().rposition(|point| point.trust == Trust::Sudden) else { return };
+        let is_before = |before: &Point| before.trust == Trust::Sound && !before.is_open() && is_near(before);
+        if let Some(before) = self.points()[..sudden].iter().rposition(is_before) {
+            self.count = before + 1;
         }
     }
 

@@ -21,6 +21,7 @@ use crate::reading::Fault;
 use crate::record::CalibrationKind;
 pub use gate::Gate;
 use spread::Spread;
+pub use spread::is_step;
 
 /// Covariance of the crossings of A and B in one discharge, ns².
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -174,9 +175,9 @@ impl Noise {
         }
     }
 
-    /// Whether so many stamps are late that a crossing alone is no evidence.
-    pub fn is_often_late(&self) -> bool {
-        self.c1.is_often_late() || self.c2.is_often_late()
+    /// The share of discharges that have a late stamp.
+    pub fn late_share(&self) -> f64 {
+        self.c1.late_share().max(self.c2.late_share())
     }
 
     /// Whether enough discharges have been seen.

@@ -8,8 +8,8 @@
 use crate::circuit::Node;
 use crate::estimate::awake::AwakeTest;
 use crate::estimate::law::{Crossing, D, D_B, R_O, Route, State, UNKNOWNS};
-use crate::estimate::limits::{FIRST_ROUNDS, INNOVATION_GATE, LATE_NS, REJECTED_OF_A_STEP, SPLIT_FRACTION};
-use crate::estimate::noise::{Covariance, Noise};
+use crate::estimate::limits::{FIRST_ROUNDS, INNOVATION_GATE, LATE_NS, SPLIT_FRACTION};
+use crate::estimate::noise::{Covariance, Noise, is_step};
 use crate::estimate::offset::{Offset, SplitCalibration};
 use crate::estimate::scatter::{SwitchScatter, expected_ns};
 use crate::reading::Fault;
@@ -66,6 +66,8 @@ pub struct Tracker {
     /// What each crossing of each kind of discharge is beside its expectation on average, in sigma.
     means: [[f64; 2]; 3],
     rejected_in_row: u32,
+    /// The share of late stamps before them, which may be a step.
+    late_before: f64,
     counts: Counts,
     scatter: SwitchScatter,
     elsewhere: Elsewhere,
@@ -106,6 +108,7 @@ impl Tracker {
             speeds: Speeds::of_all(),
             means: [[0.0; 2]; 3],
             rejected_in_row: 0,
+            late_before: 0.0,
             counts: Counts::default(),
             scatter: SwitchScatter::default(),
             elsewhere: Elsewhere::default(),
@@ -200,6 +203,9 @@ impl Tracker {
         if unlike_others == Some(false) {
             return Ok(());
         }
+        if self.rejected_in_row == 0 {
+            self.late_before = self.noise.late_share();
+        }
         match self.correct(kind, record, times) {
             Ok(expected) => {
                 // What the filter takes is no spike, whatever the spread says.
@@ -218,7 +224,7 @@ impl Tracker {
         }
         self.counts.rejected += 1;
         self.rejected_in_row += 1;
-        if self.rejected_in_row < REJECTED_OF_A_STEP {
+        if !is_step(self.rejected_in_row, self.late_before) {
             return Err(Fault::LatencyOutlier);
         }
         self.begin_anew();

@@ -2,7 +2,7 @@
 
 use super::{Covariance, Gate};
 use crate::estimate::limits::{
-    BEYOND_NOISE, FAR_OF, GATE_WIDEST, LATE_NS, NEVER_SO_LATE, NOISE_MEMORY, NOISE_WARM_UP, OFTEN_LATE,
+    BEYOND_NOISE, BY_CHANCE, FAR_OF, LATE_NS, NEVER_SO_LATE, NOISE_MEMORY, NOISE_WARM_UP,
     OUTLIERS_OF_A_STEP, SHORTEST_THIRD, TOO_MANY_LATE, WEIGHT_OF_A_THIRD,
 };
 use crate::estimate::scatter::{MEDIAN_DEVIATION, Usual, median};
@@ -73,7 +73,6 @@ impl Spread {
             return Ok(());
         }
         let sigmas = self.sigmas(away, self.mean, has_b, quantisation);
-        let is_often_late = self.is_often_late();
         if self.outliers_in_row == 0 {
             self.far_before = self.far;
         }
@@ -83,10 +82,9 @@ impl Spread {
         if !self.gate.admits(sigmas) {
             // A step is where the next ones are, too; late stamps are anywhere.
             let is_alike = self.sigmas(away, self.refused, has_b, quantisation) <= self.gate.sigma();
-            let least = if is_alike || !is_often_late { OUTLIERS_OF_A_STEP } else { NEVER_SO_LATE };
             self.refused = away;
             self.outliers_in_row += 1;
-            if self.outliers_in_row < least {
+            if !is_step(self.outliers_in_row, if is_alike { 0.0 } else { self.far_before }) {
                 return Err(Fault::LatencyOutlier);
             }
             // What a step has moved was not late; so many in a row are no late stamps either.
@@ -103,8 +101,8 @@ impl Spread {
         self.far += (f64::from(u8::from(is_far)) - self.far) / FAR_OF;
     }
 
-    pub fn is_often_late(&self) -> bool {
-        self.far > OFTEN_LATE
+    pub fn late_share(&self) -> f64 {
+        self.far
     }
 
     /// Differences of successive discharges; those of B, and with B, only where both have waited for it.
@@ -163,9 +161,9 @@ impl Spread {
             self.warm_up.iter().filter(|pair| (pair[node] - middle).abs() > beyond).count()
         });
         let late = late[0].max(late[1]);
-        self.far = late as f64 / NOISE_WARM_UP as f64;
+        self.far = (late as f64 + 0.5) / (NOISE_WARM_UP as f64 + 1.0);
         if late >= too_many {
-            (self.far, self.weight) = (1.0, [WEIGHT_OF_A_THIRD; 2]);
+            self.weight = [WEIGHT_OF_A_THIRD; 2];
             let [a, b] = thirds.map(|(_, sigma)| 2.0 * self.weight[0] * sigma * sigma);
             self.sum = Covariance { aa: a, bb: b, ab: 0.0 };
             (self.mean, self.last) = (thirds.map(|third| third.0), thirds.map(|third| third.0));
@@ -208,9 +206,14 @@ impl Spread {
     }
 }
 
+/// Whether so many outliers in a row are no late stamps, of which there is this share, but a step.
+pub fn is_step(in_row: u32, late_share: f64) -> bool {
+    in_row >= NEVER_SO_LATE || in_row >= OUTLIERS_OF_A_STEP && late_share.powf(in_row.into()) < 10.0 * BY_CHANCE
+}
+
 /// Whether a value is so far from where most are that no gate would let it in.
 fn is_far(away: f64, usual: &Usual) -> bool {
-    (away - usual.place).abs() > (GATE_WIDEST * BEYOND_NOISE * usual.sigma()).max(LATE_NS)
+    (away - usual.place).abs() > (BEYOND_NOISE * usual.sigma()).max(LATE_NS)
 }
 
 /// The middle of the shortest interval that has a third of the values, and the sigma of normal ones that have it so short:
