@@ -45,3 +45,46 @@ impl Repeats {
         f64::from(self.alike) >= needed
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const U: f64 = 1e-3;
+
+    /// What the readings before say of the last one, each `(ln R, 1 sigma)`.
+    fn of_the_last(readings: &[(f64, f64)]) -> Repeats {
+        let mut recent = Recent::default();
+        readings.iter().map(|&(z, u)| recent.take(Point { z, u, ..Point::default() })).last().unwrap()
+    }
+
+    #[test]
+    fn what_is_alike_is_near_and_known_as_well() {
+        let repeats = of_the_last(&[(7.0, U), (7.0 + 2.0 * U, 2.0 * U), (7.0, 3.0 * U), (7.1, U), (7.0, U)]);
+        assert_eq!(repeats, Repeats { alike: 2, above: 0.0 });
+    }
+
+    #[test]
+    fn what_is_above_is_relative_to_the_reading() {
+        let twice = of_the_last(&[(7.0, U), (8.0, U), (7.0 + 2f64.ln(), U)]);
+        assert_eq!(twice.alike, 0);
+        assert!((twice.above - 0.5).abs() < 1e-12, "{twice:?}");
+        // One that only noise has put above is not.
+        assert_eq!(of_the_last(&[(7.0, U), (7.0 + 2.0 * U, U)]).above, 0.0);
+    }
+
+    #[test]
+    fn what_is_long_past_says_nothing() {
+        let mut readings = vec![(7.0, U)];
+        readings.extend([(8.0, U); REPEATS_OF]);
+        assert_eq!(of_the_last(&[&readings[..], &[(7.0, U)]].concat()).alike, 0);
+        assert_eq!(of_the_last(&readings), Repeats { alike: REPEATS_OF as u32 - 1, above: 1.0 - (-1f64).exp() });
+    }
+
+    #[test]
+    fn the_more_often_stamps_are_late_the_more_have_to_be_alike() {
+        let needed = |late| (0..).find(|&alike| Repeats { alike, above: 0.0 }.are_enough(late)).unwrap();
+        assert_eq!([0.03, 0.1, 0.2, 0.3, 0.5].map(needed), [2, 3, 4, 4, 5]);
+        assert!(needed(1.0) < REPEATS_OF as u32);
+    }
+}

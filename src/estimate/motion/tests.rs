@@ -40,7 +40,7 @@ fn judge(motion: &mut Motion, from: usize, count: usize, r_ohm: &dyn Fn(f64) -> 
             let start = Nanos(index as i64 * 20_000_000);
             let (estimate, evidence) = seen(crossings(start.as_seconds(), r_ohm));
             let error = estimate[0] - r_ohm(start.as_seconds() + 1e-9 * evidence.at_ns);
-            (error, motion.judge(start, estimate, Some(R_O), &evidence))
+            (error, motion.judge(start, estimate, Some(R_O), &evidence, 0.0))
         })
         .collect()
 }
@@ -77,7 +77,7 @@ fn one_late_stamp_is_an_outlier_and_forgotten() {
         let (estimate, evidence) = seen(t_ns);
         let start = Nanos(200_000_000);
         assert_eq!(
-            motion.judge(start, estimate, Some(R_O), &evidence),
+            motion.judge(start, estimate, Some(R_O), &evidence, 0.0),
             Err(Fault::LatencyOutlier),
             "{late_ns:?}"
         );
@@ -151,6 +151,7 @@ fn judge_alone(motion: &mut Motion, from: usize, r_ohm: &[f64]) -> Vec<Result<Mo
             [*r_ohm, 2.0],
             Some(R_O),
             &Evidence::over(5e6),
+            0.0,
         )
     };
     r_ohm.iter().enumerate().map(judge).collect()
@@ -182,7 +183,7 @@ fn one_stretch_alone_that_is_far_off_costs_one_reading_if_it_is_over_at_once() {
 fn a_late_stamp_after_an_uncertain_reading_is_still_sudden() {
     let mut motion = Motion::default();
     let mut take = |index: i64, r_ohm: f64, u_ohm: f64| {
-        motion.judge(Nanos(index * 2_000_000), [r_ohm, u_ohm], Some(R_O), &Evidence::over(300e3)).unwrap()
+        motion.judge(Nanos(index * 2_000_000), [r_ohm, u_ohm], Some(R_O), &Evidence::over(300e3), 0.0).unwrap()
     };
     (0..6).for_each(|index| assert!(!take(index, 1000.0, 0.8).is_moving));
     assert!(!take(6, 1001.0, 2.6).is_moving);
@@ -195,7 +196,7 @@ fn a_late_stamp_after_an_uncertain_reading_is_still_sudden() {
 fn a_spike_of_noise_is_no_speed() {
     let mut motion = Motion::default();
     let mut take = |index: i64, r_ohm: f64| {
-        motion.judge(Nanos(index * 1_100_000), [r_ohm, 5.0], Some(R_O), &Evidence::over(770e3)).unwrap()
+        motion.judge(Nanos(index * 1_100_000), [r_ohm, 5.0], Some(R_O), &Evidence::over(770e3), 0.0).unwrap()
     };
     for (index, r_ohm) in [5008.0, 4997.0, 5004.0, 5007.0, 4979.0, 5006.0].into_iter().enumerate() {
         take(index as i64, r_ohm);
@@ -260,7 +261,7 @@ fn two_late_stamps_alike_are_no_change_where_one_stretch_is_all_that_there_is() 
 fn judge_noisy(r_o_ohm: Option<f64>, readings: &[[f64; 2]]) -> Vec<Result<Moved, Fault>> {
     let mut motion = Motion::default();
     let one = |(index, reading): (usize, &[f64; 2])| {
-        motion.judge(Nanos(2_000_000 * index as i64), *reading, r_o_ohm, &Evidence::over(50_000.0))
+        motion.judge(Nanos(2_000_000 * index as i64), *reading, r_o_ohm, &Evidence::over(50_000.0), 0.0)
     };
     readings.iter().enumerate().map(one).collect()
 }
@@ -294,7 +295,7 @@ fn what_contradicts_itself_in_the_same_way_again_and_again_is_no_change() {
         let mut t_ns = crossings(0.0, &|_| 5000.0);
         t_ns[1] += 20_000.0;
         let (estimate, evidence) = seen(t_ns);
-        let judged = motion.judge(Nanos(index * 20_000_000), estimate, Some(R_O), &evidence);
+        let judged = motion.judge(Nanos(index * 20_000_000), estimate, Some(R_O), &evidence, 0.0);
         assert_eq!(judged, Err(Fault::LatencyOutlier));
     }
 }
@@ -309,7 +310,7 @@ fn the_first_number_after_an_open_sensor_has_only_what_its_stretches_tell() {
     let mut motion = Motion::default();
     motion.is_open(Nanos(0), 1e6);
     let start = Nanos(20_000_000);
-    let alone = motion.judge(start, [5000.0, 2.0], Some(R_O), &Evidence::over(5e6));
+    let alone = motion.judge(start, [5000.0, 2.0], Some(R_O), &Evidence::over(5e6), 0.0);
     assert_eq!(alone, Err(Fault::Unsettled), "one stretch alone tells nothing of a change from open");
 }
 
@@ -323,7 +324,7 @@ fn nothing_makes_it_panic_or_answer_nan() {
                 let at = Nanos(index / 2 * 1000);
                 let evidence =
                     Evidence::over_two([end, 2.0 * end], [0.5, 0.5], [r_ohm, 2.0 * r_ohm], Some(1.0));
-                if let Ok(moved) = motion.judge(at, [r_ohm, 1.0], Some(R_O), &evidence) {
+                if let Ok(moved) = motion.judge(at, [r_ohm, 1.0], Some(R_O), &evidence, 0.0) {
                     assert!(moved.u_ohm.is_finite() && moved.u_ohm >= 0.0, "{r_ohm} {end} {moved:?}");
                 }
             }

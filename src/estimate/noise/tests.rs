@@ -2,7 +2,7 @@
 
 use super::*;
 use crate::chance::{Figure, mean_of, share_is_in};
-use crate::estimate::limits::NOISE_WARM_UP;
+use crate::estimate::limits::{NEVER_SO_LATE, NOISE_WARM_UP, OFTEN_LATE};
 use rand::RngExt;
 use rand_distr::{Distribution, Exp1, StandardNormal};
 
@@ -159,9 +159,20 @@ fn stamps_that_are_often_late_stay_so() {
             let _ = noise.add(CalibrationKind::First, C1.map(|ns| Some(ns + late())), [0.0; 2]);
             let _ = noise.add(CalibrationKind::Second, C2.map(|ns| Some(ns + late())), [0.0; 2]);
         }
-        !noise.is_often_late()
+        noise.late_share() < OFTEN_LATE
     };
     assert_eq!((0..400).filter(forgets).count(), 0);
+}
+
+/// Three in a row are a step where one in a hundred is late; where one in five is, they happen every hundred discharges or so.
+#[test]
+fn a_step_is_more_in_a_row_than_late_stamps_are() {
+    assert!(!is_step(2, 0.0) && is_step(3, 0.01) && !is_step(3, 0.2));
+    for late in [0.05, 0.1, 0.2, 0.3, 0.5] {
+        let first = (1..100).find(|&in_row| is_step(in_row, late)).unwrap();
+        let by_chance = late.powi(first as i32);
+        assert!(first == NEVER_SO_LATE || by_chance < 1e-5 && by_chance > 1e-5 * late * late, "{late}: {first}");
+    }
 }
 
 #[test]
