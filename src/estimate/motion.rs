@@ -30,7 +30,6 @@ pub use evidence::Evidence;
 use evidence::Pair;
 use point::{Point, Trust};
 use repeats::Recent;
-pub use repeats::Repeats;
 
 /// What the sensor's own change adds to a reading.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -57,10 +56,11 @@ pub struct Motion {
 
 impl Motion {
     /// Takes an estimate (`r_ohm` with `u_ohm`) of a discharge that began at `start`; answers what the sensor's own change
-    /// adds to its uncertainty. `r_o_ohm`: Ro, if it is known; `unproven`: what of it may be no change, relative.
+    /// adds to its uncertainty. `r_o_ohm`: Ro, if it is known; `late`: the share of discharges with a late stamp.
     ///
     /// # Errors
-    /// [`Fault::LatencyOutlier`] if it contradicts itself as by one late stamp, [`Fault::Unsettled`] if the sensor has
+    /// [`Fault::LatencyOutlier`] if it contradicts itself as by one late stamp, or if too few others are like it where many are
+    /// late; [`Fault::Unsettled`] if the sensor has
     /// changed so much that the error may be as large as the value.
     pub fn judge(
         &mut self,
@@ -68,7 +68,7 @@ impl Motion {
         [r_ohm, u_ohm]: [f64; 2],
         r_o_ohm: Option<f64>,
         evidence: &Evidence,
-        unproven: f64,
+        late: f64,
     ) -> Result<Moved, Fault> {
         let all_ohm = through(r_ohm, r_o_ohm);
         // Where the value is anything, nothing can be said of how it changes, but that it was no more.
@@ -86,6 +86,8 @@ impl Motion {
             slope: pair.and_then(Pair::slope),
             trust: Trust::Sound,
         };
+        let late_by =
+            self.recent.late_by(&point, late, evidence.is_confirmed()).ok_or(Fault::LatencyOutlier)?;
         let error = if evidence.contradicts && !self.explains(&point) {
             let Some(pair) = pair else { return Err(Fault::LatencyOutlier) };
             // Where the sensor was moving already, it moves still.
@@ -102,7 +104,7 @@ impl Motion {
             self.is_fast = error > FAST.max(STATED * point.u);
             error
         };
-        let error = error.hypot(unproven);
+        let error = error.hypot(late_by);
         let moved = Moved { u_ohm: error * all_ohm, is_moving: error > point.u };
         let is_number = !moved.is_moving || COVERAGE * moved.u_ohm < r_ohm;
         if is_number { Ok(moved) } else { Err(Fault::Unsettled) }
@@ -120,12 +122,6 @@ impl Motion {
         }
         self.push(point);
         self.error(evidence, is_sudden).hypot(hidden.max(unproven))
-    }
-
-    /// What the readings before say of one more, whatever became of them.
-    pub fn repeats(&mut self, [r_ohm, u_ohm]: [f64; 2], r_o_ohm: Option<f64>) -> Repeats {
-        let all_ohm = through(r_ohm, r_o_ohm);
-        self.recent.take(Point { z: all_ohm.ln(), u: u_ohm / all_ohm, ..Point::default() })
     }
 
     /// Whether a reading is settling, or the first that is not: no other has yet been known well enough to tell a late stamp of
@@ -204,15 +200,14 @@ impl Motion {
     /// A sensor that has at once what it had before a sudden change never changed: had it come back in the middle of this
     /// discharge, this would be something in between.
     fn forget_what_is_gone(&mut self, point: &Point) {
+        let Some(rest) = self.points().iter().rposition(|point| point.trust != Trust::Sudden) else { return };
+        let before = self.points[rest];
+        let is_known = before.trust == Trust::Sound && !before.is_open();
         let is_near = |other: &Point| (point.z - other.z).abs() <= BEYOND_NOISE * point.u.hypot(other.u);
         // What is near both is no return.
-        if self.points().last().is_none_or(is_near) {
-            return;
-        }
-        let Some(sudden) = self.points().iter().rposition(|point| point.trust == Trust::Sudden) else { return };
-        let is_before = |before: &Point| before.trust == Trust::Sound && !before.is_open() && is_near(before);
-        if let Some(before) = self.points()[..sudden].iter().rposition(is_before) {
-            self.count = before + 1;
+        let is_back = is_near(&before) && !self.points().last().is_some_and(is_near);
+        if is_known && is_back {
+            self.count = rest + 1;
         }
     }
 

@@ -1,10 +1,10 @@
 //! What is known about a sensor: a number, or a state with its reason.
 
 use super::Estimator;
-use crate::estimate::limits::{BEYOND_NOISE, COVERAGE, OFTEN_LATE, RESOLVED, SELDOM_LATE};
+use crate::estimate::limits::{BEYOND_NOISE, COVERAGE, RESOLVED};
 use crate::estimate::mean::Basis;
 use crate::estimate::method::tracked;
-use crate::estimate::motion::{Evidence, Motion, Repeats};
+use crate::estimate::motion::Motion;
 use crate::reading::{Fault, Measured, Status};
 use crate::record::Record;
 use crate::sensor::Channel;
@@ -99,9 +99,10 @@ impl Estimator {
             return Ok(self.open_above(sensor, value, u));
         }
         let r_o_ohm = self.offset().r_o();
-        let unproven = u.map_or(Ok(0.0), |u| self.unproven(motion.repeats([value, u], r_o_ohm), &evidence))?;
         (judged.at_ns, judged.basis) = (Some(evidence.at_ns), estimate.basis);
-        let moved = u.map(|u| motion.judge(record.start, [value, u], r_o_ohm, &evidence, unproven)).transpose()?;
+        let late = self.noise().late_share();
+        let moved =
+            u.map(|u| motion.judge(record.start, [value, u], r_o_ohm, &evidence, late)).transpose()?;
         let measured = Measured { value, u: u.map(|u| u.hypot(moved.map_or(0.0, |moved| moved.u_ohm))) };
         let Some(as_read) = self.with_defects(measured, record, estimate.asleep_ohm) else {
             // The leak only ever makes it read lower; so far up it is the reciprocal that is known.
@@ -122,21 +123,6 @@ impl Estimator {
             // The reciprocal of a resistance that may be 0 is anything.
             shown: is_resolved(r_ohm).then(|| sensor.value_at(r_ohm, self.known_ohm())).flatten(),
         })
-    }
-
-    /// What of a reading may be a late stamp, 1 sigma, relative, where they are no rare accidents.
-    ///
-    /// # Errors
-    /// [`Fault::LatencyOutlier`] where so many are late that nothing but others like it make it a number.
-    fn unproven(&self, mut repeats: Repeats, evidence: &Evidence) -> Result<f64, Fault> {
-        let late = self.noise().late_share();
-        // Its own second crossing is as good as another reading: both would have to be late, and to agree.
-        repeats.alike += u32::from(evidence.is_confirmed());
-        if late <= SELDOM_LATE || repeats.are_enough(late) {
-            return Ok(0.0);
-        }
-        // All of it, or nothing.
-        if late <= OFTEN_LATE { Ok(repeats.above / 3f64.sqrt()) } else { Err(Fault::LatencyOutlier) }
     }
 
     /// The lower bound that is all that is known after a discharge that has not ended, or ended by R_1 or R_2 alone.

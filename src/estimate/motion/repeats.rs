@@ -1,7 +1,8 @@
 //! Readings as they came, late or not: where stamps are often late, a number is what several of them say.
 
 use super::point::Point;
-use crate::estimate::limits::{ALIKE_BY_CHANCE, BY_CHANCE, REPEATS_OF, STATED};
+use crate::estimate::limits::{ALIKE_BY_CHANCE, BY_CHANCE, OFTEN_LATE, REPEATS_OF, SELDOM_LATE, STATED};
+use std::f64::consts::FRAC_PI_2;
 
 /// The last readings.
 #[derive(Debug, Clone, Copy, Default)]
@@ -10,40 +11,61 @@ pub(super) struct Recent {
     count: usize,
 }
 
-/// What they say of one more.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Repeats {
-    /// How many are as it is.
-    pub alike: u32,
-    /// By how much it is above the lowest, relative, if that is more than noise: late stamps only ever make it higher.
-    pub above: f64,
-}
-
 impl Recent {
-    pub(super) fn take(&mut self, point: Point) -> Repeats {
-        let recent = &self.points[..self.count];
-        let apart = |other: &Point| (point.z - other.z) / point.u.hypot(other.u);
-        // What is known much worse is like anything.
-        let is_alike = |other: &&Point| other.u <= 2.0 * point.u && apart(other).abs() <= STATED;
-        let lower = recent.iter().filter(|other| point.z - other.z > STATED * point.u && !is_alike(other));
-        let above = lower.map(|other| -(other.z - point.z).exp_m1()).fold(0.0, f64::max);
-        let repeats = Repeats { alike: recent.iter().filter(is_alike).count() as u32, above };
+    /// What of one more reading may be a late stamp, 1 sigma, relative. `late`: the share of readings that have one;
+    /// `is_confirmed`: its own second crossing says the same. `None` where so many have one that only others like it would make
+    /// it a number.
+    pub(super) fn late_by(&mut self, point: &Point, late: f64, is_confirmed: bool) -> Option<f64> {
+        let by = if late <= SELDOM_LATE { Some(0.0) } else { self.compare(point, late, is_confirmed) };
         if self.count == REPEATS_OF {
             self.points.rotate_left(1);
             self.count -= 1;
         }
-        self.points[self.count] = point;
+        self.points[self.count] = *point;
         self.count += 1;
-        repeats
+        by
+    }
+
+    fn compare(&self, point: &Point, late: f64, is_confirmed: bool) -> Option<f64> {
+        let recent = &self.points[..self.count];
+        let (mut alike, mut count) = ([0.0; REPEATS_OF], 0);
+        for other in recent.iter().filter(|other| is_alike(point, other)) {
+            alike[count] = other.z;
+            count += 1;
+        }
+        // That a second crossing is as late, and agrees, is as rare as that another reading does.
+        if is_proven(count + usize::from(is_confirmed), late) {
+            return Some(beyond(point, &mut alike[..count], late));
+        }
+        // All that it is above the lowest, or nothing of it.
+        let is_above = |other: &&Point| !is_alike(point, other) && point.z - other.z > STATED * point.u;
+        let lowest = recent.iter().filter(is_above).map(|other| other.z).fold(point.z, f64::min);
+        (late <= OFTEN_LATE).then(|| -(lowest - point.z).exp_m1() / 3f64.sqrt())
     }
 }
 
-impl Repeats {
-    /// Whether so many are alike as late stamps, of which a reading has one with the probability `late`, are not by chance.
-    pub fn are_enough(&self, late: f64) -> bool {
-        let needed = (BY_CHANCE.ln() / (ALIKE_BY_CHANCE * late).ln()).ceil() - 1.0;
-        f64::from(self.alike) >= needed
-    }
+/// Whether two say the same, and the other knows it as well: one that is known much worse is like anything.
+fn is_alike(point: &Point, other: &Point) -> bool {
+    other.u <= 2.0 * point.u && (point.z - other.z).abs() <= STATED * point.u.hypot(other.u)
+}
+
+/// Whether late stamps are not as late as so many others by chance.
+fn is_proven(alike: usize, late: f64) -> bool {
+    let needed = (BY_CHANCE.ln() / (ALIKE_BY_CHANCE * late).ln()).ceil() - 1.0;
+    alike as f64 >= needed
+}
+
+/// By how much one is above the middle of those that are alike and not late, relative, if that is late sooner than noise.
+fn beyond(point: &Point, alike: &mut [f64], late: f64) -> f64 {
+    alike.sort_unstable_by(f64::total_cmp);
+    let in_time = alike.len() as f64 * (1.0 - late);
+    let above = alike.get((in_time / 2.0) as usize).map_or(0.0, |middle| point.z - middle);
+    if above > sigmas(late) * point.u { above } else { 0.0 }
+}
+
+/// How many sigma normal noise exceeds with this probability, within 2 % of one (G. Pólya, 1945).
+fn sigmas(probability: f64) -> f64 {
+    if probability < 0.5 { (-FRAC_PI_2 * (4.0 * probability * (1.0 - probability)).ln()).sqrt() } else { 0.0 }
 }
 
 #[cfg(test)]
@@ -51,40 +73,74 @@ mod tests {
     use super::*;
 
     const U: f64 = 1e-3;
+    const AT_REST: [(f64, f64); 6] = [(7.0, U); 6];
 
-    /// What the readings before say of the last one, each `(ln R, 1 sigma)`.
-    fn of_the_last(readings: &[(f64, f64)]) -> Repeats {
+    /// What of the last one may be late, each `(ln R, 1 sigma)`.
+    fn of_the_last(readings: &[(f64, f64)], late: f64) -> Option<f64> {
         let mut recent = Recent::default();
-        readings.iter().map(|&(z, u)| recent.take(Point { z, u, ..Point::default() })).last().unwrap()
+        let mut take =
+            |&(z, u): &(f64, f64)| recent.late_by(&Point { z, u, ..Point::default() }, late, false);
+        readings.iter().map(&mut take).last().unwrap()
+    }
+
+    fn after(readings: &[(f64, f64)], last: f64, late: f64) -> Option<f64> {
+        of_the_last(&[readings, &[(last, U)]].concat(), late)
     }
 
     #[test]
-    fn what_is_alike_is_near_and_known_as_well() {
-        let repeats = of_the_last(&[(7.0, U), (7.0 + 2.0 * U, 2.0 * U), (7.0, 3.0 * U), (7.1, U), (7.0, U)]);
-        assert_eq!(repeats, Repeats { alike: 2, above: 0.0 });
+    fn where_few_are_late_nothing_is() {
+        assert_eq!([7.0, 8.0].map(|z| after(&AT_REST, z, SELDOM_LATE)), [Some(0.0); 2]);
     }
 
     #[test]
-    fn what_is_above_is_relative_to_the_reading() {
-        let twice = of_the_last(&[(7.0, U), (8.0, U), (7.0 + 2f64.ln(), U)]);
-        assert_eq!(twice.alike, 0);
-        assert!((twice.above - 0.5).abs() < 1e-12, "{twice:?}");
-        // One that only noise has put above is not.
-        assert_eq!(of_the_last(&[(7.0, U), (7.0 + 2.0 * U, U)]).above, 0.0);
+    fn what_several_say_is_a_number_and_what_one_says_alone_is_not() {
+        for late in [0.1, 0.3, 0.5] {
+            assert_eq!(after(&AT_REST, 7.0, late), Some(0.0));
+            assert_eq!(after(&AT_REST[..1], 7.0, late).is_some(), late <= OFTEN_LATE);
+        }
+        // Twice as much may be half of it.
+        let twice = after(&AT_REST, 7.0 + 2f64.ln(), 0.1).unwrap();
+        assert!((twice - 0.5 / 3f64.sqrt()).abs() < 1e-12, "{twice}");
+        assert_eq!(after(&AT_REST, 7.0 + 2f64.ln(), 0.3), None);
+        // Late stamps only ever make a reading higher.
+        assert_eq!(after(&AT_REST, 6.0, 0.1), Some(0.0));
+    }
+
+    #[test]
+    fn what_is_known_much_worse_is_like_nothing() {
+        assert_eq!(after(&[(7.0, 3.0 * U); 6], 7.0, 0.3), None);
+        assert_eq!(after(&[(7.0, 2.0 * U); 6], 7.0, 0.3), Some(0.0));
+    }
+
+    #[test]
+    fn what_is_above_those_like_it_by_more_than_noise_may_be_late() {
+        let above = |sigma: f64, late| after(&AT_REST, 7.0 + sigma * U, late).unwrap() / U;
+        assert_eq!([above(1.0, 0.1), above(-2.0, 0.1), above(0.4, 0.3)], [0.0; 3]);
+        assert!((above(1.4, 0.1) - 1.4).abs() < 1e-9 && (above(0.6, 0.3) - 0.6).abs() < 1e-9);
     }
 
     #[test]
     fn what_is_long_past_says_nothing() {
-        let mut readings = vec![(7.0, U)];
-        readings.extend([(8.0, U); REPEATS_OF]);
-        assert_eq!(of_the_last(&[&readings[..], &[(7.0, U)]].concat()).alike, 0);
-        assert_eq!(of_the_last(&readings), Repeats { alike: REPEATS_OF as u32 - 1, above: 1.0 - (-1f64).exp() });
+        let since = [&AT_REST[..], &[(8.0, U); REPEATS_OF - 3]].concat();
+        // Three are left of six, where four are needed.
+        assert_eq!(after(&since, 7.0, 0.3), None);
+        assert_eq!(after(&since[..since.len() - 1], 7.0, 0.3), Some(0.0));
     }
 
     #[test]
     fn the_more_often_stamps_are_late_the_more_have_to_be_alike() {
-        let needed = |late| (0..).find(|&alike| Repeats { alike, above: 0.0 }.are_enough(late)).unwrap();
+        let needed = |late| (0..).find(|&alike| is_proven(alike, late)).unwrap();
         assert_eq!([0.03, 0.1, 0.2, 0.3, 0.5].map(needed), [2, 3, 4, 4, 5]);
-        assert!(needed(1.0) < REPEATS_OF as u32);
+        assert!(needed(1.0) < REPEATS_OF);
+    }
+
+    #[test]
+    fn of_normal_noise_as_much_is_beyond() {
+        for (probability, expected) in
+            [(0.158_655, 1.0), (0.05, 1.644_854), (0.3, 0.524_401), (0.5, 0.0), (0.9, 0.0)]
+        {
+            let found = sigmas(probability);
+            assert!((found - expected).abs() <= 0.02 * expected, "{probability}: {found}");
+        }
     }
 }

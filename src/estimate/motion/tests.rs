@@ -183,7 +183,9 @@ fn one_stretch_alone_that_is_far_off_costs_one_reading_if_it_is_over_at_once() {
 fn a_late_stamp_after_an_uncertain_reading_is_still_sudden() {
     let mut motion = Motion::default();
     let mut take = |index: i64, r_ohm: f64, u_ohm: f64| {
-        motion.judge(Nanos(index * 2_000_000), [r_ohm, u_ohm], Some(R_O), &Evidence::over(300e3), 0.0).unwrap()
+        motion
+            .judge(Nanos(index * 2_000_000), [r_ohm, u_ohm], Some(R_O), &Evidence::over(300e3), 0.0)
+            .unwrap()
     };
     (0..6).for_each(|index| assert!(!take(index, 1000.0, 0.8).is_moving));
     assert!(!take(6, 1001.0, 2.6).is_moving);

@@ -2,8 +2,8 @@
 
 use super::{Covariance, Gate};
 use crate::estimate::limits::{
-    BEYOND_NOISE, BY_CHANCE, FAR_OF, LATE_NS, NEVER_SO_LATE, NOISE_MEMORY, NOISE_WARM_UP,
-    OUTLIERS_OF_A_STEP, SHORTEST_THIRD, TOO_MANY_LATE, WEIGHT_OF_A_THIRD,
+    BEYOND_NOISE, BY_CHANCE, FAR_OF, LATE_NS, NEVER_SO_LATE, NOISE_MEMORY, NOISE_WARM_UP, OUTLIERS_OF_A_STEP,
+    SHORTEST_THIRD, TOO_MANY_LATE, WEIGHT_OF_A_THIRD,
 };
 use crate::estimate::scatter::{MEDIAN_DEVIATION, Usual, median};
 use crate::reading::Fault;
@@ -208,7 +208,8 @@ impl Spread {
 
 /// Whether so many outliers in a row are no late stamps, of which there is this share, but a step.
 pub fn is_step(in_row: u32, late_share: f64) -> bool {
-    in_row >= NEVER_SO_LATE || in_row >= OUTLIERS_OF_A_STEP && late_share.powf(in_row.into()) < 10.0 * BY_CHANCE
+    in_row >= NEVER_SO_LATE
+        || in_row >= OUTLIERS_OF_A_STEP && late_share.powf(in_row.into()) < 10.0 * BY_CHANCE
 }
 
 /// Whether a value is so far from where most are that no gate would let it in.

@@ -171,7 +171,10 @@ fn a_step_is_more_in_a_row_than_late_stamps_are() {
     for late in [0.05, 0.1, 0.2, 0.3, 0.5] {
         let first = (1..100).find(|&in_row| is_step(in_row, late)).unwrap();
         let by_chance = late.powi(first as i32);
-        assert!(first == NEVER_SO_LATE || by_chance < 1e-5 && by_chance > 1e-5 * late * late, "{late}: {first}");
+        assert!(
+            first == NEVER_SO_LATE || by_chance < 1e-5 && by_chance > 1e-5 * late * late,
+            "{late}: {first}"
+        );
     }
 }
 
