@@ -5,6 +5,7 @@
 //! names hold one of these, and `CERMD_BOARDS=10` ten times as many boards of each. A case that does not hold is marked in
 //! [`rows`], and fails once it holds.
 
+mod late;
 mod page;
 mod rows;
 mod tapes;
@@ -243,6 +244,11 @@ fn hostile_starts() {
 #[test]
 fn hostile_stamps() {
     check("when crossings are stamped", &rows::STAMPS);
+}
+
+#[test]
+fn hostile_late_stamps() {
+    check("stamps that are late often", &late::LATE);
 }
 
 #[test]
