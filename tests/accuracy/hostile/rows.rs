@@ -19,6 +19,7 @@ pub const ROW: Row = Row {
     readings: 20,
     boards: 100,
     least_numbers: 0.5,
+    wild: 0,
     cases: BOTH,
     fails: &[],
 };

@@ -254,6 +254,7 @@ fn hostile_tapes() {
         fails: variant.fails.contains(&(method, r_ohm)),
         // A switched discharge tells nothing before there is a state.
         least_numbers: if variant.from_first { 0.4 } else { 0.5 },
+        wild: 0,
         run: move || run(variant, method, r_ohm),
     });
     judge("tapes of an independent law", trials);
