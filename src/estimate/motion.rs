@@ -31,12 +31,12 @@ use evidence::Pair;
 use point::{Point, Trust};
 use repeats::Recent;
 
-/// What the sensor's own change adds to a reading.
+/// What the sensor's own change, and a stamp that may be late, add to a reading.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Moved {
     /// 1 sigma, ohm.
     pub u_ohm: f64,
-    /// That is more than all else that is not known of the reading.
+    /// Its change is more than all else that is not known of the reading.
     pub is_moving: bool,
 }
 
@@ -104,9 +104,9 @@ impl Motion {
             self.is_fast = error > FAST.max(STATED * point.u);
             error
         };
-        let error = error.hypot(late_by);
-        let moved = Moved { u_ohm: error * all_ohm, is_moving: error > point.u };
-        let is_number = !moved.is_moving || COVERAGE * moved.u_ohm < r_ohm;
+        // What is late has not moved.
+        let moved = Moved { u_ohm: error.hypot(late_by) * all_ohm, is_moving: error > point.u };
+        let is_number = moved.u_ohm <= u_ohm || COVERAGE * moved.u_ohm < r_ohm;
         if is_number { Ok(moved) } else { Err(Fault::Unsettled) }
     }
 
