@@ -50,7 +50,7 @@ impl Replay {
     /// the tape.
     ///
     /// # Errors
-    /// The method does not work on the circuit.
+    /// The method does not work on the circuit, or takes no offset.
     pub fn new(header: &Header, method: Method, offset: Option<OffsetSource>) -> Result<Replay, String> {
         let (kind, header) = (header.circuit.kind, header.clone());
         let circuits = method.rules().circuits;
@@ -61,6 +61,9 @@ impl Replay {
             return Err(format!("{method} does not work on a {kind} tape; take {others} or {last}"));
         }
         let tracked = method.is_tracked() || (header.tracked && Method::can_be_tracked(kind));
+        if tracked && matches!(offset, Some(OffsetSource::Given(_))) {
+            return Err("the calibration of this tape is followed (tracked), and the latency offset with it: leave --offset away".to_owned());
+        }
         let is_auto = offset == Some(OffsetSource::Auto);
         let offset = match (offset, header.offset.offset_ns) {
             (Some(OffsetSource::Given(d_ns)), _) => Some(Offset::given(d_ns)),

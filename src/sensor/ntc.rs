@@ -127,8 +127,12 @@ impl Relation for Ntc {
                 "u = \"0.6 %\", of r25: 1 sigma, 58 % of a tolerance",
             )
         });
+        let remedy = "range = [\"-10 degC\", \"85 degC\"]";
+        let too_cold = self.range_degc.filter(|[least, _]| *least <= -ICE_K);
+        let too_cold = too_cold.map(|[least, _]| (format!("range: nothing has {least} degC"), remedy));
         (self.curve.defect().or(defect_of_share("u", self.u)).or(beta_alone))
-            .or(defect_of_range(self.range_degc, "range = [\"-10 degC\", \"85 degC\"]"))
+            .or(defect_of_range(self.range_degc, remedy))
+            .or(too_cold)
     }
 }
 
@@ -227,6 +231,7 @@ mod tests {
             (ntc(abc(f64::NAN, 2.4e-4, 7.6e-8), None), "a, b, c"),
             (ntc(abc(1.1, 2.4e-4, 7.6e-8), None), "a, b, c"),
             (Ntc { range_degc: Some([80.0, 0.0]), ..by_beta(None) }, "range"),
+            (Ntc { range_degc: Some([-300.0, 85.0]), ..by_beta(None) }, "-300 degC"),
         ] {
             let (reason, _) = wrong.defect().expect(word);
             assert!(reason.contains(word), "{reason}");

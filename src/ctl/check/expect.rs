@@ -153,17 +153,22 @@ impl RehearsalSum {
 
 /// Lets an instrument find its state and its offset; when it has them, `None` if that takes too long.
 pub(super) fn warm_up<P: Pins>(instrument: &mut Instrument<P>, settings: &Settings) -> Option<Nanos> {
-    let cold = COLD.max(longest(settings) + longest(settings));
+    let until = cold(settings);
     loop {
         let now = instrument.pins().now();
         if now > WARM && instrument.cycle().offset_is_known() {
             return Some(now);
         }
-        if now > cold {
+        if now > until {
             return None;
         }
         instrument.step(&mut |_| {}).ok()?;
     }
+}
+
+/// When a board that has no state or offset is given up.
+fn cold(settings: &Settings) -> Nanos {
+    COLD.max(longest(settings) + longest(settings))
 }
 
 /// The longest that readings may have to be waited for.
@@ -220,7 +225,13 @@ pub fn readings(config: &Config, settings: &Settings, jitter: Option<Seconds>, f
         }
         None => format!("{:.0}: no number", Ohm(*r_ohm)),
     };
-    let text = all.iter().map(says).collect::<Vec<_>>().join(", ");
+    let mut text = all.iter().map(says).collect::<Vec<_>>().join(", ");
+    if all.is_empty() {
+        text = format!(
+            "no calibration after {:.0} at this rate, and what comes then is not simulated",
+            Seconds::from(cold(settings))
+        );
+    }
     findings.info("measure.method", format!("{} simulated, by {how}: {text}", config.method()));
     for channel in &settings.channels {
         let key = match channel {

@@ -154,6 +154,11 @@ fn the_offset_is_the_tapes_or_the_one_given() {
          calibration discharges; give it with --offset, e.g. --offset \"8 us\"\n",
     );
     assert_eq!(estimates("tcdic", &[], &without).len(), 2);
+    // A calibration that is followed takes none.
+    estimate("tracked", &["--offset", "8 us"], TAPE).assert().code(1).stderr(
+        "cermctl: standard input: the calibration of this tape is followed (tracked), and the latency offset with it: leave \
+         --offset away\n",
+    );
 }
 
 #[test]

@@ -99,6 +99,15 @@ fn a_board_that_never_measures_has_nothing_to_expect() {
     assert!(how == "the scene" && all.iter().all(|one| one.u_ohm.is_none()), "{all:?}");
 }
 
+/// One reading a minute, with no discharge between them: a calibration takes an hour.
+#[test]
+fn what_comes_too_late_to_be_simulated_is_said() {
+    let config = hardware("two-capacitor", "idle = true\nrate-hz = 0.0167");
+    let mut findings = Findings::default();
+    readings(&config, &config.settings().unwrap(), None, &mut findings);
+    assert!(format!("{findings:?}").contains("no calibration after 1"), "{findings:?}");
+}
+
 #[test]
 fn a_mean_over_minutes_is_not_simulated_for_minutes() {
     let found = |average: &str| {
