@@ -137,7 +137,7 @@ pub const SELDOM_LATE: f64 = 0.03;
 /// What late stamps do by chance with this probability they do not do.
 pub const BY_CHANCE: f64 = 1e-6;
 /// How likely one is as late as another, within noise.
-pub const ALIKE_BY_CHANCE: f64 = 0.2;
+pub const ALIKE_BY_CHANCE: f64 = 0.25;
 /// Readings among which others like one are looked for.
 pub const REPEATS_OF: usize = 12;
 /// What is less far is no late stamp, however small the noise, ns: on a board without any, all that is new is many sigma away.

@@ -177,7 +177,9 @@ impl Noise {
 
     /// The share of discharges that have a late stamp.
     pub fn late_share(&self) -> f64 {
-        self.c1.late_share().max(self.c2.late_share())
+        let shares = [&self.c1, &self.c2].map(Spread::late_share);
+        let count = shares.iter().flatten().count().max(1);
+        shares.iter().flatten().sum::<f64>() / count as f64
     }
 
     /// Whether enough discharges have been seen.

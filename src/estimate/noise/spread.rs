@@ -101,8 +101,9 @@ impl Spread {
         self.far += (f64::from(u8::from(is_far)) - self.far) / FAR_OF;
     }
 
-    pub fn late_share(&self) -> f64 {
-        self.far
+    /// Once it has begun.
+    pub fn late_share(&self) -> Option<f64> {
+        (self.seen == NOISE_WARM_UP).then_some(self.far)
     }
 
     /// Differences of successive discharges; those of B, and with B, only where both have waited for it.
