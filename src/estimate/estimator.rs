@@ -176,7 +176,11 @@ impl Estimator {
         let kind = record.calibration_kind().ok_or(Fault::NoCalibration)?;
         let times = record.complete(self.nodes).ok_or(Fault::NoCalibration)?;
         let ended = record.ended(self.nodes).ok_or(Fault::NoCalibration)?;
-        self.noise.add(kind, ended, [0.0; 2])?;
+        let judged = self.noise.add(kind, ended, [0.0; 2]);
+        // After a step others are where these were not.
+        if self.tracker.as_ref().is_none_or(|tracker| !tracker.has_begun_anew()) {
+            judged?;
+        }
         match kind {
             CalibrationKind::First => self.c1 = Some(times),
             CalibrationKind::Second => self.c2 = Some(times),
