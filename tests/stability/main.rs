@@ -142,7 +142,6 @@ fn the_page_is_up_to_date() {
         ),
         ("Defects of the circuit (a sensor of 1 kohm)", ill),
     ];
-    common::check_page("stability", "stability.svg", &picture::svg(&methods, &groups));
     let mut page = format!(
         "{HEAD}\n![What is wrong with a board, and how each method fares](stability.svg)\n{LEGEND}\n{}{TABLE}\n\
          | # | what is wrong | holds if | {} |\n|--:|---|---|{}\n",
@@ -161,6 +160,8 @@ fn the_page_is_up_to_date() {
     let (leaks, unseen) = leaks::report();
     let (dielectrics, unlike) = dielectrics::report();
     page += &format!("\n{defects}{leaks}\n{dielectrics}");
-    common::check_page("stability", "stability.md", &page);
+    // The page is that of the first family of seeds; that nothing is wrong holds for all.
     assert!(wrong.is_empty() && unseen.is_empty() && unlike.is_empty(), "{wrong}{unseen}{unlike}");
+    common::check_page("stability", "stability.svg", &picture::svg(&methods, &groups));
+    common::check_page("stability", "stability.md", &page);
 }

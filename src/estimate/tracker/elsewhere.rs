@@ -47,7 +47,9 @@ impl Tracker {
 
     /// Takes a split discharge for what it shows; whether the state is to be corrected by it, `None` where it did not switch late.
     pub(super) fn takes_elsewhere(&mut self, kind: CalibrationKind, record: &Record) -> Option<bool> {
-        let switch = record.switch.filter(|_| kind == CalibrationKind::Split)?;
+        // While there is doubt none is asked for: what is elsewhere by a state that may be of another circuit is as usual.
+        let is_split = kind == CalibrationKind::Split && !self.is_doubted();
+        let switch = record.switch.filter(|_| is_split)?;
         self.elsewhere.splits = self.elsewhere.splits.wrapping_add(1);
         if switch.at_ns < f64::midpoint(SPLIT_FRACTION, ELSEWHERE_AT_LEAST) * self.takes_ns()[0] {
             return None;
