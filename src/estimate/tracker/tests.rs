@@ -3,7 +3,7 @@
 use super::*;
 use crate::chance::{mean_of, rms_of, share_is_in, sigmas};
 use crate::estimate::law::RATE;
-use crate::estimate::limits::{AWAKE_YOUNG, BY_ELSEWHERE, ELSEWHERE_YOUNG, ROUGH_ROUNDS};
+use crate::estimate::limits::{AWAKE_YOUNG, BY_ELSEWHERE, ELSEWHERE_YOUNG, NEVER_SO_LATE, ROUGH_ROUNDS};
 use crate::record::Switch;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
@@ -267,6 +267,25 @@ fn stamps_that_are_later_after_long_waits_show_and_are_no_step() {
     let by_state = tracker.calibration()[0][0].by_state;
     let u_ns = tracker.asleep_ohm(R[0], &by_state, &direct);
     assert!((0.8..1.2).contains(&(u_ns / late_ns)), "{u_ns}");
+}
+
+/// What is late by a state that may be of another circuit is as usual, and tells that there was a step.
+#[test]
+fn while_there_is_doubt_no_split_discharge_is_elsewhere() {
+    let (mut plant, mut tracker) = tracked(6, 60);
+    let late = plant.switched(CalibrationKind::Split, 0.97);
+    assert!(tracker.takes_elsewhere(CalibrationKind::Split, &late).is_some());
+    plant.state[0] *= 2.0;
+    plant.state[1] *= 2.0;
+    assert_eq!(tracker.add(&plant.record(CalibrationKind::First)), Err(Fault::LatencyOutlier));
+    for _ in 0..NEVER_SO_LATE {
+        let split = plant.record(CalibrationKind::Split);
+        assert_eq!(tracker.takes_elsewhere(CalibrationKind::Split, &split), None);
+        if tracker.add(&split) == Err(Fault::CalibrationStep) {
+            return;
+        }
+    }
+    panic!("no step");
 }
 
 /// What a mean shares with the state is what it was after a discharge that has corrected nothing.
