@@ -60,8 +60,7 @@ impl Motion {
     ///
     /// # Errors
     /// [`Fault::LatencyOutlier`] if it contradicts itself as by one late stamp, or if too few others are like it where many are
-    /// late; [`Fault::Unsettled`] if the sensor has
-    /// changed so much that the error may be as large as the value.
+    /// late; [`Fault::Unsettled`] if the sensor has changed so much that the error may be as large as the value.
     pub fn judge(
         &mut self,
         start: Nanos,
@@ -172,12 +171,7 @@ impl Motion {
     }
 
     fn push(&mut self, point: Point) {
-        if self.count == MOTION_POINTS {
-            self.points.rotate_left(1);
-            self.count -= 1;
-        }
-        self.points[self.count] = point;
-        self.count += 1;
+        point::push(&mut self.points, &mut self.count, point);
     }
 
     /// What was doubtful has been a change, or else a late stamp that says nothing.

@@ -17,6 +17,7 @@ mod spread;
 use crate::estimate::limits::{
     PROPORTIONAL_SHOWS, REMEMBERED, SHARED_VARIANCE, UNKNOWN_JITTER_NS, UNKNOWN_NOISE,
 };
+use crate::estimate::scatter;
 use crate::reading::Fault;
 use crate::record::CalibrationKind;
 pub use gate::Gate;
@@ -175,11 +176,10 @@ impl Noise {
         }
     }
 
-    /// The share of discharges that have a late stamp.
+    /// The share of discharges that have a late stamp, of both kinds alike.
     pub fn late_share(&self) -> f64 {
         let shares = [&self.c1, &self.c2].map(Spread::late_share);
-        let count = shares.iter().flatten().count().max(1);
-        shares.iter().flatten().sum::<f64>() / count as f64
+        scatter::mean(shares.into_iter().flatten()).map_or(0.0, |mean| mean.value)
     }
 
     /// Whether enough discharges have been seen.

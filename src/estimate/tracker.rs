@@ -122,11 +122,6 @@ impl Tracker {
         }
     }
 
-    /// Whether there was a step.
-    pub fn has_begun_anew(&self) -> bool {
-        self.counts.steps > 0
-    }
-
     /// How many nodes there are.
     pub fn nodes(&self) -> usize {
         self.nodes

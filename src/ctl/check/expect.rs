@@ -229,7 +229,7 @@ pub fn readings(config: &Config, settings: &Settings, jitter: Option<Seconds>, f
     if all.is_empty() {
         text = format!(
             "no calibration after {:.0} at this rate, and what comes then is not simulated",
-            Seconds::from(cold(settings))
+            Seconds::from(cold(&shortened(settings)))
         );
     }
     findings.info("measure.method", format!("{} simulated, by {how}: {text}", config.method()));

@@ -30,6 +30,16 @@ pub(super) enum Trust {
     Below,
 }
 
+/// Takes one more, and forgets the first where there is no room.
+pub(super) fn push<const N: usize>(points: &mut [Point; N], count: &mut usize, point: Point) {
+    if *count == N {
+        points.rotate_left(1);
+        *count -= 1;
+    }
+    points[*count] = point;
+    *count += 1;
+}
+
 impl Point {
     /// It is above a bound, and no number.
     pub(super) fn is_open(&self) -> bool {

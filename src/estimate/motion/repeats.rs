@@ -1,6 +1,6 @@
 //! Readings as they came, late or not: where stamps are often late, a number is what several of them say.
 
-use super::point::Point;
+use super::point::{self, Point};
 use crate::estimate::limits::{ALIKE_BY_CHANCE, BY_CHANCE, OFTEN_LATE, REPEATS_OF, SELDOM_LATE, STATED};
 use std::f64::consts::FRAC_PI_2;
 
@@ -17,12 +17,7 @@ impl Recent {
     /// it a number.
     pub(super) fn late_by(&mut self, point: &Point, late: f64, is_confirmed: bool) -> Option<f64> {
         let by = if late <= SELDOM_LATE { Some(0.0) } else { self.compare(point, late, is_confirmed) };
-        if self.count == REPEATS_OF {
-            self.points.rotate_left(1);
-            self.count -= 1;
-        }
-        self.points[self.count] = *point;
-        self.count += 1;
+        point::push(&mut self.points, &mut self.count, *point);
         by
     }
 
@@ -35,7 +30,7 @@ impl Recent {
         }
         // That a second crossing is as late, and agrees, is as rare as that another reading does.
         if is_proven(count + usize::from(is_confirmed), late) {
-            return Some(beyond(point, &mut alike[..count], late));
+            return Some(above_middle(point, &mut alike[..count], late));
         }
         // All that it is above the lowest, or nothing of it.
         let is_above = |other: &&Point| !is_alike(point, other) && point.z - other.z > STATED * point.u;
@@ -56,16 +51,16 @@ fn is_proven(alike: usize, late: f64) -> bool {
 }
 
 /// By how much one is above the middle of those that are alike and not late, relative, if that is late sooner than noise.
-fn beyond(point: &Point, alike: &mut [f64], late: f64) -> f64 {
+fn above_middle(point: &Point, alike: &mut [f64], late: f64) -> f64 {
     alike.sort_unstable_by(f64::total_cmp);
     let in_time = alike.len() as f64 * (1.0 - late);
     let above = alike.get((in_time / 2.0) as usize).map_or(0.0, |middle| point.z - middle);
     // With few late stamps it is noise, as with hardly fewer.
-    if above > sigmas(late - SELDOM_LATE) * point.u { above } else { 0.0 }
+    if above > sigmas_exceeded(late - SELDOM_LATE) * point.u { above } else { 0.0 }
 }
 
 /// How many sigma normal noise exceeds with this probability, within 2 % of one (G. Pólya, 1945).
-fn sigmas(probability: f64) -> f64 {
+fn sigmas_exceeded(probability: f64) -> f64 {
     if probability < 0.5 { (-FRAC_PI_2 * (4.0 * probability * (1.0 - probability)).ln()).sqrt() } else { 0.0 }
 }
 
@@ -140,7 +135,7 @@ mod tests {
         for (probability, expected) in
             [(0.158_655, 1.0), (0.05, 1.644_854), (0.3, 0.524_401), (0.5, 0.0), (0.9, 0.0)]
         {
-            let found = sigmas(probability);
+            let found = sigmas_exceeded(probability);
             assert!((found - expected).abs() <= 0.02 * expected, "{probability}: {found}");
         }
     }

@@ -31,9 +31,10 @@ const TENTH_100_US: Row =
 const TENTH_1_MS: Row = late("10 % by 1 ms", "[stamps]\ntail-probability = 0.1\ntail-mean = '1 ms'", 0.7);
 const FIFTH_100_US: Row =
     late("20 % by 100 us", "[stamps]\ntail-probability = 0.2\ntail-mean = '100 us'", 0.5);
-const THIRD_100_US: Row =
+const THREE_TENTHS_100_US: Row =
     late("30 % by 100 us", "[stamps]\ntail-probability = 0.3\ntail-mean = '100 us'", 0.2);
-const THIRD_1_MS: Row = late("30 % by 1 ms", "[stamps]\ntail-probability = 0.3\ntail-mean = '1 ms'", 0.2);
+const THREE_TENTHS_1_MS: Row =
+    late("30 % by 1 ms", "[stamps]\ntail-probability = 0.3\ntail-mean = '1 ms'", 0.2);
 const HALF_100_US: Row =
     late("half by 100 us", "[stamps]\ntail-probability = 0.5\ntail-mean = '100 us'", 0.0);
 
@@ -52,10 +53,10 @@ pub static LATE: [Row; 14] = [
     TENTH_1_MS,
     one_node(TENTH_1_MS, "10 % by 1 ms, one node"),
     FIFTH_100_US,
-    THIRD_100_US,
-    one_node(THIRD_100_US, "30 % by 100 us, one node"),
-    THIRD_1_MS,
-    one_node(THIRD_1_MS, "30 % by 1 ms, one node"),
+    THREE_TENTHS_100_US,
+    one_node(THREE_TENTHS_100_US, "30 % by 100 us, one node"),
+    THREE_TENTHS_1_MS,
+    one_node(THREE_TENTHS_1_MS, "30 % by 1 ms, one node"),
     // One reading in thirty is a number.
     Row { fails: &[(Tpcm, 100.0), (Qerm, 100.0)], ..HALF_100_US },
 ];

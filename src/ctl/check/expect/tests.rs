@@ -99,7 +99,7 @@ fn a_board_that_never_measures_has_nothing_to_expect() {
     assert!(how == "the scene" && all.iter().all(|one| one.u_ohm.is_none()), "{all:?}");
 }
 
-/// One reading a minute, with no discharge between them: a calibration takes an hour.
+/// One reading a minute, with no discharge between them.
 #[test]
 fn what_comes_too_late_to_be_simulated_is_said() {
     let config = hardware("two-capacitor", "idle = true\nrate-hz = 0.0167");
