@@ -10,12 +10,11 @@ is_inactive() {
     grep -F "$1" status >/dev/null || fail "the reason is not told: $1"
 }
 # At first the uncertainty is a wide prior.
-settled() { reading | grep -v '"settling":true'; }
+settled() { reading | grep -v '"settling":true' >reading; }
 field() { sed -n "s/.*\"$1\":\([0-9.]*\).*/\1/p" reading; }
 # reads OHM: within four standard uncertainties, ohms and newtons (F = 13346 N ohm / R).
 reads() {
     until_true 200 settled || fail "no reading that has settled: $(cermctl get --json)"
-    settled >reading
     cat reading
     mawk -v r="$(field r_ohm)" -v u="$(field r_u_ohm)" -v f="$(field f_n)" -v fu="$(field f_u_n)" -v true="$1" 'BEGIN {
         n = 13346 / true
