@@ -25,7 +25,7 @@ use crate::estimate::limits::{
 };
 use crate::reading::Fault;
 use crate::units::Nanos;
-use drift::{Drift, bend, second_greatest};
+use drift::{Drift, above_its_way, bend, second_greatest};
 pub use evidence::Evidence;
 use evidence::Pair;
 use point::{Point, Trust};
@@ -113,9 +113,10 @@ impl Motion {
     fn follow(&mut self, mut point: Point, pair: Option<Pair>, evidence: &Evidence) -> f64 {
         self.settle(evidence.contradicts);
         self.forget_what_is_gone(&point);
+        let late = if pair.is_some_and(Pair::is_apart) { 0.0 } else { self.late_on_its_way(&point) };
         let is_sudden = self.is_sudden(&point);
-        let unproven = self.unproven(&point, pair, is_sudden);
-        let hidden = if is_sudden { self.hidden(&point, pair) } else { 0.0 };
+        let unproven = self.unproven(&point, pair, is_sudden || late > 0.0);
+        let hidden = if is_sudden { self.hidden(&point, pair).max(late) } else { late };
         if hidden > FAST.max(STATED * point.u) {
             point.trust = Trust::Sudden;
         }
@@ -266,6 +267,15 @@ impl Motion {
         is_faster(last, point) || self.sound().filter(knows_better).any(|from| is_faster(from, point))
     }
 
+    /// What of a point may be a late stamp while the sensor moves, relative: all that it is above its way, but no more than it is
+    /// from where the drift and the last point together let it be, or nothing.
+    fn late_on_its_way(&self, point: &Point) -> f64 {
+        let Some(last) = self.sound().next_back() else { return 0.0 };
+        let most = Drift::of(self.sound()).step(last, point).abs() + (point.z - last.z).abs();
+        let above = above_its_way(self.sound(), point).map_or(0.0, |above| above.min(most));
+        -(-above).exp_m1() / 3f64.sqrt()
+    }
+
     /// What a rise may hide that only the reading before has shown, where there is one stretch and no more: it takes a third one to
     /// tell it from two late stamps.
     fn unproven(&mut self, point: &Point, pair: Option<Pair>, is_sudden: bool) -> f64 {
@@ -288,7 +298,7 @@ impl Motion {
     /// What a change in the middle of a discharge does to it: as much as its two stretches disagree by, of which one step, whenever
     /// it came, makes no more than 1.5 times as much.
     fn between(&self, point: &Point, pair: Option<Pair>) -> f64 {
-        let apart = pair.filter(|pair| pair.apart_s.is_some());
+        let apart = pair.filter(|pair| pair.is_apart());
         apart.map_or_else(|| self.since_last(point), |pair| pair.difference().hypot(pair.u_ohm))
     }
 

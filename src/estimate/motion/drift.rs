@@ -1,7 +1,7 @@
 //! How a sensor has gone on from reading to reading, and what goes beyond that.
 
 use super::Point;
-use crate::estimate::limits::{BEYOND_NOISE, STATED};
+use crate::estimate::limits::{BEYOND_NOISE, MOTION_POINTS, STATED, SUDDEN};
 use crate::units::Nanos;
 
 /// How fast it went in both halves of what is remembered, in one direction and as far as that is more than noise: no single change,
@@ -60,6 +60,51 @@ pub(super) fn bend<'a>(points: impl Iterator<Item = &'a Point> + Clone) -> Optio
         2.0 * (second.speed_to(third) - first.speed_to(second)).abs() / first.seconds_to(third)
     });
     bends.reduce(f64::max)
+}
+
+/// By how much a point is above the parabola that the last three went; `None` where that may be noise, or others were beside
+/// theirs nearly as much, or too few are known to compare with.
+pub(super) fn above_its_way<'a>(points: impl Iterator<Item = &'a Point>, next: &'a Point) -> Option<f64> {
+    let mut way = [next; MOTION_POINTS + 1];
+    let count = points.zip(&mut way).map(|(point, place)| *place = point).count();
+    let mut besides = way[..=count].windows(4).map(Beside::of).rev();
+    let (now, before) = (besides.next()?, besides);
+    let others = before.len();
+    let most = SUDDEN * second_greatest(before.map(Beside::bend_changes)) * now.seconds3;
+    (others >= 2 && now.by > most + BEYOND_NOISE * now.noise).then_some(now.by)
+}
+
+/// By how much the last of four points is beside the parabola through the others.
+struct Beside {
+    by: f64,
+    /// 1 sigma of it.
+    noise: f64,
+    /// What a steady change of the bend, 1/s³, makes of it is so many times that.
+    seconds3: f64,
+}
+
+impl Beside {
+    /// By Lagrange's polynomials.
+    fn of(four: &[&Point]) -> Beside {
+        let (next, before) = (four[3], &four[..3]);
+        let (mut way, mut square, mut seconds3) = (0.0, next.u * next.u, 1.0);
+        for (index, point) in before.iter().enumerate() {
+            let others = before.iter().enumerate().filter(|(other, _)| *other != index);
+            let weight = others.fold(1.0, |weight, (other, at)| {
+                let apart = if other < index { at.seconds_to(point) } else { -point.seconds_to(at) };
+                weight * at.seconds_to(next) / apart
+            });
+            way += weight * point.z;
+            square += (weight * point.u).powi(2);
+            seconds3 *= point.seconds_to(next);
+        }
+        Beside { by: next.z - way, noise: square.sqrt(), seconds3 }
+    }
+
+    /// By how much the bend changed, as far as that is more than noise, 1/s³.
+    fn bend_changes(self) -> f64 {
+        (self.by.abs() - STATED * self.noise).max(0.0) / self.seconds3
+    }
 }
 
 /// What is left when the greatest may have been a step; 0 for fewer than two.

@@ -36,6 +36,11 @@ impl Pair {
         self.r_ohm[1] - self.r_ohm[0]
     }
 
+    /// Whether they tell a slope.
+    pub(super) fn is_apart(self) -> bool {
+        self.apart_s.is_some()
+    }
+
     /// With 1 sigma.
     pub(super) fn slope(self) -> Option<[f64; 2]> {
         self.apart_s.map(|apart_s| [self.difference() / apart_s, (self.u_ohm / apart_s).abs()])

@@ -125,6 +125,18 @@ fn what_creeps_is_at_rest_and_a_late_stamp_in_it_is_not() {
     assert!(told(&late[0]).0 && told(&late[0]).1 > 25.0, "{late:?}");
 }
 
+/// A hand that turns round: what follows its bend is a number, what is above it may be late, what is below cannot be.
+#[test]
+fn a_late_stamp_is_told_on_a_way_that_bends() {
+    let way: Vec<f64> = (0..8).map(|index| 5000.0 * (0.3 * (0.35 * f64::from(index)).sin()).exp()).collect();
+    for (beside, is_told) in [(0.0, false), (250.0, true), (-250.0, false)] {
+        let mut motion = Motion::default();
+        judge_alone(&mut motion, 0, &way[..7]);
+        let u_ohm = judge_alone(&mut motion, 7, &[way[7] + beside])[0].unwrap().u_ohm;
+        assert_eq!(2.0 * u_ohm > 250.0, is_told, "{beside}: {u_ohm}");
+    }
+}
+
 #[test]
 fn a_late_stamp_that_is_over_does_not_hide_the_next() {
     let mut motion = Motion::default();
