@@ -298,8 +298,8 @@ const TAIL: &str = "
 - A change that repeats within one discharge averages out in it; it is told by what is left of it.
 - A step in the middle of a single stretch gives a value in between. It is told because nothing before it was as fast; on a
   sensor that steps all the time it may pass.
-- A late stamp while the sensor moves shows when it is beside the way that the last readings went, by more than they are beside it
-  themselves: the reading is `moving` then. One that is late as the sensor moves is not seen: the readings of a moving hand are as
+- A late stamp while the sensor moves shows when it is beside the way that the last readings went, the bend of that way included, by
+  more than they are beside it themselves: the reading is `moving` then. One that is late as the sensor moves is not seen: the readings of a moving hand are as
   good as the kernel's latency lets them. With one stretch it looks like motion at rest, too: one reading is `moving` or `unsettled`,
   and forgotten when the next one is back.
 - Two nodes that disagree always by some sigma, by leakage or by wide-band noise at the threshold, look like a sensor that

@@ -92,12 +92,13 @@ impl Estimator {
         }
         let (estimate, evidence) = self.solve(record)?;
         let Measured { value, u } = estimate.r_ohm;
-        // Whose conductance may be none is no number, as where the state tells it.
-        let may_be_none = |u: f64| value > self.r2_ohm && value <= RESOLVED * u && !evidence.contradicts;
+        let by_prior = self.is_settling(record, &estimate);
+        // Whose conductance may be none is no number, as where the state tells it; a prior is wide enough already.
+        let sigmas = if by_prior { COVERAGE } else { RESOLVED };
+        let may_be_none = |u: f64| value > self.r2_ohm && value <= sigmas * u && !evidence.contradicts;
         if let Some(u) = u.filter(|u| may_be_none(*u)) {
             return Ok(self.open_above(sensor, value, u));
         }
-        let by_prior = self.is_settling(record, &estimate);
         let r_o_ohm = self.offset().r_o();
         (judged.at_ns, judged.basis) = (Some(evidence.at_ns), estimate.basis);
         let late = self.noise().late_share();
