@@ -273,7 +273,7 @@ impl Motion {
         let Some(last) = self.sound().next_back() else { return 0.0 };
         let most = Drift::of(self.sound()).step(last, point).abs() + (point.z - last.z).abs();
         let above = above_its_way(self.sound(), point).map_or(0.0, |above| above.min(most));
-        -(-above).exp_m1() / 3f64.sqrt()
+        point::late_by(above)
     }
 
     /// What a rise may hide that only the reading before has shown, where there is one stretch and no more: it takes a third one to
@@ -281,8 +281,7 @@ impl Motion {
     fn unproven(&mut self, point: &Point, pair: Option<Pair>, is_sudden: bool) -> f64 {
         let is_above = |before: &Point| pair.is_none() && point.z - before.z > before.noise_to(point);
         if let Some(before) = self.before_rise.take().filter(is_above) {
-            // All of it, or nothing.
-            return (-Drift::of(self.sound()).step(&before, point)).exp_m1().abs() / 3f64.sqrt();
+            return point::late_by(Drift::of(self.sound()).step(&before, point)).abs();
         }
         let last = self.last().filter(|last| is_sudden && is_above(last));
         self.before_rise = last.copied();

@@ -3,11 +3,11 @@
 
 use crate::common::chance::{Figure, share_is_in};
 use crate::common::config::ConfigFile;
-use crate::common::{Bench, Errors, check_page, file_for, read, seed};
+use crate::common::{Bench, Errors, check_page, file_for, next_with_truth, seed};
 use crate::hostile::times;
 use cermd::pins::Pins;
 use cermd::pins::sim::{Kind, Scene};
-use cermd::reading::{Method, Status};
+use cermd::reading::Method;
 use cermd::units::Nanos;
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
@@ -55,13 +55,14 @@ impl Draw {
     }
 }
 
-/// The circuit, as it is and as the configuration says it, whose resistors somebody has measured.
+/// The circuit, as it is and as the configuration says it, whose resistors somebody has measured; and how long its discharge takes for
+/// each ohm of the sensor, at most, s.
 fn circuit(draw: &mut Draw, kind: Kind, method: Method) -> (String, ConfigFile, f64) {
     let r_c1 = draw.decades(220.0, 2400.0);
     let r_c2 = draw.decades(5.0 * r_c1, (6.0 * r_c1).max(25e3));
     let (r_p, r_o) = (draw.decades(220.0, 470.0), draw.linear(15.0, 80.0));
     let known = format!("r-c1 = '{r_c1:.1} ohm'\nr-c2 = '{r_c2:.1} ohm'\n");
-    let ([named, real], c) = match kind {
+    let ([named, real], seconds_per_ohm) = match kind {
         Kind::TwoCapacitor => {
             let (a, ratio) = (draw.decades(0.68e-6, 4.7e-6), draw.linear(2.5, 5.0));
             let real = (a * draw.linear(0.9, 1.1), a / ratio * draw.linear(0.9, 1.1));
@@ -95,7 +96,7 @@ fn circuit(draw: &mut Draw, kind: Kind, method: Method) -> (String, ConfigFile, 
         }
     }
     let lines = format!("{known}{named}r-charge = '{r_p} ohm'\n");
-    (scene, file_for(kind, method, &lines, "pi4"), c)
+    (scene, file_for(kind, method, &lines, "pi4"), seconds_per_ohm)
 }
 
 /// The processor and its kernel, and what changes with time.
@@ -161,7 +162,7 @@ fn moving(draw: &mut Draw) -> String {
 struct Board {
     number: u64,
     bench: Bench,
-    /// How long a discharge takes, for each ohm of the sensor, at most.
+    /// Of a discharge, at most.
     seconds_per_ohm: f64,
 }
 
@@ -181,16 +182,9 @@ impl Board {
         let (mut instrument, mut errors) = (self.bench.instrument(), Errors::default());
         errors.next_board();
         while instrument.pins().now() < END {
-            let mut last = None;
-            read(&mut instrument, 1, |reading| last = Some(*reading));
-            let reading = last.unwrap();
-            let Status::Ok { r_ohm, .. } = reading.status else {
-                errors.add(&reading, f64::NAN);
-                continue;
-            };
-            let half = Nanos::from_seconds(0.5 * self.seconds_per_ohm * r_ohm.value.max(1000.0));
-            let truth = instrument.pins().one_r_x(0, reading.at, half);
-            truth.into_iter().for_each(|truth| errors.add(&reading, truth));
+            next_with_truth(&mut instrument, self.seconds_per_ohm, |reading, truth| {
+                errors.add(reading, truth)
+            });
         }
         errors
     }

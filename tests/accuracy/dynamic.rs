@@ -7,7 +7,7 @@ mod changes;
 mod hand;
 
 use crate::common::chance::{Figure, WITHIN_2U, mean_of};
-use crate::common::{self, Bench, check_page, name_of, read, rest, settle};
+use crate::common::{self, Bench, check_page, name_of, next_reading, read, rest, settle};
 use cermd::pins::sim::{Kind, Sensor};
 use cermd::reading::{Method, Reading, Status};
 use cermd::units::{Hertz, Ohm};
@@ -166,9 +166,7 @@ fn observe(bench: impl Fn(u64) -> Bench, sensor: &Sensor, skip: usize, readings:
         instrument.pins().connect(0, sensor.clone());
         read(&mut instrument, skip, |_| {});
         for _ in 0..readings {
-            let mut last = None;
-            read(&mut instrument, 1, |reading| last = Some(*reading));
-            let reading = last.unwrap();
+            let reading = next_reading(&mut instrument);
             let truth = instrument.pins().r_x(0, reading.at).unwrap();
             seen.add(&reading, truth);
         }
@@ -299,9 +297,9 @@ const TAIL: &str = "
 - A step in the middle of a single stretch gives a value in between. It is told because nothing before it was as fast; on a
   sensor that steps all the time it may pass.
 - A late stamp while the sensor moves shows when it is beside the way that the last readings went, the bend of that way included, by
-  more than they are beside it themselves: the reading is `moving` then. One that is late as the sensor moves is not seen: the readings of a moving hand are as
-  good as the kernel's latency lets them. With one stretch it looks like motion at rest, too: one reading is `moving` or `unsettled`,
-  and forgotten when the next one is back.
+  more than they are beside it themselves: the reading is `moving` then. One that is late as the sensor moves is not seen: the readings
+  of a moving hand are as good as the kernel's latency lets them. With one stretch it looks like motion at rest, too: one reading is
+  `moving` or `unsettled`, and forgotten when the next one is back.
 - Two nodes that disagree always by some sigma, by leakage or by wide-band noise at the threshold, look like a sensor that
   every discharge catches in the same motion: at rest a part of the readings is `moving` then (rows 5 and 18 of
   [stability.md](stability.md)).

@@ -146,6 +146,27 @@ pub fn read(instrument: &mut Instrument<SimPins>, count: usize, mut each: impl F
     assert_eq!(instrument.pins().conflicts(), 0, "two outputs against each other");
 }
 
+/// The next reading.
+pub fn next_reading(instrument: &mut Instrument<SimPins>) -> Reading {
+    let mut last = None;
+    read(instrument, 1, |reading| last = Some(*reading));
+    last.unwrap()
+}
+
+/// The next reading of a sensor that moves, handed to `add` with the resistance at its instant, which is NaN of what is no number. A number
+/// whose sensor changed so much in a discharge of `seconds_per_ohm` that there is no one true value is left out.
+pub fn next_with_truth(
+    instrument: &mut Instrument<SimPins>,
+    seconds_per_ohm: f64,
+    mut add: impl FnMut(&Reading, f64),
+) {
+    let reading = next_reading(instrument);
+    let Status::Ok { r_ohm, .. } = reading.status else { return add(&reading, f64::NAN) };
+    let half = Nanos::from_seconds(0.5 * seconds_per_ohm * r_ohm.value.max(1000.0));
+    let truth = instrument.pins().one_r_x(0, reading.at, half);
+    truth.into_iter().for_each(|truth| add(&reading, truth));
+}
+
 /// Steps until the second of two instants, and hands each message of a step after the first one to `each`.
 pub fn hear_between(
     instrument: &mut Instrument<SimPins>,

@@ -1,6 +1,6 @@
 //! A sensor that changes while it is read.
 
-use crate::common::{Bench, Errors, read};
+use crate::common::{Bench, Errors, next_reading};
 use cermd::pins::sim::Sensor;
 use cermd::reading::Method;
 use cermd::units::{Ohm, Seconds};
@@ -20,9 +20,7 @@ fn a_reading_of_a_changing_sensor_is_of_its_stated_instant() {
         let mut instrument = bench.instrument();
         let mut seconds = 0.0;
         while seconds < 9.9 {
-            let mut last = None;
-            read(&mut instrument, 1, |reading| last = Some(*reading));
-            let reading = last.unwrap();
+            let reading = next_reading(&mut instrument);
             seconds = reading.at.as_seconds();
             if (8.1..9.9).contains(&seconds) {
                 all.add(&reading, instrument.pins().r_x(0, reading.at).unwrap());

@@ -30,6 +30,11 @@ pub(super) enum Trust {
     Below,
 }
 
+/// 1 sigma, relative, of a reading of which so much, as a logarithm, may be a late stamp's: all of it, or nothing (GUM, rectangular).
+pub(super) fn late_by(above: f64) -> f64 {
+    -(-above).exp_m1() / 3f64.sqrt()
+}
+
 /// Takes one more, and forgets the first where there is no room.
 pub(super) fn push<const N: usize>(points: &mut [Point; N], count: &mut usize, point: Point) {
     if *count == N {

@@ -32,10 +32,9 @@ impl Recent {
         if is_proven(count + usize::from(is_confirmed), late) {
             return Some(above_middle(point, &mut alike[..count], late));
         }
-        // All that it is above the lowest, or nothing of it.
         let is_above = |other: &&Point| !is_alike(point, other) && point.z - other.z > STATED * point.u;
         let lowest = recent.iter().filter(is_above).map(|other| other.z).fold(point.z, f64::min);
-        (late <= OFTEN_LATE).then(|| -(lowest - point.z).exp_m1() / 3f64.sqrt())
+        (late <= OFTEN_LATE).then(|| point::late_by(point.z - lowest))
     }
 }
 

@@ -2,7 +2,7 @@
 
 use super::{CASES, Case, INSTRUMENTS, MEMORY, READINGS, name, observe, quiet, share_of};
 use crate::common::chance::{WITHIN_2U, mean_of, share_is_in};
-use crate::common::{Bench, kind_of, read, rest, settle};
+use crate::common::{Bench, kind_of, next_reading, read, rest, settle};
 use cermd::pins::Pins;
 use cermd::pins::sim::scene::DelayScene;
 use cermd::pins::sim::{Kind, Sensor};
@@ -128,9 +128,7 @@ fn the_instant_of_a_ramp_is_right_for_direct_and_inferred_readings() {
             read(&mut instrument, 4, |_| {});
             let (mut sum, mut weights) = (0.0, 0.0);
             loop {
-                let mut last = None;
-                read(&mut instrument, 1, |reading| last = Some(*reading));
-                let reading = last.unwrap();
+                let reading = next_reading(&mut instrument);
                 if reading.at.as_seconds() > start.0 + 0.19 + (to - from) / 50e3 {
                     break;
                 }

@@ -2,15 +2,16 @@
 
 use super::{CASES, Case, INSTRUMENTS, Seen, name};
 use crate::common::chance::WITHIN_2U;
-use crate::common::{Bench, read, rest, settle};
+use crate::common::{Bench, next_with_truth, rest, settle};
 use cermd::pins::Pins;
 use cermd::pins::sim::Sensor;
-use cermd::reading::Status;
 use cermd::units::Nanos;
 use std::fmt::Write;
 use std::sync::LazyLock;
 
 const SECONDS: f64 = 40.0;
+/// How long a discharge takes for each ohm.
+const SECONDS_PER_OHM: f64 = 1e-6;
 /// Of the numbers that do not move so many may be beyond ten sigma: a stamp that is late as the hand would have moved looks like it.
 const BEYOND_10: f64 = 2e-4;
 
@@ -31,17 +32,7 @@ fn presses((method, kind): Case, seed: u64, seen: &mut Seen) {
     instrument.pins().connect(0, Sensor::hand());
     let end = instrument.pins().now() + Nanos::from_seconds(SECONDS);
     while instrument.pins().now() < end {
-        let mut last = None;
-        read(&mut instrument, 1, |reading| last = Some(*reading));
-        let reading = last.unwrap();
-        // A discharge takes 1 us for each ohm; what is no number needs no truth.
-        let Status::Ok { r_ohm, .. } = reading.status else {
-            seen.add(&reading, f64::NAN);
-            continue;
-        };
-        let half = Nanos::from_seconds(0.5e-6 * r_ohm.value.max(1000.0));
-        let truth = instrument.pins().one_r_x(0, reading.at, half);
-        truth.into_iter().for_each(|truth| seen.add(&reading, truth));
+        next_with_truth(&mut instrument, SECONDS_PER_OHM, |reading, truth| seen.add(reading, truth));
     }
 }
 

@@ -72,6 +72,9 @@ until_true() {
 # The first of that name: each channel has counters, too.
 stat() { cermctl stats --json | grep -o "\"$1\":\"*[^,\"}]*" | head -n 1 | sed 's/.*:"*//'; }
 
+# settled: a reading that is a number and has settled, in the file `reading`; before that, the uncertainty is a wide prior.
+settled() { cermctl get --json | grep '"status":"ok"' | grep -v '"settling":true' >reading; }
+
 offset_known() { [ "$(stat offset_known)" = true ]; }
 
 # cpu: ns that all threads of the daemon, and its measuring thread, have run.

@@ -9,8 +9,6 @@ is_inactive() {
     [ "$(property ActiveState) $(property NRestarts)" = "inactive 0" ] || fail "it is $(property ActiveState), after $(property NRestarts) restarts"
     grep -F "$1" status >/dev/null || fail "the reason is not told: $1"
 }
-# At first the uncertainty is a wide prior.
-settled() { reading | grep -v '"settling":true' >reading; }
 field() { sed -n "s/.*\"$1\":\([0-9.]*\).*/\1/p" reading; }
 # reads OHM: within four standard uncertainties, ohms and newtons (F = 13346 N ohm / R).
 reads() {

@@ -21,9 +21,6 @@ chroot $archive /cermctl get --socket $socket
 kill $simulated
 wait $simulated || fail "it ended with exit status $?"
 
-# settled: a reading that has settled, in the file `reading`; before that, the uncertainty is a wide prior.
-settled() { cermctl get --json | grep '"status":"ok"' | grep -v '"settling":true' >reading; }
-
 for backend in chardev chardev-v1; do
     echo "== $backend"
     for ohm in 100 1000 16200; do
