@@ -29,6 +29,9 @@ for backend in $backends; do
     raw $CERMD_SOCKET >stream &
     client=$!
     until_true 100 grep '"event":"released"' stream || fail "nothing is known: $(tail -n 3 stream)"
+    # Before, each reading is one of several calibrations, 80 ms long.
+    until_true 100 settled || fail "it does not settle: $(tail -n 3 stream)"
+    sleep 2
     echo "gpio == $number" >$tracing/events/gpio/gpio_value/filter
     echo >$tracing/trace
     echo 1 >$tracing/events/gpio/gpio_value/enable
@@ -47,17 +50,35 @@ for backend in $backends; do
     done
     echo 0 >$tracing/events/gpio/gpio_value/enable
     cat $tracing/trace >trace-$backend
-    # From each step to the first change of the line after it, ms.
-    mawk '/tracing_mark_write|gpio_value/ && !/^#/ {
-        for (i = 1; i <= NF; i++) if ($i ~ /^[0-9]+\.[0-9]+:$/) at = $i + 0
-        if (/tracing_mark_write/) from = at
-        else if (from) { printf "%.2f\n", 1e3 * (at - from); from = 0 }
-    }' trace-$backend | sort -n >late-$backend
+    # From each step to the first change of the line after it: ms, readings, and those of them that are numbers. How long that is
+    # depends on the machine that emulates; that it takes one number does not:
+    # two where the step fell into the first, three where the next was there before the line was asked to move.
+    sleep 0.2
+    mawk 'FNR == 1 { file++ }
+    file == 1 && /"class":"READING"/ && match($0, /"t_mono_ns":[0-9]+/) {
+        at[++readings] = substr($0, RSTART + 12, RLENGTH - 12) / 1e9
+        known[readings] = /"status":"ok"/
+    }
+    file == 2 && /tracing_mark_write|gpio_value/ && !/^#/ {
+        for (i = 1; i <= NF; i++) if ($i ~ /^[0-9]+\.[0-9]+:$/) now = $i + 0
+        if (/tracing_mark_write/) from = now
+        else if (from) {
+            all = numbers = 0
+            for (i = 1; i <= readings; i++) if (at[i] > from && at[i] <= now) { all++; numbers += known[i] }
+            printf "%.2f %d %d\n", 1e3 * (now - from), all, numbers
+            from = 0
+        }
+    }' stream trace-$backend | sort -n >late-$backend
     # Later kernels have these events no more.
     [ -s late-$backend ] || echo "$backend: this kernel traces no levels"
-    [ ! -s late-$backend ] || mawk -v b=$backend '{ late[NR] = $1 } END {
-        printf "%s: from the step to the line, %d steps: median %.1f ms, at most %.1f ms\n", b, NR, late[int((NR + 1) / 2)], late[NR]
-        exit !(NR == 40 && late[1] > 0 && late[NR] < 150) }' late-$backend || fail "$(cat late-$backend)"
+    [ ! -s late-$backend ] || mawk -v b=$backend '{
+        late[NR] = $1
+        if ($2 > all) all = $2
+        if ($3 > numbers) numbers = $3
+    } END {
+        printf "%s: from the step to the line, %d steps: median %.1f ms, at most %.1f ms, %d readings, %d of them numbers\n",
+            b, NR, late[int((NR + 1) / 2)], late[NR], all, numbers
+        exit !(NR == 40 && late[1] > 0 && all <= 6 && numbers <= 3) }' late-$backend || fail "$(cat late-$backend)"
 
     # Crossings raise no interrupt: all readings are faults.
     press
