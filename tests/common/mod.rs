@@ -163,7 +163,7 @@ pub fn next_with_truth(
     let reading = next_reading(instrument);
     let Status::Ok { r_ohm, .. } = reading.status else { return add(&reading, f64::NAN) };
     let half = Nanos::from_seconds(0.5 * seconds_per_ohm * r_ohm.value.max(1000.0));
-    let truth = instrument.pins().one_r_x(0, reading.at, half);
+    let truth = instrument.pins().one_r_x(reading.channel, reading.at, half);
     truth.into_iter().for_each(|truth| add(&reading, truth));
 }
 
