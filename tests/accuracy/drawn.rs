@@ -29,12 +29,12 @@ const WILD: f64 = 1e-5;
 /// The same where the sensor moves: a stamp that is late as the sensor would have moved looks like it.
 const WILD_IN_MOTION: f64 = 1e-4;
 
-struct Draw(ChaCha8Rng);
-
 /// What a sensor does, as a scene says it.
 type Sensor = fn(&mut Draw) -> String;
 /// What a configuration asks for, and of how many sensors.
 type Asked = fn(&mut Draw, &mut ConfigFile) -> usize;
+
+struct Draw(ChaCha8Rng);
 
 impl Draw {
     fn linear(&mut self, from: f64, to: f64) -> f64 {
@@ -179,9 +179,7 @@ fn in_every_way(draw: &mut Draw, config: &mut ConfigFile) -> usize {
         2 => config.set("measure.rate-hz", rate).set("measure.idle", true),
         _ => config,
     };
-    if way < 3 {
-        return 1;
-    }
+    let sensors = if way < 3 { 1 } else { sensors };
     for sensor in 1..sensors {
         let id = format!("y{sensor}");
         config.channel(&id);
@@ -201,7 +199,7 @@ struct Board {
 }
 
 impl Board {
-    fn draw(number: u64, (kind, method): (Kind, Method), sensor: Sensor, asked: Asked) -> Board {
+    fn draw(number: u64, kind: Kind, method: Method, sensor: Sensor, asked: Asked) -> Board {
         let mut draw = Draw(seed::rng(number));
         let (circuit, mut config, seconds_per_ohm) = circuit(&mut draw, kind, method);
         let mut scene = circuit + &surroundings(&mut draw, kind);
@@ -315,8 +313,7 @@ fn table(sensor: Sensor, asked: Asked, wild: f64) -> (String, Vec<&'static str>)
     let (mut table, mut wrong) = (String::new(), Vec::new());
     for (name, kind, method) in CASES {
         let mut seen = Seen::default();
-        (0..BOARDS * times())
-            .for_each(|number| seen.add(&Board::draw(number, (kind, method), sensor, asked)));
+        (0..BOARDS * times()).for_each(|number| seen.add(&Board::draw(number, kind, method, sensor, asked)));
         table += &seen.row(name);
         if !seen.holds(wild) {
             wrong.push(name);
@@ -353,7 +350,7 @@ fn an_untouched_sensor_is_no_number_on_boards_that_are_drawn_at_random() {
     for (name, kind, method) in CASES {
         let (mut numbers, mut wrong) = (0, 0);
         for number in 0..BOARDS * times() {
-            let errors = Board::draw(number, (kind, method), untouched, plainly).read();
+            let errors = Board::draw(number, kind, method, untouched, plainly).read();
             numbers += errors.count();
             let off = errors.errors.iter().zip(&errors.us).filter(|(error, u)| error.abs() > 10.0 * **u);
             wrong += off.count();

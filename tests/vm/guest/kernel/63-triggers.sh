@@ -51,8 +51,8 @@ for backend in $backends; do
     echo 0 >$tracing/events/gpio/gpio_value/enable
     cat $tracing/trace >trace-$backend
     # From each step to the first change of the line after it: ms, readings, and those of them that are numbers. How long that is
-    # depends on the machine that emulates; that it takes one number does not:
-    # two where the step fell into the first, three where the next was there before the line was asked to move.
+    # depends on the machine that emulates; that it takes one number does not, two where the step fell into the first, three where the
+    # next was there before the line was asked to move. With the faults that a step makes there are six at the most.
     sleep 0.2
     mawk 'FNR == 1 { file++ }
     file == 1 && /"class":"READING"/ && match($0, /"t_mono_ns":[0-9]+/) {
