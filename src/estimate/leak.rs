@@ -31,8 +31,7 @@ impl LeakTest {
     /// Whether a held discharge is due.
     pub fn is_due(&self, now: Nanos) -> bool {
         // Nothing is measured meanwhile, so it is seen at once when that is over.
-        let is_defect = self.is_known() && self.likely_siemens().abs() > GROSS_LEAK_SIEMENS;
-        is_defect || self.looks.iter().any(|looks| looks.is_due(now, LEAK_FIRST / 2, LEAK_EVERY))
+        self.is_defect() || self.looks.iter().any(|looks| looks.is_due(now, LEAK_FIRST / 2, LEAK_EVERY))
     }
 
     /// After which part of it the next one is to be held.
@@ -75,6 +74,11 @@ impl LeakTest {
             return 0.0;
         }
         beyond(late.median() - early.median(), COVERAGE * early.noise().hypot(late.noise()))
+    }
+
+    /// Whether there is a leak beside which nothing can be measured.
+    pub fn is_defect(&self) -> bool {
+        self.is_known() && self.likely_siemens().abs() > GROSS_LEAK_SIEMENS
     }
 
     /// Whether the leak has come, grown or gone since this last was so.

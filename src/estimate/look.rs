@@ -15,8 +15,9 @@ pub fn beyond(shown: f64, chance: f64) -> f64 {
 pub struct Looks<const N: usize> {
     shown: [f64; N],
     taken: usize,
-    /// Those that came to nothing.
+    /// Those that came to nothing, and those since the last one that did not.
     failed: usize,
+    failed_in_row: usize,
     median: f64,
     /// Of the last one alone.
     variance: f64,
@@ -31,6 +32,7 @@ impl<const N: usize> Default for Looks<N> {
             shown: [0.0; N],
             taken: 0,
             failed: 0,
+            failed_in_row: 0,
             median: 0.0,
             variance: 0.0,
             is_surprised: false,
@@ -44,17 +46,19 @@ impl<const N: usize> Looks<N> {
     pub fn is_due(&self, now: Nanos, first: usize, every: Nanos) -> bool {
         let is_old = self.last.is_none_or(|last| now - last >= every);
         let is_first = self.taken < first && self.failed < first;
-        is_first || self.is_surprised || is_old
+        let is_surprised = self.is_surprised && self.failed_in_row < first;
+        is_first || is_surprised || is_old
     }
 
     /// Takes one, whether it told something or not: what it showed, and the variance of that.
     pub fn add(&mut self, shown: Option<[f64; 2]>, now: Nanos) {
         self.last = Some(now);
-        self.is_surprised = false;
         let Some([shown, variance]) = shown.filter(|[shown, _]| shown.is_finite()) else {
             self.failed += 1;
+            self.failed_in_row += 1;
             return;
         };
+        self.failed_in_row = 0;
         self.shown[self.taken % N] = shown;
         self.variance = variance;
         self.taken += 1;

@@ -166,8 +166,11 @@ impl SplitCalibration {
         if self.rounds.len() < FEWEST_ROUNDS {
             return None;
         }
-        let usual = usual_of(&mut self.scratch, self.rounds.iter().map(|round| round.d_ns));
-        let kept = self.rounds.iter().filter(|round| usual.has(round.d_ns));
+        // What is usual in d alone may be far off in Ro, as rounds beside a capacitor that is missing are.
+        let usual_d = usual_of(&mut self.scratch, self.rounds.iter().map(|round| round.d_ns));
+        let usual_r_o = usual_of(&mut self.scratch, self.rounds.iter().map(|round| round.r_o_ohm));
+        let is_usual = |round: &&Round| usual_d.has(round.d_ns) && usual_r_o.has(round.r_o_ohm);
+        let kept = self.rounds.iter().filter(is_usual);
         let mean_of =
             |of: fn(&Round) -> f64| mean(kept.clone().map(of)).and_then(|mean| Some((mean.value, mean.u?)));
         let (d, r_o) = (mean_of(|round| round.d_ns)?, mean_of(|round| round.r_o_ohm)?);

@@ -82,14 +82,17 @@ pub struct Cycle {
     diagnosis: Diagnosis,
     step: Step,
     retries: u32,
-    /// Calibration discharges of this cycle, and when the last one was.
+    /// Calibration discharges of this cycle, when the last one of each kind was, and the last one if it contradicted the state.
     calibrations: u32,
-    calibrated_at: Option<Nanos>,
+    calibrated_at: [Option<Nanos>; 3],
+    doubted: Option<(CalibrationKind, Node)>,
     /// Readings since, and calibration discharges that the tracked state has had, as long as they are few.
     since_calibration: u32,
     young: u32,
     /// What the last discharge has told of a sensor.
     as_read_ohm: Option<f64>,
+    /// The last reading shows that something leaks.
+    path_shows: bool,
     /// When the last discharge was asked for, and what discharges take beside what is planned of them, ns.
     asked: Nanos,
     overhead_ns: f64,
@@ -137,10 +140,12 @@ impl Cycle {
             step: Step::Start,
             retries: 0,
             calibrations: 0,
-            calibrated_at: None,
+            calibrated_at: [None; 3],
+            doubted: None,
             since_calibration: 0,
             young: 0,
             as_read_ohm: None,
+            path_shows: false,
             asked: Nanos::ZERO,
             overhead_ns: 0.0,
             planned: Nanos::ZERO,
@@ -287,7 +292,7 @@ impl Cycle {
     /// The next cycle, or before it, from time to time, a look for what is wrong: where no reading waits for it.
     fn after_sensors(&self, now: Nanos) -> Step {
         match self.may_look() {
-            true if self.leak.is_due(now) => Step::Hold(Look::Leak),
+            true if self.path_shows || self.leak.is_due(now) => Step::Hold(Look::Leak),
             true if self.absorption.is_due(now) => Step::Hold(Look::Absorption),
             _ => self.before_start(now),
         }

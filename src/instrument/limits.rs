@@ -70,6 +70,8 @@ pub const YOUNG_EVERY: u32 = 2;
 pub const YOUNG_PAUSE: Nanos = Nanos(8_000_000);
 /// So long without a calibration discharge is too long: a drift would not be seen.
 pub const LONGEST_IDLE: Nanos = Nanos(400_000_000);
+/// And so long without one of each kind: what one kind shows of a change another may hide, however little it is worth otherwise.
+pub const LONGEST_UNSEEN: Nanos = Nanos(2_000_000_000);
 /// So many outliers in a row are no spikes: the calibration may be wrong, and is looked at in each cycle.
 pub const OUTLIERS_OF_DOUBT: u32 = 2;
 /// Where a switch is considered, as fractions of the time in which the last node crosses.

@@ -3,8 +3,7 @@
 
 use crate::common::chance::{Figure, share_is_in};
 use crate::common::config::ConfigFile;
-use crate::common::{Bench, Errors, check_page, file_for, next_with_truth, seed};
-use crate::hostile::times;
+use crate::common::{Bench, Errors, check_page, file_for, next_with_truth, seed, times};
 use cermd::pins::Pins;
 use cermd::pins::sim::{Kind, Scene};
 use cermd::reading::Method;

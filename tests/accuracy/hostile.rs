@@ -10,7 +10,7 @@ mod page;
 mod rows;
 mod tapes;
 
-use crate::common::{Bench, Errors, kind_of};
+use crate::common::{Bench, Errors, kind_of, times};
 use cermd::instrument::{Instrument, Message};
 use cermd::pins::Pins;
 use cermd::pins::sim::{Kind, Scene, Sensor, SimPins};
@@ -108,11 +108,6 @@ impl Row {
             instrument.step(&mut take).unwrap();
         }
     }
-}
-
-/// As many boards as usual, or so many times as many.
-pub fn times() -> u64 {
-    std::env::var("CERMD_BOARDS").map_or(1, |times| times.parse().expect("CERMD_BOARDS is a whole number"))
 }
 
 /// Puts the values of a table over those of another one.

@@ -27,6 +27,11 @@ pub struct Bench {
     pub seed: u64,
 }
 
+/// As many boards as usual, or so many times as many.
+pub fn times() -> u64 {
+    std::env::var("CERMD_BOARDS").map_or(1, |times| times.parse().expect("CERMD_BOARDS is a whole number"))
+}
+
 /// The name of a status in the stream.
 pub fn name_of(status: &Status) -> &'static str {
     match status {

@@ -39,7 +39,7 @@ impl Cycle {
     pub(super) fn calibrated(&mut self, kind: CalibrationKind, last: Node, outcome: &Outcome) {
         self.diagnosis.take(kind, outcome);
         if self.failed.is_none() {
-            self.calibrate(kind, outcome);
+            self.calibrate(kind, last, outcome);
         }
         // Lost already; the plain discharges tell whether it is a resistor's wire or a node.
         self.step = match (self.failed, kind) {
@@ -54,7 +54,7 @@ impl Cycle {
         };
     }
 
-    fn calibrate(&mut self, kind: CalibrationKind, outcome: &Outcome) {
+    fn calibrate(&mut self, kind: CalibrationKind, last: Node, outcome: &Outcome) {
         let tracks = self.estimator.tracker().is_some();
         let result = outcome.result.and_then(|record| self.estimator.calibrate(&record));
         let is_spike = result == Err(Fault::LatencyOutlier);
@@ -71,7 +71,8 @@ impl Cycle {
         if result.is_ok() || (is_spike && tracks) || (kind == CalibrationKind::Split && !tracks) {
             self.retries = 0;
             self.calibrations += 1;
-            self.calibrated_at = Some(self.asked);
+            self.calibrated_at[kind as usize] = Some(self.asked);
+            self.doubted = is_spike.then_some((kind, last));
             self.since_calibration = 0;
             self.memory.iter_mut().for_each(|memory| memory.is_startled = false);
             self.young = if tracks { (self.young + 1).min(YOUNG) } else { 0 };
@@ -90,6 +91,10 @@ impl Cycle {
         self.step = self.before_sensors();
         let (Some(split), Some((c1, c2))) = (&mut self.split, self.estimator.calibration()) else { return };
         let Ok(record) = &outcome.result else { return };
+        // What leaks is taken for an offset.
+        if self.leak.is_defect() {
+            return;
+        }
         let before = split.taken();
         split.add(c1, c2, record, self.estimator.noise());
         if split.taken() != before && split.taken() >= ROUNDS_AT_FIRST {

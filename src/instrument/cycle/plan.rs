@@ -13,9 +13,9 @@ use crate::estimate::motion::Motion;
 use crate::estimate::scatter::expected_ns;
 use crate::instrument::discharge::Charge;
 use crate::instrument::limits::{
-    B_FORGOTTEN, B_LEFT_ALONE, CALIBRATION_PAYS, CHARGE_STEP, HYSTERESIS, LONGEST_IDLE, MOST_LONGER,
-    OFFSET_SHARE, OUTLIERS_OF_DOUBT, RESTLESS_KEEPS, RETRY_EARLIER, SHOWN_LASTS, YOUNG, YOUNG_EVERY,
-    YOUNG_PAUSE,
+    B_FORGOTTEN, B_LEFT_ALONE, CALIBRATION_PAYS, CHARGE_STEP, HYSTERESIS, LONGEST_IDLE, LONGEST_UNSEEN,
+    MOST_LONGER, OFFSET_SHARE, OUTLIERS_OF_DOUBT, RESTLESS_KEEPS, RETRY_EARLIER, SHOWN_LASTS, YOUNG,
+    YOUNG_EVERY, YOUNG_PAUSE,
 };
 use crate::instrument::settings::Charges;
 use crate::sensor::Channel;
@@ -323,6 +323,10 @@ impl Cycle {
     /// The calibration discharge that lowers the variance of what is published most for its time, if any pays.
     pub(super) fn wanted(&self) -> Option<(CalibrationKind, Node)> {
         let tracker = self.estimator.tracker()?;
+        // Whether it was a spike, another one of the same kind tells.
+        if self.doubted.is_some() {
+            return self.doubted;
+        }
         let dependences = || self.memory.iter().filter_map(|memory| memory.dependence);
         let readings = self.readings();
         let before_ns = self.before_ns();
@@ -343,12 +347,21 @@ impl Cycle {
         };
         let (best, pays) =
             all.map(|discharge| (discharge, value(discharge))).max_by(|a, b| a.1.total_cmp(&b.1))?;
-        let is_doubted = tracker.is_doubted()
-            || self.memory.iter().any(|memory| memory.is_startled || memory.outliers >= OUTLIERS_OF_DOUBT);
+        let is_startled =
+            self.memory.iter().any(|memory| memory.is_startled || memory.outliers >= OUTLIERS_OF_DOUBT);
+        let is_doubted = tracker.is_doubted() || is_startled;
         // How noisy all is has to be known, too, before a plan can trust it: each kind of discharge in turn.
-        let is_due = |pause| self.calibrated_at.is_none_or(|at| self.asked - at > pause);
+        let is_older = |at: Option<Nanos>, pause| at.is_none_or(|at| self.asked - at > pause);
+        let is_due = |pause| is_older(self.calibrated_at.into_iter().flatten().max(), pause);
         if self.young < YOUNG && (self.since_calibration >= YOUNG_EVERY || is_due(YOUNG_PAUSE)) {
             let kind = CalibrationKind::ALL[self.young as usize % 3];
+            return Some((kind, best.1));
+        }
+        let longest = if is_startled { LONGEST_IDLE } else { LONGEST_UNSEEN };
+        let unseen = CalibrationKind::ALL
+            .into_iter()
+            .find(|kind| is_older(self.calibrated_at[*kind as usize], longest));
+        if let Some(kind) = unseen {
             return Some((kind, best.1));
         }
         if pays > CALIBRATION_PAYS || is_doubted || is_due(LONGEST_IDLE) {

@@ -16,6 +16,7 @@ impl Cycle {
             Err(fault) => (Judged::fault(*fault), now),
         };
         self.as_read_ohm = judged.as_read_ohm;
+        self.path_shows = matches!(judged.status, Status::Fault(Fault::Leakage | Fault::PullUp));
         memory.take(&judged, outcome.result.ok(), sensor, &mut self.estimator);
         self.publish(channel, &judged, began, now)
     }
