@@ -8,7 +8,7 @@
 use crate::circuit::Node;
 use crate::estimate::awake::AwakeTest;
 use crate::estimate::law::{Crossing, D, D_B, R_O, Route, State, UNKNOWNS};
-use crate::estimate::limits::{FIRST_ROUNDS, INNOVATION_GATE, LATE_NS, OUTLIERS_OF_A_STEP, SPLIT_FRACTION};
+use crate::estimate::limits::{FIRST_ROUNDS, INNOVATION_GATE, LATE_NS, SPLIT_FRACTION};
 use crate::estimate::noise::{Covariance, Noise, is_step};
 use crate::estimate::offset::{Offset, SplitCalibration};
 use crate::estimate::scatter::{SwitchScatter, expected_ns};
@@ -155,11 +155,6 @@ impl Tracker {
     /// Whether the last calibration discharge was rejected.
     pub fn is_doubted(&self) -> bool {
         self.rejected_in_row > 0
-    }
-
-    /// Whether it is doubted and stamps are so rarely late that the next ones of the same kind tell a spike from news.
-    pub fn is_told_by_next(&self) -> bool {
-        self.is_doubted() && is_step(OUTLIERS_OF_A_STEP, self.late_before)
     }
 
     /// Uncertainty of a switch's instant, ns, where `expected_ns` is what the calls' duration says.

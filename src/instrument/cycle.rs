@@ -31,7 +31,9 @@ use crate::estimate::leak::LeakTest;
 use crate::estimate::offset::{Offset, SplitCalibration};
 use crate::instrument::diagnosis::Diagnosis;
 use crate::instrument::discharge::{Outcome, Plan};
-use crate::instrument::limits::{MOST_CALIBRATIONS, MOST_OF_SENSOR, OVERHEAD_STEP, RETRIES, ROUNDS, WINDOW};
+use crate::instrument::limits::{
+    LEAKS_OF_A_LOOK, MOST_CALIBRATIONS, MOST_OF_SENSOR, OVERHEAD_STEP, RETRIES, ROUNDS, WINDOW,
+};
 use crate::instrument::settings::Settings;
 use crate::instrument::stats::Stats;
 use crate::reading::{Branch, Fault, Reading, Status};
@@ -91,8 +93,8 @@ pub struct Cycle {
     young: u32,
     /// What the last discharge has told of a sensor.
     as_read_ohm: Option<f64>,
-    /// The last reading shows that something leaks.
-    path_shows: bool,
+    /// So many readings in a row show that something leaks.
+    leaks_in_row: u32,
     /// When the last discharge was asked for, and what discharges take beside what is planned of them, ns.
     asked: Nanos,
     overhead_ns: f64,
@@ -145,7 +147,7 @@ impl Cycle {
             since_calibration: 0,
             young: 0,
             as_read_ohm: None,
-            path_shows: false,
+            leaks_in_row: 0,
             asked: Nanos::ZERO,
             overhead_ns: 0.0,
             planned: Nanos::ZERO,
@@ -292,7 +294,7 @@ impl Cycle {
     /// The next cycle, or before it, from time to time, a look for what is wrong: where no reading waits for it.
     fn after_sensors(&self, now: Nanos) -> Step {
         match self.may_look() {
-            true if self.path_shows || self.leak.is_due(now) => Step::Hold(Look::Leak),
+            true if self.leaks_in_row >= LEAKS_OF_A_LOOK || self.leak.is_due(now) => Step::Hold(Look::Leak),
             true if self.absorption.is_due(now) => Step::Hold(Look::Absorption),
             _ => self.before_start(now),
         }

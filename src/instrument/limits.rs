@@ -74,6 +74,8 @@ pub const LONGEST_IDLE: Nanos = Nanos(400_000_000);
 pub const LONGEST_UNSEEN: Nanos = Nanos(2_000_000_000);
 /// So many outliers in a row are no spikes: the calibration may be wrong, and is looked at in each cycle.
 pub const OUTLIERS_OF_DOUBT: u32 = 2;
+/// So many readings in a row that show a leak are no late stamps: a discharge that is held tells at once.
+pub const LEAKS_OF_A_LOOK: u32 = 3;
 /// Where a switch is considered, as fractions of the time in which the last node crosses.
 pub const SWITCH_FRACTIONS: [f64; 9] = [0.2, 0.35, 0.5, 0.65, 0.75, 0.85, 0.9, 0.95, 0.98];
 /// What is left after a switch at the least, ns: longer than the calls that make it take.

@@ -2,7 +2,6 @@
 
 use super::{Cycle, Step};
 use crate::circuit::Node;
-use crate::estimate::tracker::Tracker;
 use crate::instrument::discharge::Outcome;
 use crate::instrument::limits::{FOLLOW_EVERY, RETRIES, ROUNDS_AT_FIRST, WINDOW, YOUNG};
 use crate::reading::Fault;
@@ -73,8 +72,7 @@ impl Cycle {
             self.retries = 0;
             self.calibrations += 1;
             self.calibrated_at[kind as usize] = Some(self.asked);
-            let tracker = self.estimator.tracker();
-            self.doubted = tracker.is_some_and(Tracker::is_told_by_next).then_some((kind, last));
+            self.doubted = is_spike.then_some((kind, last));
             self.since_calibration = 0;
             self.memory.iter_mut().for_each(|memory| memory.is_startled = false);
             self.young = if tracks { (self.young + 1).min(YOUNG) } else { 0 };

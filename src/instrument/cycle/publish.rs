@@ -16,7 +16,8 @@ impl Cycle {
             Err(fault) => (Judged::fault(*fault), now),
         };
         self.as_read_ohm = judged.as_read_ohm;
-        self.path_shows = matches!(judged.status, Status::Fault(Fault::Leakage | Fault::PullUp));
+        let leaks = matches!(judged.status, Status::Fault(Fault::Leakage | Fault::PullUp));
+        self.leaks_in_row = if leaks { self.leaks_in_row.saturating_add(1) } else { 0 };
         memory.take(&judged, outcome.result.ok(), sensor, &mut self.estimator);
         self.publish(channel, &judged, began, now)
     }
