@@ -12,8 +12,9 @@
 //! With `offset = "auto"`, readings flow from the first cycle on, by full discharges (in whose equations d cancels);
 //! switched ones begin when the offset is known. Split discharges go on in each cycle until what is not known of the
 //! offset is a small part of a reading's variance; then one now and then keeps following it. With a tracked calibration,
-//! cycles begin like that, too; once the state is known, a cycle has only those calibration discharges that pay, and each
-//! x discharge is the one that lowers the variance of what is published most for its time (`choice`).
+//! cycles begin like that, too; once the state is known, a cycle has only those calibration discharges that pay, that ask
+//! again what the last one contradicted, or whose kind has not been seen for long; each x discharge is the one that lowers
+//! the variance of what is published most for its time (`choice`).
 
 mod calibration;
 mod calls;

@@ -349,7 +349,6 @@ impl Cycle {
             all.map(|discharge| (discharge, value(discharge))).max_by(|a, b| a.1.total_cmp(&b.1))?;
         let is_startled =
             self.memory.iter().any(|memory| memory.is_startled || memory.outliers >= OUTLIERS_OF_DOUBT);
-        let is_doubted = tracker.is_doubted() || is_startled;
         // How noisy all is has to be known, too, before a plan can trust it: each kind of discharge in turn.
         let is_older = |at: Option<Nanos>, pause| at.is_none_or(|at| self.asked - at > pause);
         let is_due = |pause| is_older(self.calibrated_at.into_iter().flatten().max(), pause);
@@ -364,7 +363,7 @@ impl Cycle {
         if let Some(kind) = unseen {
             return Some((kind, best.1));
         }
-        if pays > CALIBRATION_PAYS || is_doubted || is_due(LONGEST_IDLE) {
+        if pays > CALIBRATION_PAYS || is_startled || is_due(LONGEST_IDLE) {
             return Some(best);
         }
         (self.late_split_pays() > CALIBRATION_PAYS).then_some((CalibrationKind::Split, Node::A))
