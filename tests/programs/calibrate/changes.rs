@@ -118,31 +118,42 @@ fn without_room_nothing_is_changed() {
     }
 }
 
-/// Wherever it is interrupted: all of the change or nothing, and no file that has no use.
+/// Wherever it is interrupted: all of the change or nothing, and no file that has no use. The first interruption comes while it
+/// waits for its weights, however the system divides its time.
 #[test]
 fn an_interruption_leaves_no_half_of_a_change() {
     use nix::sys::signal::{Signal, kill};
-    use std::process::{Command as Process, Stdio};
+    use std::io::Write;
+    use std::process::{Child, Command as Process, Stdio};
     use std::time::{Duration, Instant};
     const INTERRUPTIONS: u32 = 24;
     let start = |folder: &Folder| {
         let mut process = Process::new(env!("CARGO_BIN_EXE_cermctl"));
-        process.args("calibrate force --csv weights.csv --model table --yes --config cermd.toml".split(' '));
-        process.current_dir(folder.0.path()).stdout(Stdio::null()).stderr(Stdio::null()).spawn().unwrap()
+        process.args("calibrate force --csv /dev/stdin --model table --yes --config cermd.toml".split(' '));
+        process.current_dir(folder.0.path()).stdin(Stdio::piped());
+        process.stdout(Stdio::null()).stderr(Stdio::null()).spawn().unwrap()
     };
+    let give_weights = |child: &mut Child| child.stdin.take().unwrap().write_all(CSV.as_bytes()).unwrap();
+    let folder = Folder::new();
+    let mut child = start(&folder);
     let began = Instant::now();
-    start(&Folder::new()).wait().unwrap();
+    give_weights(&mut child);
+    assert!(child.wait().unwrap().success());
     let usual: Duration = began.elapsed();
     let mut changed = 0;
     for number in 0..INTERRUPTIONS {
         let folder = Folder::new();
         let before = folder.config();
         let mut child = start(&folder);
-        std::thread::sleep(usual * number / INTERRUPTIONS);
+        if number > 0 {
+            give_weights(&mut child);
+            std::thread::sleep(usual * number / INTERRUPTIONS);
+        }
         // It may have ended, but it was not waited for: the number is still its own.
         kill(nix::unistd::Pid::from_raw(child.id() as i32), Signal::SIGINT).unwrap();
         child.wait().unwrap();
         let is_changed = folder.config() != before;
+        assert!(number > 0 || !is_changed, "it has changed something without weights");
         changed += u32::from(is_changed);
         let mut names: Vec<_> =
             fs::read_dir(folder.0.path()).unwrap().map(|entry| entry.unwrap().file_name()).collect();
