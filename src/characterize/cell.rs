@@ -5,6 +5,7 @@ use super::limits::{COLD, LEAST_WARM, SINCE_START, SWING, TOLERANCE, WARM, WARM_
 use super::watch::{Found, WatchSpan, watch};
 use crate::config::{Config, SettingsError};
 use crate::instrument::Instrument;
+use crate::instrument::limits::LONGEST_UNSEEN;
 use crate::instrument::settings::Settings;
 use crate::pins::PinsError;
 use crate::pins::sim::{Scene, SceneError, Sensor, SimPins};
@@ -89,10 +90,12 @@ impl Cell {
         (0..=steps).map(turn).collect()
     }
 
-    fn watch(&self, channel: &Channel) -> WatchSpan {
+    fn watch(&self, channel: &Channel, index: u64) -> WatchSpan {
         let (from, until) = match self.change {
             Some(Change::SinceStart) => (None, Nanos::from_seconds(SINCE_START[SINCE_START.len() - 1])),
-            _ => (Some(self.warm()), Nanos::MAX),
+            // The sensor moves from then on.
+            Some(Change::Speed(_)) => (Some(self.warm()), Nanos::MAX),
+            _ => (Some(self.warm() + self.stagger(index)), Nanos::MAX),
         };
         let channel = channel.clone();
         WatchSpan { channel, start: Nanos::ZERO, from, until, readings: self.readings }
@@ -112,7 +115,7 @@ impl Cell {
             let mut instrument = Instrument::new(pins, settings.clone());
             let truth =
                 |pins: &SimPins, at| pins.r_x(0, at).map_or(self.r_ohm, |r_ohm| channel.corrected(r_ohm));
-            all.push(watch(&mut instrument, &self.watch(channel), truth, || !is_stopped())?);
+            all.push(watch(&mut instrument, &self.watch(channel, index), truth, || !is_stopped())?);
             if is_stopped() {
                 return Ok(None);
             }
@@ -140,6 +143,14 @@ impl Cell {
             return WARM;
         }
         Nanos::from_seconds(WARM_CYCLES * usual.0).clamp(LEAST_WARM, WARM)
+    }
+
+    /// How much later an instrument counts than the first one. What a tracked calibration does every two seconds, all would do at the
+    /// same instant after their starts: few readings of each would have all of it or nothing.
+    fn stagger(&self, index: u64) -> Nanos {
+        let is_periodic = self.config.is_tracked();
+        let part = if is_periodic { (index as f64 + 0.5) / self.instruments as f64 } else { 0.0 };
+        Nanos((part * LONGEST_UNSEEN.as_ns()) as i64)
     }
 
     /// How long an instrument runs, seconds on its own clock.

@@ -18,7 +18,8 @@ const RESISTANCES: [f64; 4] = [100.0, 1000.0, 16_200.0, 100_000.0];
 const HEAD: &str = "# Single readings, and means over a time
 
 Every figure on this page is **simulated**: scene `pi4` (2.2 uF / 680 nF, or one capacitor of 470 nF; Rc 470 / 12700 ohm), method
-`tracked`, a constant resistor; 200 instruments, 40 for the means over 10 s, each from 4 s after its start on: 20 single readings, 5
+`tracked`, a constant resistor; 200 instruments, 40 for the means over 10 s, from 4 to 6 s after their starts on, evenly spread (each kind of
+calibration is seen once in two seconds at least): 20 single readings, 5
 means over 0.1 s, 2 over a second or 1 over 10 s. Calibration, charges and the looks for a leak are in the rate. Written by
 `UPDATE_DOCS=1 cargo test --test accuracy averages`, and the same test fails when it is out of date.
 

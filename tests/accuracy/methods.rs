@@ -14,7 +14,8 @@ const HEAD: &str = "# Methods, speed against accuracy
 
 Every figure on this page is **simulated**: scene `pi4` (2.2 uF / 680 nF, or one capacitor of 470 nF;
 Rc 470 / 12700 ohm; latencies, noise and thresholds as `hw/scenes/pi4.toml` says, some of them assumed), no sensor but a
-constant resistor, 200 instruments with 50 readings each, from 4 s after the start on. The page is written by
+constant resistor, 200 instruments with 50 readings each, from 4 s after the start on (`tracked`: from 4 to 6 s, evenly spread over the
+instruments, since each kind of calibration is seen once in two seconds at least). The page is written by
 `UPDATE_DOCS=1 cargo test --test accuracy methods`, and the same test fails when it is out of date.
 
 `error` is the root mean square of all errors, `u` that of the stated uncertainties (both 1 sigma), `within 2u` the share
