@@ -179,7 +179,8 @@ impl Trigger {
         self.known_at.is_none_or(|at| now - at >= self.rules.stale)
     }
 
-    fn forget(&mut self, at: Nanos) -> Option<Event> {
+    /// From `at` on nothing is known any more.
+    pub fn forget(&mut self, at: Nanos) -> Option<Event> {
         self.asked = None;
         let why = if self.is_fault { Why::Fault } else { Why::Stale };
         match self.state {

@@ -20,8 +20,8 @@ use nix::sys::socket::{setsockopt, sockopt};
 use session::Session;
 use std::io;
 use std::net::{SocketAddr, TcpStream};
-use std::sync::mpsc::{Receiver, SyncSender, TrySendError, sync_channel};
-use std::sync::{Arc, Mutex};
+use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
+use std::sync::{Arc, Mutex, Weak};
 use std::time::Duration;
 
 /// What the sessions share.
@@ -31,7 +31,15 @@ pub struct Buffers {
     /// A reading that is older is no row.
     patience: Nanos,
     /// Buffers that are open. A slow one loses readings, which its timestamps show.
-    buffers: Vec<SyncSender<Arc<ReadingLine>>>,
+    buffers: Vec<(SyncSender<Arc<ReadingLine>>, Weak<()>)>,
+}
+
+/// What comes for an open buffer.
+#[derive(Debug)]
+struct BufferedReadings {
+    readings: Receiver<Arc<ReadingLine>>,
+    /// Kept: there is a place for readings for as long as this is there.
+    _presence: Arc<()>,
 }
 
 type SharedBuffers = Arc<Mutex<Buffers>>;
@@ -50,16 +58,18 @@ impl Buffers {
                 return;
             }
             let reading: Arc<ReadingLine> = Arc::new((**reading).clone());
-            self.buffers.retain(|buffer| {
-                !matches!(buffer.try_send(Arc::clone(&reading)), Err(TrySendError::Disconnected(_)))
-            });
+            // One that is full loses it, and one that is closed is forgotten when the next is opened.
+            self.buffers.iter().for_each(|(buffer, _)| drop(buffer.try_send(Arc::clone(&reading))));
         }
     }
 
-    fn open(&mut self) -> Receiver<Arc<ReadingLine>> {
+    fn open(&mut self) -> BufferedReadings {
+        // Where no daemon is, nothing is sent that would show which are closed.
+        self.buffers.retain(|(_, presence)| presence.strong_count() > 0);
         let (buffer, readings) = sync_channel(IIO_READINGS);
-        self.buffers.push(buffer);
-        readings
+        let presence = Arc::new(());
+        self.buffers.push((buffer, Arc::downgrade(&presence)));
+        BufferedReadings { readings, _presence: presence }
     }
 }
 
@@ -100,10 +110,17 @@ mod tests {
         let buffer = shared.open();
         shared.hear(&reading("thumb", now().0 - 11_000_000_000, ok(1.0)));
         shared.hear(&reading("thumb", now().0, ok(2.0)));
-        let heard: Vec<_> = buffer.try_iter().map(|reading| reading.state.r_ohm).collect();
+        let heard: Vec<_> = buffer.readings.try_iter().map(|reading| reading.state.r_ohm).collect();
         assert_eq!(heard, [Some(2.0)]);
-        drop(buffer);
+    }
+
+    #[test]
+    fn a_closed_buffer_leaves_nothing_behind_though_no_reading_comes() {
+        let mut shared = Buffers::new(Duration::from_secs(10));
+        let kept = shared.open();
+        (0..1000).for_each(|_| drop(shared.open()));
+        assert_eq!(shared.buffers.len(), 2);
         shared.hear(&reading("thumb", now().0, ok(3.0)));
-        assert!(shared.buffers.is_empty());
+        assert_eq!(kept.readings.try_iter().count(), 1);
     }
 }

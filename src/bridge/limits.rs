@@ -20,6 +20,7 @@
 //! | `PACKET_BYTES` | 262 144 | bytes | of a message: the announcement of some 150 channels |
 //! | `BROKER_GOODBYE` | 1 | s | for the last word to get out |
 //! | `TAKEOVER` | 3 | s | a connection that ends sooner was not wanted |
+//! | `MOST_ANNOUNCED` | 256 | channels | that Home Assistant may still have: those of many reloads, and few enough to be told at once |
 //! | `PAGES` | 32 | pages | that listen at a time: a family's, not a crowd's |
 //! | `PAGE_EVENTS` | 256 | events | that wait for a slow page: some seconds |
 //! | `STILL_THERE` | 10 | s | of silence after which a page is looked for |
@@ -49,6 +50,7 @@ pub const BROKER_RETRY_AFTER: Duration = Duration::from_secs(2);
 pub const BROKER_QUEUE: usize = 64;
 pub const SEND_BYTES: u32 = 16 * 1024;
 pub const PACKET_BYTES: usize = 256 * 1024;
+pub const MOST_ANNOUNCED: usize = 256;
 pub const BROKER_GOODBYE: Duration = Duration::from_secs(1);
 pub const TAKEOVER: Duration = Duration::from_secs(3);
 pub const PAGES: usize = 32;

@@ -13,7 +13,7 @@ pub use link::{Broker, Login};
 
 use super::feed::{Feed, Heard};
 use super::latest::now;
-use super::limits::MAX_HZ;
+use super::limits::{MAX_HZ, MOST_ANNOUNCED};
 use super::{BridgeError, Upstream, Wish};
 use crate::stream::wire::{EventLine, EventName, ReadingLine, StateLine, StatsLine, VersionLine};
 use crate::units::Nanos;
@@ -129,7 +129,8 @@ struct Teller {
     /// A reading that is older is not told.
     patience: Nanos,
     version: Option<VersionLine>,
-    /// The channels that Home Assistant may still have.
+    /// The channels that Home Assistant may still have, the latest first: all that were announced, since nobody says what has
+    /// reached it.
     announced: Option<VersionLine>,
     /// Of the figures before: readings, and the time of the daemon, s.
     counted: Option<(u64, f64)>,
@@ -149,7 +150,7 @@ impl Teller {
     fn introduction(&mut self) -> Vec<Publication> {
         self.reporters.clear();
         let gone = self.version.as_ref().and_then(|version| self.gone(version));
-        self.announced = self.version.clone().or_else(|| self.announced.take());
+        self.announce();
         let state = if self.version.is_some() { ONLINE } else { OFFLINE };
         let device = self.topics.device().zip(self.version.as_ref()).map(|(topic, version)| {
             Publication::retained(
@@ -161,6 +162,16 @@ impl Teller {
             .chain(device)
             .chain([Publication::retained(self.topics.availability(), state)])
             .collect()
+    }
+
+    /// With the channels that there are now, beside those before.
+    fn announce(&mut self) {
+        let Some(mut version) = self.version.clone() else { return };
+        let before = self.announced.take().into_iter().flat_map(|announced| announced.channels);
+        let before: Vec<_> = before.filter(|channel| !version.channels.contains(channel)).collect();
+        version.channels.extend(before);
+        version.channels.truncate(MOST_ANNOUNCED);
+        self.announced = Some(version);
     }
 
     /// Remembers who is there, while there is nobody to tell.

@@ -22,9 +22,9 @@ pub const OUTPUT_AGAIN: Nanos = Nanos(1_000_000_000);
 pub const STATS_EVERY: Nanos = Nanos(250_000_000);
 /// The longest wait of the measuring thread without a look at whether to stop.
 pub const NAP: Nanos = Nanos(100_000_000);
-/// How long the end of the measuring thread is waited for: some naps, and less than the service manager waits for ours
+/// How long the end of each thread is waited for: many naps, and with both of them half of what the service manager waits for ours
 /// (TimeoutStopSec= of systemd/cermd.service).
-pub const STOP_PATIENCE: Nanos = Nanos(5_000_000_000);
+pub const STOP_PATIENCE: Nanos = Nanos(2_500_000_000);
 /// How often it is looked for.
 pub const STOP_LOOK: Duration = Duration::from_millis(1);
 /// Naps before pins that failed are opened again: a second.

@@ -265,6 +265,7 @@ impl Daemon {
                     "the new configuration is in force: {} channel(s)",
                     self.loaded.config.channels.len()
                 );
+                self.server.set_channels(&publish::channels(&self.loaded));
             }
             Err(error) => {
                 log::error!("{KEPT}: {error}");
@@ -274,7 +275,6 @@ impl Daemon {
                 self.threads = Threads::start(pins, no_outputs(&self.loaded), &self.loaded)?;
             }
         }
-        self.server.set_channels(&publish::channels(&self.loaded));
         self.announce_tape_header();
         Ok(())
     }

@@ -76,7 +76,7 @@ impl Requested {
         let Some(wiring) = &self.wiring else { return Ok(Released::Nothing) };
         let way = backend::way(self.backend);
         // Each of them, whatever becomes of the others.
-        let outputs: Vec<_> = self.outputs.iter().map(|line| output::release(line, way)).collect();
+        let outputs = output::release_each(&self.outputs, way);
         let of_circuit = backend::release_lines(self.backend, wiring);
         let outputs = outputs.into_iter().map(|outcome| outcome.map_err(OpenError::from));
         let failures = std::iter::once(of_circuit).chain(outputs).filter_map(Result::err);

@@ -46,12 +46,13 @@ impl Threads {
         Ok(Threads { triggering, measuring: measuring.map_err(system("thread"))? })
     }
 
-    /// Ends both, outputs first; every line is an input then. What was measured can still be read.
+    /// Ends both, outputs first; every line is an input then. What was measured, and that no trigger is known any more, can still
+    /// be read.
     ///
     /// # Errors
     /// The measuring thread hangs.
     pub fn stop(&mut self) -> Result<(), Stuck> {
-        self.triggering = None;
+        self.triggering.iter_mut().for_each(Triggering::stop);
         self.measuring.stop()
     }
 

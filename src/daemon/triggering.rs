@@ -129,22 +129,30 @@ impl Triggering {
     pub fn has_ended(&self) -> bool {
         self.thread.as_ref().is_none_or(JoinHandle::is_finished)
     }
-}
 
-impl Drop for Triggering {
-    fn drop(&mut self) {
+    /// Stops the thread and waits for its end: every output is inactive, then an input. That nothing is known any more can still
+    /// be taken.
+    pub fn stop(&mut self) {
         self.shared.stop.store(true, Ordering::Relaxed);
         let _ = self.shared.heard.write(1);
         let patience_ends = monotonic() + STOP_PATIENCE;
         while self.thread.as_ref().is_some_and(|thread| !thread.is_finished()) {
             if monotonic() >= patience_ends {
                 log::error!("the triggering thread hangs in a call for its outputs: they stay as they are");
+                // Waiting once is enough.
+                self.thread = None;
                 return;
             }
             thread::sleep(STOP_LOOK);
         }
         // A panic has been reported when it happened; the outputs are released.
         let _ = self.thread.take().map(JoinHandle::join);
+    }
+}
+
+impl Drop for Triggering {
+    fn drop(&mut self) {
+        self.stop();
     }
 }
 
@@ -249,6 +257,7 @@ impl Worker {
             }
             self.look(monotonic());
         }
+        self.each_armed(|trigger| trigger.forget(monotonic()));
     }
 
     /// Until there are readings, or something known gets too old; a nap at most.
@@ -273,12 +282,19 @@ impl Worker {
     }
 
     fn look(&mut self, now: Nanos) {
-        for index in 0..self.armed.len() {
-            let armed = &mut self.armed[index];
-            let told = armed.trigger.look(now).map(|event| armed.follow(event));
+        self.each_armed(|trigger| trigger.look(now));
+        for armed in &mut self.armed {
             if let Some(output) = &mut armed.output {
                 output.mend(armed.trigger.state(), &armed.id, now);
             }
+        }
+    }
+
+    /// Tells what becomes of each trigger.
+    fn each_armed(&mut self, mut change: impl FnMut(&mut Trigger) -> Option<Event>) {
+        for index in 0..self.armed.len() {
+            let armed = &mut self.armed[index];
+            let told = change(&mut armed.trigger).map(|event| armed.follow(event));
             self.tell(told);
         }
     }

@@ -192,7 +192,8 @@ pub struct Edge {
     pub node: Node,
     /// The kernel's stamp, `CLOCK_MONOTONIC`.
     pub at: Nanos,
-    /// Counts the events of all sense lines from 1; a gap shows a coalesced or lost edge. Wraps.
+    /// Counts the events of all sense lines from 1; a gap shows a coalesced or lost edge. Wraps. Of a single line the kernel counts
+    /// only what it has room to tell (`edge_irq_handler`, drivers/gpio/gpiolib-cdev.c): coalesced edges are not seen there.
     pub seqno: u32,
     /// Counts the events of this line from 1; a gap shows an event lost to a full buffer. Wraps.
     pub line_seqno: u32,

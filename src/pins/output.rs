@@ -135,13 +135,15 @@ fn driven(high: bool) -> LineConfig {
     config
 }
 
-/// Makes a line inactive, then an input: for after a kill. A line that is still held is asked for again.
+/// Makes each of the lines inactive, then an input: for after a kill. Lines that are still held are asked for again, all together
+/// for as long as one would be.
 ///
 /// # Errors
-/// As [`Output::open`].
-pub fn release(line: &OutputLine, way: Way) -> Result<(), ChardevError> {
+/// Of each line, as [`Output::open`].
+pub fn release_each(lines: &[OutputLine], way: Way) -> Vec<Result<(), ChardevError>> {
     let mut attempts_left = RELEASE_ATTEMPTS;
-    patient(&mut attempts_left, || Output::open(line, way)).map(drop)
+    let mut release = |line| patient(&mut attempts_left, || Output::open(line, way)).map(drop);
+    lines.iter().map(&mut release).collect()
 }
 
 #[cfg(test)]
@@ -158,10 +160,12 @@ mod tests {
         let mut output = Output::open(&line(), Way::Simulated).unwrap();
         output.set(true).unwrap();
         output.set(false).unwrap();
-        release(&line(), Way::Simulated).unwrap();
+        assert!(release_each(&[line(), line()], Way::Simulated).iter().all(Result::is_ok));
         for way in [Way::V1, Way::V2] {
-            let error = release(&line(), way).unwrap_err();
-            assert!(error.is_gone() && error.to_string().contains("no-such-chip"), "{error}");
+            for outcome in release_each(&[line(), line()], way) {
+                let error = outcome.unwrap_err();
+                assert!(error.is_gone() && error.to_string().contains("no-such-chip"), "{error}");
+            }
         }
     }
 

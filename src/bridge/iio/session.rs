@@ -2,15 +2,13 @@
 
 use super::context::{Context, DEVICE, EINVAL, ENOENT, Element};
 use super::rows::Rows;
-use super::{SharedBuffers, lock, now};
+use super::{BufferedReadings, SharedBuffers, lock, now};
 use crate::bridge::limits::{IIO_COMMAND_BYTES, IIO_SILENCE};
 use crate::bridge::server::Place;
-use crate::stream::wire::ReadingLine;
 use crate::units::Nanos;
 use std::io::{self, BufRead, BufReader, Read, Write};
 use std::net::TcpStream;
 use std::sync::Arc;
-use std::sync::mpsc::Receiver;
 use std::time::{Duration, Instant};
 
 // errno(3).
@@ -37,11 +35,13 @@ pub struct Session<'a> {
 
 /// An open buffer.
 struct Buffer {
+    /// The device as it was when this was opened: the description may be asked for anew meanwhile.
+    context: Context,
     rows: Rows,
     mask: u64,
     /// A reading that has waited for longer is no row.
     fresh: Nanos,
-    readings: Receiver<Arc<ReadingLine>>,
+    readings: BufferedReadings,
 }
 
 impl<'a> Session<'a> {
@@ -132,14 +132,15 @@ impl<'a> Session<'a> {
         }
         let mask = u64::from_str_radix(mask, 16).map_err(|_| EINVAL)?;
         let fresh = lock(&self.hub).patience;
-        let rows = Rows::new(self.context()?, mask, fresh).ok_or(EINVAL)?;
-        self.buffer = Some(Buffer { rows, mask, fresh, readings: lock(&self.hub).open() });
+        let context = self.context()?.clone();
+        let rows = Rows::new(&context, mask, fresh).ok_or(EINVAL)?;
+        self.buffer = Some(Buffer { context, rows, mask, fresh, readings: lock(&self.hub).open() });
         Ok(())
     }
 
     /// Rows as they come, each with its length; the first with the mask. A short answer is ended by a 0.
     fn read_buffer(&mut self, bytes: &str) -> io::Result<()> {
-        let (Some(buffer), Some(context)) = (&mut self.buffer, &self.context) else {
+        let Some(buffer) = &mut self.buffer else {
             return self.output.write_all(&status(Err(EBADF)));
         };
         let size = buffer.rows.size();
@@ -147,10 +148,10 @@ impl<'a> Session<'a> {
         else {
             return self.output.write_all(&status(Err(EINVAL)));
         };
-        let words = if context.elements.len() > 32 { 2 } else { 1 };
+        let words = if buffer.context.elements.len() > 32 { 2 } else { 1 };
         let mut mask = format!("{:0width$x}\n", buffer.mask, width = 8 * words);
         for done in 0..count {
-            let Some(row) = buffer.next(context, self.patience) else {
+            let Some(row) = buffer.next(self.patience) else {
                 let end = if done == 0 { status(Err(ETIMEDOUT)) } else { status(Ok(())) };
                 return self.output.write_all(&end);
             };
@@ -164,15 +165,15 @@ impl<'a> Session<'a> {
 }
 
 impl Buffer {
-    fn next(&mut self, context: &Context, patience: Duration) -> Option<Vec<u8>> {
+    fn next(&mut self, patience: Duration) -> Option<Vec<u8>> {
         let until = Instant::now() + patience;
         loop {
             let left = until.saturating_duration_since(Instant::now());
-            let reading = self.readings.recv_timeout(left).ok()?;
+            let reading = self.readings.readings.recv_timeout(left).ok()?;
             if now() - Nanos(reading.t_mono_ns) > self.fresh {
                 continue;
             }
-            if let Some(row) = self.rows.feed(context, &reading) {
+            if let Some(row) = self.rows.feed(&self.context, &reading) {
                 return Some(row);
             }
         }

@@ -78,3 +78,15 @@ fn an_output_that_cannot_be_had_is_tried_again_and_delays_nothing() {
         [ChannelEvent { channel: 0, event: Event { state: State::Pressed, at } }]
     );
 }
+
+/// Whoever was told "pressed" must not believe it for ever.
+#[test]
+fn a_stop_says_that_nothing_is_known_any_more() {
+    let (mut triggering, mut tap) = start(vec![settings(0), settings(1)]);
+    let at = monotonic();
+    tap.give(&pressed(0, at));
+    next(&mut triggering);
+    triggering.stop();
+    let [ChannelEvent { channel: 0, event }] = triggering.take()[..] else { panic!() };
+    assert!(matches!(event.state, State::Unknown(_)) && event.at >= at, "{event:?}");
+}

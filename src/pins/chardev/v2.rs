@@ -21,6 +21,10 @@ use std::fs::File;
 use std::os::fd::{AsFd, BorrowedFd};
 use std::slice;
 
+/// `edge_irq_handler` of drivers/gpio/gpiolib-cdev.c draws a number for each interrupt of several lines only.
+const ONE_NUMBER: &str = "uAPI v2 does not number the interrupts of a single sense line: edges that fall together are not noticed, \
+    and the last one counts";
+
 struct V2 {
     lines: Lines,
     drive_file: File,
@@ -56,8 +60,9 @@ impl Chardev {
         fcntl(&sense_file, FcntlArg::F_SETFL(OFlag::O_NONBLOCK))
             .map_err(|errno| chip.refusal("F_SETFL", &titles(&lines.sense), &[], errno.into()))?;
         let wired = lines.wired();
+        let blind_spots = if lines.sense.len() == 1 { vec![ONE_NUMBER] } else { Vec::new() };
         let held = V2 { lines, drive_file, sense_file, watching: true };
-        Ok(Chardev::new(Box::new(held), chip.title(), wired, Vec::new()))
+        Ok(Chardev::new(Box::new(held), chip.title(), wired, blind_spots))
     }
 }
 

@@ -96,10 +96,16 @@ impl Request {
 
 impl Watch {
     fn read(fields: Map<String, Value>) -> Result<Watch, ErrorLine> {
-        let watch: Watch = serde_json::from_value(Value::Object(fields))
+        let mut watch: Watch = serde_json::from_value(Value::Object(fields))
             .map_err(|error| bad(format!("WATCH: {}", shortened(&error.to_string(), COMPLAINT))))?;
         if watch.channels.as_ref().is_some_and(Vec::is_empty) {
             return Err(bad("WATCH: \"channels\" is empty: leave it out for every channel, or name some"));
+        }
+        if let Some(channels) = &mut watch.channels {
+            // Said a thousand times it would be kept as often, and looked through for each reading.
+            channels.sort_unstable();
+            channels.dedup();
+            channels.shrink_to_fit();
         }
         if watch.max_hz.is_some_and(|hz| hz <= 0.0) {
             return Err(bad("WATCH: \"max_hz\" must be above 0: leave it out for every reading"));
@@ -152,6 +158,14 @@ mod tests {
         assert_eq!(parse(r#"{"class":"WATCH"}"#), Ok(Request::Watch(Watch::default())));
         assert_eq!(parse(r#" {"class" : "POLL"} "#), Ok(Request::Poll));
         assert_eq!(parse(r#"{"class":"STATS"}"#), Ok(Request::Stats));
+    }
+
+    #[test]
+    fn a_channel_that_is_named_often_is_kept_once() {
+        let often = format!(r#"{{"class":"WATCH","channels":["b"{}]}}"#, r#","a","b""#.repeat(1000));
+        let Ok(Request::Watch(watch)) = parse(&often) else { panic!() };
+        let channels = watch.channels.unwrap();
+        assert_eq!((channels.capacity(), channels), (2, vec!["a".to_owned(), "b".to_owned()]));
     }
 
     #[test]
