@@ -95,7 +95,10 @@ impl Cell {
             Some(Change::SinceStart) => (None, Nanos::from_seconds(SINCE_START[SINCE_START.len() - 1])),
             // The sensor moves from then on.
             Some(Change::Speed(_)) => (Some(self.warm()), Nanos::MAX),
-            _ => (Some(self.warm() + self.stagger(index)), Nanos::MAX),
+            _ if self.config.is_tracked() => {
+                (Some(self.warm() + staggered(index, self.instruments)), Nanos::MAX)
+            }
+            _ => (Some(self.warm()), Nanos::MAX),
         };
         let channel = channel.clone();
         WatchSpan { channel, start: Nanos::ZERO, from, until, readings: self.readings }
@@ -145,14 +148,6 @@ impl Cell {
         Nanos::from_seconds(WARM_CYCLES * usual.0).clamp(LEAST_WARM, WARM)
     }
 
-    /// How much later an instrument counts than the first one. What a tracked calibration does every two seconds, all would do at the
-    /// same instant after their starts: few readings of each would have all of it or nothing.
-    fn stagger(&self, index: u64) -> Nanos {
-        let is_periodic = self.config.is_tracked();
-        let part = if is_periodic { (index as f64 + 0.5) / self.instruments as f64 } else { 0.0 };
-        Nanos((part * LONGEST_UNSEEN.as_ns()) as i64)
-    }
-
     /// How long an instrument runs, seconds on its own clock.
     pub fn seconds(&self) -> f64 {
         if self.change == Some(Change::SinceStart) {
@@ -183,6 +178,13 @@ impl fmt::Display for Cell {
             None => Ok(()),
         }
     }
+}
+
+/// How much later one of so many tracked instruments counts than [`WARM`]. What all do every two seconds they would do at the same
+/// instant after their starts: few readings of each would have all of it or nothing.
+pub fn staggered(index: u64, instruments: u64) -> Nanos {
+    let part = (index as f64 + 0.5) / instruments as f64;
+    Nanos((part * LONGEST_UNSEEN.as_ns()) as i64)
 }
 
 /// A board whose crossings fall elsewhere in the cycles of its clock, if it has one.

@@ -132,7 +132,7 @@ pub struct Demo {
     #[arg(long, value_name = "NAME|FILE", default_value = "pi4")]
     pub scene: String,
     /// How long to measure
-    #[arg(long, value_name = "SECONDS", default_value = "10", value_parser = number_of(SECONDS))]
+    #[arg(long, value_name = "SECONDS", default_value = "10", value_parser = number_of(SECONDS), allow_negative_numbers = true)]
     pub seconds: f64,
     /// Of every random number [default: the scene's own]
     #[arg(long, value_name = "NUMBER")]
@@ -250,7 +250,7 @@ pub struct Record {
     #[arg(value_name = "CHANNEL")]
     pub channels: Vec<String>,
     /// Stop after so long [default: at Ctrl-C]
-    #[arg(long, value_name = "SECONDS", value_parser = number_of(SECONDS), conflicts_with = "count")]
+    #[arg(long, value_name = "SECONDS", value_parser = number_of(SECONDS), allow_negative_numbers = true, conflicts_with = "count")]
     pub seconds: Option<f64>,
     /// Stop after so many readings, or discharges with --raw
     #[arg(long, value_name = "NUMBER", value_parser = clap::value_parser!(u64).range(1..))]
@@ -288,7 +288,7 @@ pub struct Estimate {
     pub method: Vec<Method>,
     /// How late the kernel stamps a crossing: a duration such as "8 us", or auto for what the split calibration
     /// discharges on the tape tell [default: what the tape says, or else auto]
-    #[arg(long, value_name = "DURATION|auto", value_parser = offset)]
+    #[arg(long, value_name = "DURATION|auto", value_parser = offset, allow_hyphen_values = true)]
     pub offset: Option<OffsetSource>,
     /// What all estimates come to, in the place of each: for each channel and method how many numbers, their mean, their
     /// standard deviation, the uncertainty that they state, and the root mean square of their deviations in units of that

@@ -22,7 +22,7 @@ mod leakage;
 mod prediction;
 mod status;
 
-pub use status::Judged;
+pub use status::{Judged, shown};
 
 /// An estimate of R_x, before the sensor's own zero is taken off.
 #[derive(Debug, Clone, Copy, PartialEq)]

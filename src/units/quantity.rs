@@ -22,6 +22,8 @@ pub trait Quantity: Copy + fmt::Display {
     const EXAMPLE: &'static str;
     /// The spellings of its unit that are accepted; the first is the one that is written.
     const UNITS: &'static [&'static str];
+    /// The unit that is meant by who writes a number of one or so without any.
+    const MEANT: &'static str = Self::UNITS[0];
     /// Other units that are accepted, and what one of them is in the SI unit.
     const OTHERS: &'static [(&'static str, f64)] = &[];
     /// From the value in the SI unit.
@@ -54,7 +56,9 @@ impl ParseQuantityError {
         // Who writes no more than 1 means a part of it, not of a percent.
         let part = number.parse().ok().filter(|part: &f64| Q::UNITS[0] == "%" && (0.0..=1.0).contains(part));
         let number = part.map_or(number.to_owned(), |part| rounded(100.0 * part, 7).to_string());
-        let right = value_of::<Q>(&format!("{number}{}", Q::UNITS[0]));
+        let is_usual = number.parse().is_ok_and(|number: f64| number.abs() > 1e-3);
+        let unit = if is_usual { Q::MEANT } else { Q::UNITS[0] };
+        let right = value_of::<Q>(&format!("{number}{unit}"));
         let with_unit = right.map(|value| Q::from_si(value).to_string());
         ParseQuantityError { name: Q::NAME, example: Q::EXAMPLE, got: text, with_unit }
     }
@@ -141,7 +145,7 @@ fn bare<Q: Quantity, E: de::Error>(number: &str) -> Result<Q, E> {
 
 /// Declares a quantity; everything else about it follows.
 macro_rules! quantity {
-    ($(#[$doc:meta])* $type:ident, $name:literal, $example:literal, $units:expr $(, or $others:expr)?) => {
+    ($(#[$doc:meta])* $type:ident, $name:literal, $example:literal, $units:expr $(, or $others:expr)? $(; $meant:literal)?) => {
         $(#[$doc])*
         #[derive(Debug, Clone, Copy, PartialEq, PartialOrd, Default)]
         pub struct $type(pub f64);
@@ -150,6 +154,7 @@ macro_rules! quantity {
             const NAME: &'static str = $name;
             const EXAMPLE: &'static str = $example;
             const UNITS: &'static [&'static str] = &$units;
+            $(const MEANT: &'static str = $meant;)?
             $(const OTHERS: &'static [(&'static str, f64)] = &$others;)?
             fn from_si(value: f64) -> Self {
                 $type(value)
@@ -184,11 +189,11 @@ macro_rules! quantity {
 
 quantity!(
     /// A resistance in ohm.
-    Ohm, "a resistance", "2.32 kohm", ["ohm", "\u{3a9}", "\u{2126}"]
+    Ohm, "a resistance", "2.32 kohm", ["ohm", "Ohm", "\u{3a9}", "\u{2126}"]
 );
 quantity!(
     /// A capacitance in farad; also the progress of a discharge, seconds per ohm.
-    Farad, "a capacitance", "2.2 uF", ["F"]
+    Farad, "a capacitance", "2.2 uF", ["F"]; "uF"
 );
 quantity!(
     /// A voltage in volt.
@@ -315,6 +320,12 @@ mod tests {
         };
         assert_eq!(says("2.32k"), of("\"2.32k\"", "2.32 kohm"));
         assert_eq!(says("2320"), of("\"2320\"", "2.32 kohm"));
+        let says_farad = |text: &str| text.parse::<Farad>().unwrap_err().to_string();
+        for (wrong, right) in
+            [("2.2", "2.2 uF"), ("2.2u", "2.2 uF"), ("2.2e-6", "2.2 uF"), ("470n", "470 nF")]
+        {
+            assert!(says_farad(wrong).ends_with(&format!("write \"{right}\"")), "{}", says_farad(wrong));
+        }
         let says_part = |text: &str| text.parse::<Percent>().unwrap_err().to_string();
         assert!(says_part("0.1").ends_with("write \"10 %\""), "{}", says_part("0.1"));
         assert!(says_part("8.7").ends_with("write \"8.7 %\""), "{}", says_part("8.7"));

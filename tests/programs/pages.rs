@@ -124,6 +124,12 @@ fn quoted_figures_are_those_that_were_measured() {
             format!("{} ohm, {}/s", short(&cells[3]), cells[7])
         }
     };
+    let weak = |kind: &'static str| {
+        move |r: &str| {
+            let cells = row("methods.md", &format!("| 8 mA | 470 | {kind} | {r} |"));
+            format!("{} ohm, {}/s", short(&cells[4]), cells[6])
+        }
+    };
     let mean = |r: &str| format!("{} ohm", short(&row("averages.md", &format!("| one | {r} | 1 s |"))[4]));
     check_lines(
         "README.md",
@@ -131,6 +137,8 @@ fn quoted_figures_are_those_that_were_measured() {
         &[
             line("one capacitor, 5 lines", &single("tracked, one capacitor")),
             line("two capacitors, 7 lines", &single("tracked")),
+            line("one capacitor, pins of 8 mA", &weak("one")),
+            line("two capacitors, pins of 8 mA", &weak("two")),
             line("one capacitor, mean of 1 s", &mean),
         ],
     );
@@ -144,6 +152,26 @@ fn quoted_figures_are_those_that_were_measured() {
             line("`tracked`", &single("tracked")),
             line("`tracked`, one capacitor", &single("tracked, one capacitor")),
             line("the same, `average = \"1 s\"`", &mean),
+        ],
+    );
+    // What capacitors remember: with time constants of five decades, and all at the worst.
+    let absorbs = |name: &str, page_name: &str, share: &str| {
+        let [all, worst] = ["five decades", "10 ms"]
+            .map(|times| row("stability.md", &format!("| {page_name}, {share} % | {times} |")));
+        let shift = |cell: &str| format!("{:+.1}", cell.split(' ').next().unwrap().parse::<f64>().unwrap());
+        let cells = (3..9).map(|at| format!("{} .. {}", shift(&all[at]), shift(&worst[at])));
+        let share: f64 = share.parse().unwrap();
+        format!("| {name} | {share} % | {} |", cells.collect::<Vec<_>>().join(" | "))
+    };
+    check_lines(
+        "hw/wiring.md",
+        "| C0G, a good one |",
+        &[
+            absorbs("C0G, a good one", "C0G, a good one", "0.010"),
+            absorbs("PP", "polypropylene (PP)", "0.050"),
+            absorbs("PET", "polyester (PET)", "0.25"),
+            absorbs("C0G, at the most", "C0G, at the most", "0.60"),
+            absorbs("X7R", "X7R", "2.5"),
         ],
     );
     let rates =

@@ -74,11 +74,14 @@ fn rate(config: &Config, findings: &mut Findings) {
     let most = rounded_down(1.0 / usual.0, 2);
     let remedy = match most < SLOWEST_HZ {
         true => "without it: as fast as the circuit allows, or smaller capacitors".to_owned(),
-        false => format!("at most {most}, a shorter charge-time, or smaller capacitors"),
+        false => format!(
+            "at most {most}, none (as fast as the circuit allows), a shorter charge-time, or smaller capacitors"
+        ),
     };
     if rate * fastest.0 > 1.0 {
-        let reason =
-            format!("calibration and charging alone take {fastest:.3}, {:.2}", Hertz(1.0 / fastest.0));
+        let what =
+            if config.is_tracked() { "charging alone takes" } else { "calibration and charging alone take" };
+        let reason = format!("{what} {fastest:.3}, {:.2}", Hertz(1.0 / fastest.0));
         findings.error("measure.rate-hz", reason, remedy);
     } else if rate * usual.0 > 1.0 {
         let reason =
@@ -154,12 +157,16 @@ fn predictions(config: &Config, findings: &mut Findings) {
         findings
             .info("measure.deadline", format!("{deadline:.3}, enough for a sensor of {highest:.3}{above}"));
     }
-    let [_, usual] = config.cycle(config.discharge(circuit.r_second()));
+    let [usual, calibrated] = config.cycle(config.discharge(circuit.r_second()));
+    let more = match calibrated.0 > usual.0 {
+        true => format!(", {calibrated:.3} with a calibration discharge in it"),
+        false => String::new(),
+    };
     let [_, longest] = config.cycle(deadline);
     findings.info(
         "measure.rate-hz",
         format!(
-            "a cycle takes {usual:.3} ({:.3}) with the sensor at {}, {longest:.3} at most",
+            "a cycle takes {usual:.3} ({:.3}) with the sensor at {}{more}, {longest:.3} at most",
             Hertz(1.0 / usual.0),
             config.circuit.kind().second(),
         ),

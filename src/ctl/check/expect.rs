@@ -1,6 +1,7 @@
 //! What readings are to be expected, by a rehearsal: the instrument with its own plan, estimator and settings on the simulated
 //! circuit, in virtual time, for every method alike.
 
+use crate::characterize::cell::staggered;
 use crate::circuit::{Circuit, Network, Node};
 use crate::config::backend;
 use crate::config::{Backend, Config, Findings};
@@ -101,8 +102,8 @@ pub fn rehearse(settings: &Settings, scene: &Scene, r_ohm: f64, boards: usize) -
     let sensors = settings.channels.iter().map(|channel| Sensor::Constant(Ohm(channel.as_read(r_ohm))));
     let mut scene = scene.clone().with_sensors(sensors.collect()).ok()?;
     let mut each = Vec::new();
-    for _ in 0..boards {
-        each.push(rehearse_board(settings, &scene, r_ohm)?);
+    for index in 0..boards {
+        each.push(rehearse_board(settings, &scene, r_ohm, staggered(index as u64, boards as u64))?);
         scene.seed = scene.seed.wrapping_add(1);
     }
     let all = each.iter().fold(RehearsalSum::default(), RehearsalSum::and);
@@ -151,12 +152,16 @@ impl RehearsalSum {
     }
 }
 
-/// Lets an instrument find its state and its offset; when it has them, `None` if that takes too long.
-pub(super) fn warm_up<P: Pins>(instrument: &mut Instrument<P>, settings: &Settings) -> Option<Nanos> {
+/// Lets an instrument find its state and its offset; when it has them and `later` has passed, `None` if that takes too long.
+pub(super) fn warm_up<P: Pins>(
+    instrument: &mut Instrument<P>,
+    settings: &Settings,
+    later: Nanos,
+) -> Option<Nanos> {
     let until = cold(settings);
     loop {
         let now = instrument.pins().now();
-        if now > WARM && instrument.cycle().offset_is_known() {
+        if now > WARM + later && instrument.cycle().offset_is_known() {
             return Some(now);
         }
         if now > until {
@@ -177,10 +182,10 @@ pub(super) fn longest(settings: &Settings) -> Nanos {
 }
 
 /// `None` if it has no offset or state in time.
-fn rehearse_board(settings: &Settings, scene: &Scene, r_ohm: f64) -> Option<RehearsalSum> {
+fn rehearse_board(settings: &Settings, scene: &Scene, r_ohm: f64, later: Nanos) -> Option<RehearsalSum> {
     let mut instrument = Instrument::new(SimPins::new(scene, None), settings.clone());
     // What is settling, with the offset or the state still to be found, is not what comes after it.
-    let mut now = warm_up(&mut instrument, settings)?;
+    let mut now = warm_up(&mut instrument, settings, later)?;
     let (mut began, mut last) = (None, Nanos::ZERO);
     let mut found = RehearsalSum::default();
     let end = |began: Nanos| began + REHEARSED.max(Nanos(longest(settings).0.saturating_mul(3)));

@@ -64,7 +64,7 @@ fn rehearse(settings: &Settings, scene: &Scene, r_ohm: f64) -> Option<Cost> {
     let sensors = settings.channels.iter().map(|channel| Sensor::Constant(Ohm(channel.as_read(r_ohm))));
     let scene = scene.clone().with_sensors(sensors.collect()).ok()?;
     let mut instrument = Instrument::new(Metered::new(SimPins::new(&scene, None)), settings.clone());
-    let (since, used) = (expect::warm_up(&mut instrument, settings)?, time());
+    let (since, used) = (expect::warm_up(&mut instrument, settings, Nanos::ZERO)?, time());
     let counts = |pins: &Metered| [pins.calls, pins.spun];
     let (before, until) = (counts(instrument.pins()), since + METERED.max(expect::longest(settings)));
     let mut discharges = 0usize;

@@ -40,7 +40,7 @@ pub struct Zero {
 #[derive(Debug, Args)]
 pub struct Reference {
     /// The resistor as measured, such as "10.03 ohm"
-    #[arg(value_name = "OHM", value_parser = ohm)]
+    #[arg(value_name = "OHM", value_parser = ohm, allow_hyphen_values = true)]
     pub ohm: f64,
     #[command(flatten)]
     pub zero: Zero,

@@ -5,7 +5,7 @@ use crate::estimate::limits::{BEYOND_NOISE, COVERAGE, RESOLVED};
 use crate::estimate::mean::Basis;
 use crate::estimate::method::tracked;
 use crate::estimate::motion::Motion;
-use crate::reading::{Fault, Measured, Status};
+use crate::reading::{Fault, Measured, MeasuredValue, Status};
 use crate::record::Record;
 use crate::sensor::Channel;
 use crate::units::Nanos;
@@ -121,8 +121,7 @@ impl Estimator {
             r_ohm,
             is_moving: moved.is_some_and(|moved| moved.is_moving),
             is_settling,
-            // The reciprocal of a resistance that may be 0 is anything.
-            shown: is_resolved(r_ohm).then(|| sensor.value_at(r_ohm, self.known_ohm())).flatten(),
+            shown: shown(sensor, r_ohm, self.known_ohm()),
         })
     }
 
@@ -186,6 +185,11 @@ impl Estimator {
     fn known_ohm(&self) -> [f64; 2] {
         [self.r1_ohm, self.r2_ohm]
     }
+}
+
+/// What a channel shows of a resistance. Of one that may be 0 the reciprocal is anything: nothing. `known_ohm`: R_1 and R_2.
+pub fn shown(sensor: &Channel, r_ohm: Measured, known_ohm: [f64; 2]) -> Option<MeasuredValue> {
+    is_resolved(r_ohm).then(|| sensor.value_at(r_ohm, known_ohm)).flatten()
 }
 
 /// Whether a resistance is certainly above 0.

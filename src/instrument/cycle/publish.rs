@@ -1,7 +1,7 @@
 //! What comes of a sensor's discharge: a reading, or its part of a mean; and on to the next channel.
 
 use super::{Cycle, Step};
-use crate::estimate::estimator::Judged;
+use crate::estimate::estimator::{Judged, shown};
 use crate::instrument::discharge::Outcome;
 use crate::instrument::limits::OVERHEAD_STEP;
 use crate::reading::{Fault, Reading, Status};
@@ -39,8 +39,7 @@ impl Cycle {
         let (window, tracker) = (&mut self.memory[channel].window, self.estimator.tracker());
         window.add(judged.status, &judged.basis, [share_began, at], tracker);
         let (sensor, known) = (&self.settings.channels[channel], self.settings.r_ohm());
-        let value_at = |r_ohm| sensor.value_at(r_ohm, known);
-        let over = window.take(length, now, tracker, value_at);
+        let over = window.take(length, now, tracker, |r_ohm| shown(sensor, r_ohm, known));
         let reading = over.map(|(status, [began, at])| self.told(channel, status, at, now - began));
         self.go_on(channel, now);
         reading

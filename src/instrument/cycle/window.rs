@@ -60,7 +60,7 @@ impl Window {
         length: Nanos,
         now: Nanos,
         tracker: Option<&Tracker>,
-        value_at: impl Fn(Measured) -> Option<MeasuredValue>,
+        shown: impl Fn(Measured) -> Option<MeasuredValue>,
     ) -> Option<(Status, [Nanos; 2])> {
         let began = self.began.filter(|began| now - *began >= length)?;
         let done = *self;
@@ -73,7 +73,7 @@ impl Window {
         match (mean, done.number) {
             (Some(r_ohm), Some(Status::Ok { branch, .. })) => {
                 let at = began + Nanos((done.at_ns / done.mean.count() as f64) as i64);
-                let shown = value_at(r_ohm);
+                let shown = shown(r_ohm);
                 let is_settling = done.is_settling;
                 Some((Status::Ok { branch, r_ohm, shown, is_moving, is_settling }, [began, at]))
             }

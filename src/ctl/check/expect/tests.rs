@@ -24,7 +24,7 @@ fn seen(scene: &Scene, settings: &Settings, r_ohm: f64, seed: u64) -> [f64; 3] {
     let pins = SimPins::new(&scene, Some(crate::seed::seed(seed)));
     let mut instrument = Instrument::new(pins, settings.clone());
     let (mut errors, mut us, mut first, mut last) = (Vec::new(), Vec::new(), None, Nanos::ZERO);
-    warm_up(&mut instrument, settings).unwrap();
+    warm_up(&mut instrument, settings, Nanos::ZERO).unwrap();
     while errors.len() < 100 {
         instrument
             .step(&mut |message| {
