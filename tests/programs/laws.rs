@@ -3,8 +3,10 @@
 use crate::cermctl::daemon::{Daemon, config, ctl, json_lines, lines_of, scene};
 use crate::waiting::until_so;
 use serde_json::Value;
+use std::fs;
 use std::io::{BufRead, BufReader};
 use std::os::unix::net::UnixStream;
+use std::path::Path;
 
 /// A thermistor of 2 kohm, and a slider that stands at a fifth of its way; both are read once a cycle.
 fn daemon() -> Daemon {
@@ -121,4 +123,32 @@ fn a_sensor_that_is_not_there_has_a_bound_by_its_law() {
     assert!(thermistor.get("value_min").is_none() && slider.get("value_max").is_none());
     let text = String::from_utf8(daemon.ctl(&["get"]).output().unwrap().stdout).unwrap();
     assert!(text.contains(" degC  > ") && text.contains("< ") && text.contains(" mm  > "), "{text}");
+}
+
+/// The lines of docs/sensors.md, from its own configuration. `UPDATE_DOCS=1 cargo test --test programs laws` writes them anew.
+#[test]
+fn the_worked_example_is_what_check_says() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let page = root.join("docs/sensors.md");
+    let text = fs::read_to_string(&page).unwrap();
+    let config = text.split("```toml\n").find(|block| block.contains("id = \"bath\"")).unwrap();
+    let scene = fs::read_to_string(root.join("hw/scenes/pi4.toml")).unwrap();
+    let folder = tempfile::tempdir().unwrap();
+    let write = |name: &str, text: &str| fs::write(folder.path().join(name), text).unwrap();
+    write("cermd.toml", config.split("```").next().unwrap());
+    let constant = scene.lines().find(|line| line.starts_with("constant = ")).unwrap();
+    write("scene.toml", &scene.replace(constant, "constant = \"8.06 kohm\""));
+    let path = folder.path().join("cermd.toml");
+    let output = ctl(&["check", "--config", path.to_str().unwrap()]).assert().success().get_output().clone();
+    let said = String::from_utf8(output.stdout).unwrap();
+    let line_of =
+        |text: &str, begin: &str| text.lines().find(|line| line.starts_with(begin)).unwrap().to_owned();
+    let mut new = text.clone();
+    for begin in ["info: measure.method: ", "info: channel.bath.law: "] {
+        new = new.replace(&line_of(&text, begin), &line_of(&said, begin));
+    }
+    if std::env::var_os("UPDATE_DOCS").is_some() {
+        fs::write(&page, &new).unwrap();
+    }
+    assert_eq!(text, new, "docs/sensors.md is out of date");
 }

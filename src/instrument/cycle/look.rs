@@ -43,8 +43,10 @@ impl Cycle {
         match look {
             Look::Leak | Look::First => {
                 let lost = found.and_then(|(record, usual)| {
-                    let switch = record.switch?;
-                    Some((usual + (switch.on_ns - switch.at_ns) - record.a_ns?, variance))
+                    let (a_ns, switch) = (record.a_ns?, record.switch?);
+                    // Held too late, it had ended: that is no leak.
+                    let is_held = a_ns > switch.at_ns;
+                    is_held.then(|| (usual + (switch.on_ns - switch.at_ns) - a_ns, variance))
                 });
                 self.leak.add(lost, self.settings.r_ohm()[1], now);
                 self.estimator.set_leak(&self.leak);

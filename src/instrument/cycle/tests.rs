@@ -2,6 +2,7 @@
 
 use super::*;
 use crate::config_file::config;
+use crate::record::Switch;
 
 const R_OHM: f64 = 1000.0;
 
@@ -116,4 +117,23 @@ fn an_interrupted_calibration_leaves_the_sensor_its_retakes() {
     let (x, c1, c2) = (Through::X(0), Through::C1, Through::C2);
     assert_eq!(through, [c1, c1, c1, c2, c2, x, x, x]);
     assert!(is_right(seen[7].1), "{seen:?}");
+}
+
+/// A program that sleeps past the crossing holds a discharge that has ended: A crossed as usual, and nothing leaks.
+#[test]
+fn a_discharge_that_is_held_too_late_shows_no_leak() {
+    let look = |at_ns: f64, a_ns: f64| {
+        let mut cycle = begun();
+        course(&mut cycle, &[], 2);
+        let Outcome { result, calls, charged } = discharged(Through::C2);
+        let switch = Some(Switch { at_ns, on_ns: at_ns + 40e6, to: Through::C2 });
+        let record = Record { switch, a_ns: Some(a_ns), ..result.unwrap() };
+        let outcome = Outcome { result: Ok(record), calls, charged };
+        (0..2).for_each(|_| cycle.held_done(Look::Leak, &outcome, Nanos::ZERO));
+        cycle.leak.is_defect()
+    };
+    let usual_ns = 600.0 * 12_700.0;
+    assert!(!look(50e6, usual_ns), "it had crossed");
+    assert!(!look(0.9 * usual_ns, usual_ns + 40e6), "nothing was lost while it was held");
+    assert!(look(0.9 * usual_ns, 0.95 * usual_ns), "it crossed while it was held");
 }
