@@ -44,8 +44,8 @@ impl Cycle {
             Look::Leak | Look::First => {
                 let lost = found.and_then(|(record, usual)| {
                     let (a_ns, switch) = (record.a_ns?, record.switch?);
-                    // Held too late, it had ended: that is no leak.
-                    let is_held = a_ns > switch.at_ns;
+                    // Held too late, it has ended as usual: that is no leak.
+                    let is_held = switch.at_ns < usual;
                     is_held.then(|| (usual + (switch.on_ns - switch.at_ns) - a_ns, variance))
                 });
                 self.leak.add(lost, self.settings.r_ohm()[1], now);

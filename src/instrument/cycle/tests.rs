@@ -136,4 +136,5 @@ fn a_discharge_that_is_held_too_late_shows_no_leak() {
     assert!(!look(50e6, usual_ns), "it had crossed");
     assert!(!look(0.9 * usual_ns, usual_ns + 40e6), "nothing was lost while it was held");
     assert!(look(0.9 * usual_ns, 0.95 * usual_ns), "it crossed while it was held");
+    assert!(look(0.9 * usual_ns, 0.5 * usual_ns), "it is not as it was");
 }
