@@ -127,7 +127,7 @@ fn quoted_figures_are_those_that_were_measured() {
     let weak = |kind: &'static str| {
         move |r: &str| {
             let cells = row("methods.md", &format!("| 8 mA | 470 | {kind} | {r} |"));
-            format!("{} ohm, {}/s", short(&cells[4]), cells[6])
+            format!("{} ohm, {}/s", short(&cells[5]), cells[7])
         }
     };
     let mean = |r: &str| format!("{} ohm", short(&row("averages.md", &format!("| one | {r} | 1 s |"))[4]));
@@ -158,7 +158,10 @@ fn quoted_figures_are_those_that_were_measured() {
     let absorbs = |name: &str, page_name: &str, share: &str| {
         let [all, worst] = ["five decades", "10 ms"]
             .map(|times| row("stability.md", &format!("| {page_name}, {share} % | {times} |")));
-        let shift = |cell: &str| format!("{:+.1}", cell.split(' ').next().unwrap().parse::<f64>().unwrap());
+        let shift = |cell: &str| {
+            let rounded = format!("{:+.1}", cell.split(' ').next().unwrap().parse::<f64>().unwrap());
+            if rounded.ends_with("0.0") { "0.0".to_owned() } else { rounded }
+        };
         let cells = (3..9).map(|at| format!("{} .. {}", shift(&all[at]), shift(&worst[at])));
         let share: f64 = share.parse().unwrap();
         format!("| {name} | {share} % | {} |", cells.collect::<Vec<_>>().join(" | "))
