@@ -148,7 +148,7 @@ impl Cell {
         Nanos::from_seconds(WARM_CYCLES * usual.0).clamp(LEAST_WARM, WARM)
     }
 
-    /// How long an instrument runs, seconds on its own clock.
+    /// How long an instrument runs, seconds on its own clock, but for what it is [staggered] by.
     pub fn seconds(&self) -> f64 {
         if self.change == Some(Change::SinceStart) {
             return SINCE_START[SINCE_START.len() - 1];

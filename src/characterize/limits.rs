@@ -2,7 +2,7 @@
 //!
 //! | constant | value | unit | reason |
 //! |---|---|---|---|
-//! | `WARM`, `COLD` | 4, 30 | s | readings count from the first on, where state, noise and leaks are known; without an offset by the second they count as they are |
+//! | `WARM`, `COLD` | 4, 30 | s | readings count from the first on (tracked: up to `LONGEST_UNSEEN` later), where state, noise and leaks are known; without an offset by the second they count as they are |
 //! | `WARM_CYCLES`, `LEAST_WARM` | 2000, 2 | cycles, s | the same with a common clock and without a tracked state, where that is sooner: u is within 1 % of what it becomes |
 //! | `MOST_DISCHARGES`, `LEAST_INSTRUMENTS` | 3e5, 3 | | of a cell: a circuit for microseconds takes fewer instruments |
 //! | `LONGEST_MEAN` | 20 000 | cycles | the same of what is averaged |

@@ -22,8 +22,8 @@ pub const OUTPUT_AGAIN: Nanos = Nanos(1_000_000_000);
 pub const STATS_EVERY: Nanos = Nanos(250_000_000);
 /// The longest wait of the measuring thread without a look at whether to stop.
 pub const NAP: Nanos = Nanos(100_000_000);
-/// How long the end of each thread is waited for: many naps, and with both of them half of what the service manager waits for ours
-/// (TimeoutStopSec= of systemd/cermd.service).
+/// How long the end of each thread is waited for: many naps, and for both together half of what the service manager waits for the
+/// end of this process (TimeoutStopSec= of systemd/cermd.service).
 pub const STOP_PATIENCE: Nanos = Nanos(2_500_000_000);
 /// How often it is looked for.
 pub const STOP_LOOK: Duration = Duration::from_millis(1);

@@ -265,7 +265,6 @@ impl Daemon {
                     "the new configuration is in force: {} channel(s)",
                     self.loaded.config.channels.len()
                 );
-                self.server.set_channels(&publish::channels(&self.loaded));
             }
             Err(error) => {
                 log::error!("{KEPT}: {error}");
@@ -275,6 +274,8 @@ impl Daemon {
                 self.threads = Threads::start(pins, no_outputs(&self.loaded), &self.loaded)?;
             }
         }
+        // Also where they are as they were: readings and discharges begin anew.
+        self.server.set_channels(&publish::channels(&self.loaded));
         self.announce_tape_header();
         Ok(())
     }

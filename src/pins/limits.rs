@@ -8,7 +8,7 @@ use std::time::Duration;
 pub(super) const MOST_STALE_EDGES: u32 = 1024;
 /// How often a line that is still held is asked for again, after a kill: the kernel closes the files of a process with a
 /// delay. With the pause half a second at most for all lines of the circuit, and as much for all outputs, which the service manager
-/// waits gladly; tests/vm, 60-killed.sh.
+/// allows; tests/vm, 60-killed.sh.
 pub(super) const RELEASE_ATTEMPTS: u32 = 10;
 /// Between two attempts.
 pub(super) const RELEASE_PAUSE: Duration = Duration::from_millis(50);

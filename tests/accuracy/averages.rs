@@ -74,7 +74,7 @@ fn cells(kind: Kind) -> Vec<(f64, &'static str, Cell)> {
 const MANY: &str = "
 ## Many sensors
 
-All channels share the calibration. One capacitor, 8 instruments for 10 s from 10 s after the start on, when noise is known with all of them. Sensors
+All channels share the calibration. One capacitor, 8 instruments for 10 s (30 s in the last row) from 10 s after the start on, when noise is known with all of them. Sensors
 that are pressed have 1 kohm, the others 20 Mohm, for which a discharge lasts until the deadline:
 
 | sensors | pressed | readings/s of each | of all | calibration discharges for each reading | within 2u |
@@ -97,7 +97,7 @@ fn many(channels: usize, pressed: usize) -> (f64, f64, Errors) {
             (0..channels).map(|index| Sensor::Constant(Ohm(if index < pressed { 1000.0 } else { 20e6 })));
         bench.scene = bench.scene.with_sensors(sensors.collect()).unwrap();
         let mut instrument = bench.instrument();
-        // As long as from one look for a leak to the next; few readings take longer to count.
+        // As long as from one look for a leak to the next; longer where few readings come.
         let end = before + Nanos::from_seconds(if pressed < channels { 30.0 } else { 10.0 });
         hear_between(&mut instrument, [before, end], |message| match message {
             Message::Reading(reading) => {

@@ -34,7 +34,7 @@ state. What means over a time are worth is measured: [averages.md](averages.md).
 const PINS: &str = "
 ## What weaker pins cost
 
-Above, Rp is 180 ohm: with the pin's own 40 ohm 15 mA, for pins of 16 mA. The values of [hw/wiring.md](../hw/wiring.md#parts) count without
+Above, Rp is 180 ohm, which with the pin's own 40 ohm makes 15 mA, for pins of 16 mA. The values of [hw/wiring.md](../hw/wiring.md#parts) count without
 the pin, and are for pins of 16, 12 and 8 mA (Pi 1 to 3 and Zero, Pi 5, Pi 4 as it boots): charges take longer, errors stay. The same
 board with other Rp, method `tracked`, 60 instruments. R_x is all that is between node A and its pin: with R_lim, which is as large as Rp,
 a sensor of 0 ohm is one of 470 ohm on the weakest pins.

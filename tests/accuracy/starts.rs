@@ -30,3 +30,23 @@ fn from_the_first_reading_on_there_is_an_uncertainty_that_says_how_long_it_is_a_
         }
     }
 }
+
+/// The reciprocal of a resistance that may be 0 is anything, in a mean as in a reading.
+#[test]
+fn while_a_resistance_may_be_zero_no_force_is_made_up_of_it() {
+    for measure in ["", "rate-hz = 20"] {
+        let mut unresolved = 0;
+        for seed in 0..20 {
+            let mut bench = Bench::new("pi4", Method::Tracked, 10.0, seed, measure);
+            bench.config.lines("channel.x", "force = { alpha = \"13346 N ohm\" }");
+            read(&mut bench.instrument(), READINGS, |reading| {
+                if let Status::Ok { r_ohm, shown, .. } = reading.status {
+                    let is_resolved = r_ohm.value > 2.0 * r_ohm.u.unwrap();
+                    assert_eq!(shown.is_some(), is_resolved, "seed {seed}: {reading:?}");
+                    unresolved += usize::from(!is_resolved);
+                }
+            });
+        }
+        assert!(unresolved > 0, "{measure}: every one is known well, so that nothing was tested");
+    }
+}

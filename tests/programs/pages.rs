@@ -160,7 +160,7 @@ fn quoted_figures_are_those_that_were_measured() {
             .map(|times| row("stability.md", &format!("| {page_name}, {share} % | {times} |")));
         let shift = |cell: &str| {
             let rounded = format!("{:+.1}", cell.split(' ').next().unwrap().parse::<f64>().unwrap());
-            if rounded.ends_with("0.0") { "0.0".to_owned() } else { rounded }
+            if rounded[1..] == *"0.0" { "0.0".to_owned() } else { rounded }
         };
         let cells = (3..9).map(|at| format!("{} .. {}", shift(&all[at]), shift(&worst[at])));
         let share: f64 = share.parse().unwrap();

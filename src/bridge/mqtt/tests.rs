@@ -128,6 +128,18 @@ fn channels_that_are_gone_are_taken_back() {
     assert_eq!(topics(&teller.tell(&up(&["thumb"]), Nanos(0))), [DEVICE, DEVICE, AVAILABILITY]);
     teller.note(&up(&["index"]));
     assert_eq!(topics(&teller.introduction()), [DEVICE, DEVICE, AVAILABILITY]);
+    // What was said last may never have reached anybody: all before is taken back as well, for as many as are remembered.
+    teller.note(&up(&["palm"]));
+    teller.introduction();
+    let told = teller.introduction();
+    for gone in ["index_force", "thumb_force"] {
+        assert_eq!(entities(&told[0])[gone], serde_json::json!({"p": "sensor"}), "{gone}");
+    }
+    for index in 0..2 * MOST_ANNOUNCED {
+        teller.note(&up(&[&index.to_string()]));
+        teller.introduction();
+    }
+    assert_eq!(teller.announced.unwrap().channels.len(), MOST_ANNOUNCED);
 }
 
 #[test]

@@ -46,7 +46,7 @@ impl Cycle {
                     let (a_ns, switch) = (record.a_ns?, record.switch?);
                     // Held too late, it has ended as usual: that is no leak.
                     let is_held = switch.at_ns < usual;
-                    is_held.then(|| (usual + (switch.on_ns - switch.at_ns) - a_ns, variance))
+                    is_held.then_some((usual + (switch.on_ns - switch.at_ns) - a_ns, variance))
                 });
                 self.leak.add(lost, self.settings.r_ohm()[1], now);
                 self.estimator.set_leak(&self.leak);
