@@ -261,7 +261,7 @@ mod tests {
     #[test]
     fn without_a_word_it_is_the_commented_one() {
         let text = written(&[], Some("pinctrl-rp1")).unwrap();
-        assert!(text.starts_with(MARK) && text.ends_with(&TEMPLATE.replace("\"260 ohm\"", "\"370 ohm\"")));
+        assert!(text.starts_with(MARK) && text.ends_with(TEMPLATE));
     }
 
     #[test]
