@@ -12,6 +12,7 @@ mod session;
 use super::feed::{Feed, Heard};
 use super::latest::{Latest, now};
 use super::limits::{IIO_CLIENTS, IIO_IDLE, IIO_READINGS, PAGE_PATIENCE};
+use super::queue::{Inlet, Outlet, queue};
 use super::server::{self, Place, Places};
 use super::{BridgeError, Upstream, Wish, lock};
 use crate::stream::wire::ReadingLine;
@@ -20,8 +21,7 @@ use nix::sys::socket::{setsockopt, sockopt};
 use session::Session;
 use std::io;
 use std::net::{SocketAddr, TcpStream};
-use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
-use std::sync::{Arc, Mutex, Weak};
+use std::sync::{Arc, Mutex};
 use std::time::Duration;
 
 /// What the sessions share.
@@ -31,15 +31,7 @@ pub struct Buffers {
     /// A reading that is older is no row.
     patience: Nanos,
     /// Buffers that are open. A slow one loses readings, which its timestamps show.
-    buffers: Vec<(SyncSender<Arc<ReadingLine>>, Weak<()>)>,
-}
-
-/// What comes for an open buffer.
-#[derive(Debug)]
-struct BufferedReadings {
-    readings: Receiver<Arc<ReadingLine>>,
-    /// Kept: there is a place for readings for as long as this is there.
-    _presence: Arc<()>,
+    buffers: Vec<Inlet<Arc<ReadingLine>>>,
 }
 
 type SharedBuffers = Arc<Mutex<Buffers>>;
@@ -58,18 +50,16 @@ impl Buffers {
                 return;
             }
             let reading: Arc<ReadingLine> = Arc::new((**reading).clone());
-            // One that is full loses it, and one that is closed is forgotten when the next is opened.
-            self.buffers.iter().for_each(|(buffer, _)| drop(buffer.try_send(Arc::clone(&reading))));
+            self.buffers.retain(|buffer| buffer.offer(Arc::clone(&reading)) || buffer.is_read());
         }
     }
 
-    fn open(&mut self) -> BufferedReadings {
+    fn open(&mut self) -> Outlet<Arc<ReadingLine>> {
         // Where no daemon is, nothing is sent that would show which are closed.
-        self.buffers.retain(|(_, presence)| presence.strong_count() > 0);
-        let (buffer, readings) = sync_channel(IIO_READINGS);
-        let presence = Arc::new(());
-        self.buffers.push((buffer, Arc::downgrade(&presence)));
-        BufferedReadings { readings, _presence: presence }
+        self.buffers.retain(Inlet::is_read);
+        let (buffer, readings) = queue(IIO_READINGS);
+        self.buffers.push(buffer);
+        readings
     }
 }
 
@@ -110,8 +100,11 @@ mod tests {
         let buffer = shared.open();
         shared.hear(&reading("thumb", now().0 - 11_000_000_000, ok(1.0)));
         shared.hear(&reading("thumb", now().0, ok(2.0)));
-        let heard: Vec<_> = buffer.readings.try_iter().map(|reading| reading.state.r_ohm).collect();
+        let heard: Vec<_> = buffer.waiting().map(|reading| reading.state.r_ohm).collect();
         assert_eq!(heard, [Some(2.0)]);
+        drop(buffer);
+        shared.hear(&reading("thumb", now().0, ok(3.0)));
+        assert!(shared.buffers.is_empty());
     }
 
     #[test]
@@ -121,6 +114,6 @@ mod tests {
         (0..1000).for_each(|_| drop(shared.open()));
         assert_eq!(shared.buffers.len(), 2);
         shared.hear(&reading("thumb", now().0, ok(3.0)));
-        assert_eq!(kept.readings.try_iter().count(), 1);
+        assert_eq!(kept.waiting().count(), 1);
     }
 }

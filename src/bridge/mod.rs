@@ -14,6 +14,7 @@ mod latest;
 mod limits;
 pub mod mqtt;
 pub mod prometheus;
+mod queue;
 mod server;
 pub mod web;
 

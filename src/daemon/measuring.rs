@@ -5,7 +5,8 @@
 
 mod interruptible;
 
-use super::limits::{NAP, NAPS_TO_REOPEN, RING, STATS_EVERY, STOP_LOOK, STOP_PATIENCE, TAKEN_APART};
+use super::ending::{self, Hung};
+use super::limits::{NAP, NAPS_TO_REOPEN, RING, STATS_EVERY, TAKEN_APART};
 use super::triggering::Tap;
 use crate::config::Config;
 use crate::config::backend::{self, AnyPins, OpenError};
@@ -13,7 +14,7 @@ use crate::instrument::settings::Settings;
 use crate::instrument::stats::Stats;
 use crate::instrument::{Instrument, Message};
 use crate::pins::realtime::{self, Realtime};
-use crate::pins::{Pins, PinsError, monotonic};
+use crate::pins::{Pins, PinsError};
 use crate::units::Nanos;
 use interruptible::Interruptible;
 use nix::sys::eventfd::{EfdFlags, EventFd};
@@ -174,18 +175,8 @@ impl Measuring {
     /// It does not end: a call of it hangs in the kernel. Its lines are released when the process ends.
     pub fn stop(&mut self) -> Result<(), Stuck> {
         self.shared.stop.store(true, Ordering::Relaxed);
-        let patience_ends = monotonic() + STOP_PATIENCE;
-        while self.thread.as_ref().is_some_and(|thread| !thread.is_finished()) {
-            if monotonic() >= patience_ends {
-                // Waiting once is enough.
-                self.thread = None;
-                return Err(Stuck);
-            }
-            thread::sleep(STOP_LOOK);
-        }
-        if let Some(thread) = self.thread.take() {
-            // A panic of the thread has been reported when it happened; its lines are released.
-            self.left = thread.join().unwrap_or_default();
+        if let Some(left) = ending::end(&mut self.thread).map_err(|Hung| Stuck)? {
+            self.left = left;
         }
         Ok(())
     }

@@ -6,6 +6,7 @@
 //! The main thread waits in one `poll` for the server, for results and for signals. The measuring thread never waits
 //! for it.
 
+mod ending;
 mod error;
 mod heartbeat;
 mod limits;

@@ -4,7 +4,8 @@
 //! and the main thread for a crowd of clients; and because the line of a slow chip would delay a discharge. Readings come
 //! through a ring, events leave through another; an event descriptor wakes who reads.
 
-use super::limits::{EVENT_RING, NAP, OUTPUT_AGAIN, RING, STOP_LOOK, STOP_PATIENCE};
+use super::ending;
+use super::limits::{EVENT_RING, NAP, OUTPUT_AGAIN, RING};
 use crate::config::{TriggerSettings, When};
 use crate::pins::chardev::ChardevError;
 use crate::pins::monotonic;
@@ -135,18 +136,9 @@ impl Triggering {
     pub fn stop(&mut self) {
         self.shared.stop.store(true, Ordering::Relaxed);
         let _ = self.shared.heard.write(1);
-        let patience_ends = monotonic() + STOP_PATIENCE;
-        while self.thread.as_ref().is_some_and(|thread| !thread.is_finished()) {
-            if monotonic() >= patience_ends {
-                log::error!("the triggering thread hangs in a call for its outputs: they stay as they are");
-                // Waiting once is enough.
-                self.thread = None;
-                return;
-            }
-            thread::sleep(STOP_LOOK);
+        if ending::end(&mut self.thread).is_err() {
+            log::error!("the triggering thread hangs in a call for its outputs: they stay as they are");
         }
-        // A panic has been reported when it happened; the outputs are released.
-        let _ = self.thread.take().map(JoinHandle::join);
     }
 }
 
@@ -257,7 +249,8 @@ impl Worker {
             }
             self.look(monotonic());
         }
-        self.each_armed(|trigger| trigger.forget(monotonic()));
+        let now = monotonic();
+        self.each_armed(|trigger| trigger.forget(now));
     }
 
     /// Until there are readings, or something known gets too old; a nap at most.

@@ -142,8 +142,7 @@ fn driven(high: bool) -> LineConfig {
 /// Of each line, as [`Output::open`].
 pub fn release_each(lines: &[OutputLine], way: Way) -> Vec<Result<(), ChardevError>> {
     let mut attempts_left = RELEASE_ATTEMPTS;
-    let mut release = |line| patient(&mut attempts_left, || Output::open(line, way)).map(drop);
-    lines.iter().map(&mut release).collect()
+    lines.iter().map(|line| patient(&mut attempts_left, || Output::open(line, way)).map(drop)).collect()
 }
 
 #[cfg(test)]

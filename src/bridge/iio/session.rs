@@ -2,9 +2,11 @@
 
 use super::context::{Context, DEVICE, EINVAL, ENOENT, Element};
 use super::rows::Rows;
-use super::{BufferedReadings, SharedBuffers, lock, now};
+use super::{SharedBuffers, lock, now};
 use crate::bridge::limits::{IIO_COMMAND_BYTES, IIO_SILENCE};
+use crate::bridge::queue::Outlet;
 use crate::bridge::server::Place;
+use crate::stream::wire::ReadingLine;
 use crate::units::Nanos;
 use std::io::{self, BufRead, BufReader, Read, Write};
 use std::net::TcpStream;
@@ -41,7 +43,7 @@ struct Buffer {
     mask: u64,
     /// A reading that has waited for longer is no row.
     fresh: Nanos,
-    readings: BufferedReadings,
+    readings: Outlet<Arc<ReadingLine>>,
 }
 
 impl<'a> Session<'a> {
@@ -169,7 +171,7 @@ impl Buffer {
         let until = Instant::now() + patience;
         loop {
             let left = until.saturating_duration_since(Instant::now());
-            let reading = self.readings.readings.recv_timeout(left).ok()?;
+            let reading = self.readings.next(left).ok()?;
             if now() - Nanos(reading.t_mono_ns) > self.fresh {
                 continue;
             }

@@ -2,10 +2,11 @@
 
 use crate::bridge::feed::Heard;
 use crate::bridge::limits::{PAGE_EVENTS, PAGES, STILL_THERE};
+use crate::bridge::queue::{Inlet, Outlet, queue};
 use crate::units::Nanos;
 use std::collections::BTreeMap;
 use std::sync::Arc;
-use std::sync::mpsc::{Receiver, RecvTimeoutError, SyncSender, sync_channel};
+use std::sync::mpsc::RecvTimeoutError;
 use std::time::Duration;
 
 /// An event as it is sent.
@@ -21,33 +22,23 @@ pub struct Pages {
     stats: Option<Event>,
     /// The channels of the daemon, each with the last event of its trigger, if there was one.
     pressed: BTreeMap<String, Option<Event>>,
-    pages: Vec<Page>,
-}
-
-/// One that listens, for as long as its [`Listener`] is there.
-#[derive(Debug)]
-struct Page {
-    events: SyncSender<Event>,
-    both: Arc<()>,
+    /// Those that listen.
+    pages: Vec<Inlet<Event>>,
 }
 
 /// The end of a page.
 #[derive(Debug)]
-pub struct Listener {
-    events: Receiver<Event>,
-    /// Of this and its [`Page`]: there are two as long as neither has gone.
-    both: Arc<()>,
-}
+pub struct Listener(Outlet<Event>);
 
 impl Listener {
     /// The next event, or after a while a comment, by which whoever has gone without a word is found; `None`: it was sent
     /// away.
     pub fn next(&self) -> Option<Vec<u8>> {
         // What still waits for it would keep a slow page, with its thread, for many minutes.
-        if Arc::strong_count(&self.both) < 2 {
+        if !self.0.is_fed() {
             return None;
         }
-        match self.events.recv_timeout(STILL_THERE) {
+        match self.0.next(STILL_THERE) {
             Ok(event) => Some(event.to_vec()),
             Err(RecvTimeoutError::Timeout) => Some(b":\n\n".to_vec()),
             Err(RecvTimeoutError::Disconnected) => None,
@@ -70,17 +61,18 @@ impl Pages {
     /// A page more; `None`: there are too many.
     pub fn join(&mut self) -> Option<Listener> {
         // Where no daemon is, nothing is sent that would show who has gone.
-        self.pages.retain(|page| Arc::strong_count(&page.both) > 1);
+        self.pages.retain(Inlet::is_read);
         if self.pages.len() >= PAGES {
             return None;
         }
-        let (page, events) = sync_channel(PAGE_EVENTS);
+        let (page, events) = queue(PAGE_EVENTS);
         let first = [Some(&self.daemon), self.stats.as_ref()];
         let first = first.into_iter().flatten().chain(self.pressed.values().flatten());
-        first.map(Arc::clone).try_for_each(|event| page.try_send(event)).ok()?;
-        let both = Arc::new(());
-        self.pages.push(Page { events: page, both: Arc::clone(&both) });
-        Some(Listener { events, both })
+        if !first.map(Arc::clone).all(|event| page.offer(event)) {
+            return None;
+        }
+        self.pages.push(page);
+        Some(Listener(events))
     }
 
     pub fn hear(&mut self, heard: &Heard, now: Nanos) {
@@ -119,7 +111,7 @@ impl Pages {
 
     /// A page that does not keep up is sent away: it comes again by itself, and knows then that it has missed something.
     fn send(&mut self, event: &Event) {
-        self.pages.retain(|page| page.events.try_send(Arc::clone(event)).is_ok());
+        self.pages.retain(|page| page.offer(Arc::clone(event)));
     }
 }
 
@@ -135,7 +127,7 @@ mod tests {
     use crate::stream::wire::EventName;
 
     fn said(listener: &Listener) -> Vec<String> {
-        listener.events.try_iter().map(|event| String::from_utf8_lossy(&event).into_owned()).collect()
+        listener.0.waiting().map(|event| String::from_utf8_lossy(&event).into_owned()).collect()
     }
 
     #[test]

@@ -1,5 +1,7 @@
 use super::*;
 use crate::config_file;
+use crate::daemon::limits::STOP_PATIENCE;
+use crate::pins::monotonic;
 use crate::pins::sim::{Scene, SimPins};
 use crate::pins::{Armed, Bracket, Drives, Edge, Levels, Particulars};
 use std::sync::atomic::AtomicU32;
