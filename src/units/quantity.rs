@@ -22,8 +22,8 @@ pub trait Quantity: Copy + fmt::Display {
     const EXAMPLE: &'static str;
     /// The spellings of its unit that are accepted; the first is the one that is written.
     const UNITS: &'static [&'static str];
-    /// The unit that is meant by who writes a number of one or so without any.
-    const MEANT: &'static str = Self::UNITS[0];
+    /// Units that are meant by who writes a number without any, each from that number on; below them, that of [`Self::UNITS`].
+    const MEANT: &'static [(f64, &'static str)] = &[];
     /// Other units that are accepted, and what one of them is in the SI unit.
     const OTHERS: &'static [(&'static str, f64)] = &[];
     /// From the value in the SI unit.
@@ -56,8 +56,9 @@ impl ParseQuantityError {
         // Who writes no more than 1 means a part of it, not of a percent.
         let part = number.parse().ok().filter(|part: &f64| Q::UNITS[0] == "%" && (0.0..=1.0).contains(part));
         let number = part.map_or(number.to_owned(), |part| rounded(100.0 * part, 7).to_string());
-        let is_usual = number.parse().is_ok_and(|number: f64| number.abs() > 1e-3);
-        let unit = if is_usual { Q::MEANT } else { Q::UNITS[0] };
+        let size = number.parse().map_or(0.0, f64::abs);
+        let meant = Q::MEANT.iter().rev().find(|(from, _)| size >= *from);
+        let unit = meant.map_or(Q::UNITS[0], |(_, unit)| unit);
         let right = value_of::<Q>(&format!("{number}{unit}"));
         let with_unit = right.map(|value| Q::from_si(value).to_string());
         ParseQuantityError { name: Q::NAME, example: Q::EXAMPLE, got: text, with_unit }
@@ -145,7 +146,7 @@ fn bare<Q: Quantity, E: de::Error>(number: &str) -> Result<Q, E> {
 
 /// Declares a quantity; everything else about it follows.
 macro_rules! quantity {
-    ($(#[$doc:meta])* $type:ident, $name:literal, $example:literal, $units:expr $(, or $others:expr)? $(; $meant:literal)?) => {
+    ($(#[$doc:meta])* $type:ident, $name:literal, $example:literal, $units:expr $(, or $others:expr)? $(; $meant:expr)?) => {
         $(#[$doc])*
         #[derive(Debug, Clone, Copy, PartialEq, PartialOrd, Default)]
         pub struct $type(pub f64);
@@ -154,7 +155,7 @@ macro_rules! quantity {
             const NAME: &'static str = $name;
             const EXAMPLE: &'static str = $example;
             const UNITS: &'static [&'static str] = &$units;
-            $(const MEANT: &'static str = $meant;)?
+            $(const MEANT: &'static [(f64, &'static str)] = &$meant;)?
             $(const OTHERS: &'static [(&'static str, f64)] = &$others;)?
             fn from_si(value: f64) -> Self {
                 $type(value)
@@ -193,7 +194,7 @@ quantity!(
 );
 quantity!(
     /// A capacitance in farad; also the progress of a discharge, seconds per ohm.
-    Farad, "a capacitance", "2.2 uF", ["F"]; "uF"
+    Farad, "a capacitance", "2.2 uF", ["F"]; [(1e-3, "uF"), (15.0, "nF")]
 );
 quantity!(
     /// A voltage in volt.
@@ -321,9 +322,13 @@ mod tests {
         assert_eq!(says("2.32k"), of("\"2.32k\"", "2.32 kohm"));
         assert_eq!(says("2320"), of("\"2320\"", "2.32 kohm"));
         let says_farad = |text: &str| text.parse::<Farad>().unwrap_err().to_string();
-        for (wrong, right) in
-            [("2.2", "2.2 uF"), ("2.2u", "2.2 uF"), ("2.2e-6", "2.2 uF"), ("470n", "470 nF")]
-        {
+        for (wrong, right) in [
+            ("2.2", "2.2 uF"),
+            ("0.47", "470 nF"),
+            ("470", "470 nF"),
+            ("2.2u", "2.2 uF"),
+            ("2.2e-6", "2.2 uF"),
+        ] {
             assert!(says_farad(wrong).ends_with(&format!("write \"{right}\"")), "{}", says_farad(wrong));
         }
         let says_part = |text: &str| text.parse::<Percent>().unwrap_err().to_string();

@@ -231,7 +231,11 @@ impl Header {
     /// [`TapeError`] of that line.
     pub fn parse_discharge(&self, number: usize, text: &str) -> Result<Entry, TapeError> {
         let at = |reason: String| TapeError { line: number, reason, is_cut: false };
-        let line = read(text, "DISCHARGE").map_err(|error| at(explain(&error)))?;
+        let damage = |error: serde_json::Error| match error.is_data() {
+            true => explain(&error),
+            false => format!("damaged ({}): without this line the tape can be read", explain(&error)),
+        };
+        let line = read(text, "DISCHARGE").map_err(|error| at(damage(error)))?;
         self.entry(&line).map_err(at)
     }
 

@@ -208,6 +208,7 @@ fn bad_tapes_say_which_line() {
         (&TAPE.replace("7756123", "-7756123"), "line 3: a_ns is -7756123;"),
         (&TAPE.replace("547250.0", "546000.0"), "line 5: switch.on_ns is before switch.at_ns"),
         (&TAPE.replace("\"seq\":3", "\"seq\":3,\"seq\":4"), "line 4: duplicate field"),
+        (&TAPE.replace("650000", "65\"0"), "line 4: damaged ("),
         (&TAPE.replace("DISCHARGE", "READING"), "line 2: the class is \"READING\""),
         ("\u{0}\u{1}\u{2}", "line 1: not the header of a tape"),
     ];

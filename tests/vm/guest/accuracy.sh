@@ -10,6 +10,7 @@ G_SUM=1.303013e-6
 # readings COUNT OHM NAME: so many readings of a resistor, added to NAME.readings (a line each: ohm status reading u ms branch),
 # and in one line:
 # ohm bias_ohm sd_ohm u_ohm ms_per_reading readings inferred faults within_2u
+# with the median of u: the few that say that they move, because a stamp was late, have a much larger one.
 readings() {
     circuit r_mohm "$KNOWN,${2}000,0"
     cermctl record --format csv --count $(($1 + SETTLING)) |
@@ -17,16 +18,16 @@ readings() {
             print r, $5, $6 == "" ? "-" : $6, $7 == "" ? "-" : $7, $19 / 1000, $18 == "" ? "-" : $18
         }' >last
     cat last >>"$3.readings"
-    mawk '{ r = $1; ms += $5; all++ }
+    sort -n -k 4 last | mawk '{ r = $1; ms += $5; all++ }
         $2 != "ok" { faults++; next }
         {
-            d = $3 - r; n++; s += d; q += d * d; u += $4 * $4
+            d = $3 - r; n++; s += d; q += d * d; u[n] = $4
             inferred += $6 == "inferred"
             within += d * d <= 4 * $4 * $4
         }
         END {
             if (n) mean = s / n
-            if (n) printf "%d %.4f %.4f %.4f %.2f %d %d %d %d\n", r, mean, sqrt(q / n - mean * mean), sqrt(u / n), ms / all, n,
+            if (n) printf "%d %.4f %.4f %.4f %.2f %d %d %d %d\n", r, mean, sqrt(q / n - mean * mean), u[int(n / 2) + 1], ms / all, n,
                 inferred, faults, within
             else printf "%d nan nan nan %.2f 0 0 %d 0\n", r, ms / all, faults
         }' last
