@@ -230,7 +230,8 @@ pub enum Status {
         shown: Option<MeasuredValue>,
         /// The sensor changed while it was read, and u contains that: it is more than all else.
         is_moving: bool,
-        /// u is still a prior, and wide: too little has been seen to know the noise, or what leaks.
+        /// u is still a prior, and wide: too little has been seen to know the noise, or what leaks. Or it is the first that is
+        /// none, which no number before it confirms.
         is_settling: bool,
     },
     /// The resistance is above what the deadline resolves.

@@ -135,7 +135,8 @@ impl Replay {
             ));
         }
         let is_cut = record.a_ns.is_some() && record.b_ns.is_none() && record.waited_ns.is_none();
-        let needs_b = self.method.rules().last(self.header.circuit.kind) == Node::B;
+        let needs_b =
+            !self.method.is_tracked() && self.method.rules().last(self.header.circuit.kind) == Node::B;
         self.ended_early += u64::from(record.through.channel().is_some() && is_cut && needs_b);
         Ok(self.cycle.replay(record, *is_timed, *is_held))
     }

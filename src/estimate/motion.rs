@@ -48,8 +48,8 @@ pub struct Motion {
     /// The last one changed by more than its noise can hide.
     is_fast: bool,
     recent: Recent,
-    /// The last one was settling.
-    was_settling: bool,
+    /// There was a last one, and it was not settling.
+    was_settled: bool,
     /// The last one before a rise that one stretch alone has shown: two late stamps in a row look like it.
     before_rise: Option<Point>,
 }
@@ -124,10 +124,10 @@ impl Motion {
         self.error(evidence, is_sudden).hypot(hidden.max(unproven))
     }
 
-    /// Whether a reading is settling, or the first that is not: no other has yet been known well enough to tell a late stamp of
-    /// it, or of its calibration, from the sensor.
+    /// Whether a reading is settling, or the first that is not, be it the first of all: no other has yet been known well enough to
+    /// tell a late stamp of it, or of its calibration, from the sensor.
     pub fn settles(&mut self, is_settling: bool) -> bool {
-        std::mem::replace(&mut self.was_settling, is_settling) || is_settling
+        !std::mem::replace(&mut self.was_settled, !is_settling) || is_settling
     }
 
     /// Takes a reading that is no number: a resistance above `r_min_ohm`.

@@ -261,6 +261,9 @@ if one late stamp would do, after readings that were at rest, it is `latency-out
 be expected may have come at any instant: its bound is what one step can have done. Only where twice the uncertainty is more
 than the value there is no number: the reading is `fault`, `unsettled`.
 
+With a single capacitor a discharge has one stretch: of a change that comes and goes within it (a sensor of 14 kohm and 3.4 uF take 56 ms,
+which is a period of 18 Hz) it tells the mean, and nothing that would show in u or in `moving`. Take a smaller capacitor, or two.
+
 Everything below is **simulated**: board `pi4` without its rare late stamps, R_x = R (1 + 0.2 sin(2 pi f t)), 8
 instruments with 150 readings each. Written by `UPDATE_DOCS=1 cargo test --test accuracy dynamic`; do not edit. `predicted` is the
 second order of a full discharge of two nodes (1 sigma), `u` the median of what is stated, noise included, `within 2u` the share
