@@ -18,6 +18,7 @@ use covariances::Covariances;
 use dual::Dual;
 
 mod covariances;
+mod early;
 mod leakage;
 mod prediction;
 mod status;
@@ -33,8 +34,8 @@ pub struct Estimate {
     pub r_ohm: Measured,
     /// What that is made of; nothing where it is not known.
     pub basis: Basis,
-    /// What stamps that are later after long waits may do to it beside that, 1 sigma, ohm.
-    pub asleep_ohm: f64,
+    /// What stamps may do to it beside that, which are later after long waits or early in wide-band noise, 1 sigma, ohm.
+    pub stamps_ohm: f64,
 }
 
 /// Variances of the [ratio](crate::estimate::method) to be expected.
@@ -217,15 +218,17 @@ impl Estimator {
             let observed_u_ns = self.u_switch_ns(record, solution.branch);
             let unlike_ohm = tracker.unlike_calls_ohm(&solution.by_state, solution.by_switch, observed_u_ns);
             let asleep_ohm = tracker.asleep_ohm(solution.r_ohm, &solution.by_state, record);
+            let stamps_ohm = asleep_ohm.hypot(self.early_ohm(tracker, solution.r_ohm, solution.branch));
             let u_ohm = solution.variance.sqrt().hypot(unlike_ohm);
             let r_ohm = Measured { value: solution.r_ohm, u: Some(u_ohm) };
             let own = (solution.variance - tracker.variance(&solution.by_state)).max(0.0);
             let by_switch = (solution.branch == Branch::Inferred).then_some(solution.by_switch);
             let basis = Basis { own, by_state: Some(solution.by_state), by_switch };
-            return Ok((Estimate { branch: solution.branch, r_ohm, basis, asleep_ohm }, solution.evidence));
+            return Ok((Estimate { branch: solution.branch, r_ohm, basis, stamps_ohm }, solution.evidence));
         }
         let (times, branch) = self.times(record)?;
-        let (ratio, basis, evidence, asleep) = self.ratio(&times, branch, record).ok_or(Fault::MissedEdge)?;
+        let (ratio, basis, evidence, by_stamps) =
+            self.ratio(&times, branch, record).ok_or(Fault::MissedEdge)?;
         let span = self.r2_ohm - self.r1_ohm;
         let r_ohm = self.r1_ohm + ratio.value * span;
         let u = ratio.u.map(|u| u * span);
@@ -236,8 +239,8 @@ impl Estimator {
                 by_state: basis.by_state.map(|by| by.map(|by| span * by)),
                 by_switch: basis.by_switch.map(|by| span * by),
             };
-            let (r_ohm, asleep_ohm) = (Measured { value: r_ohm, u }, span * asleep);
-            Ok((Estimate { branch, r_ohm, basis, asleep_ohm }, evidence))
+            let (r_ohm, stamps_ohm) = (Measured { value: r_ohm, u }, span * by_stamps);
+            Ok((Estimate { branch, r_ohm, basis, stamps_ohm }, evidence))
         } else {
             Err(Fault::Implausible)
         }
@@ -314,8 +317,8 @@ impl Estimator {
         [a, b.filter(|_| self.nodes == 2)]
     }
 
-    /// The ratio, what its variance is made of, what it rests on, and what late stamps after long waits do to it; `None` if a time was
-    /// not seen that the equation needs.
+    /// The ratio, what its variance is made of, what it rests on, and what stamps that are later after long waits or early in noise do
+    /// to it; `None` if a time was not seen that the equation needs.
     fn ratio(
         &self,
         times: &Times<f64>,
@@ -334,10 +337,11 @@ impl Estimator {
         let scale = Scale { r_ohm: [self.r1_ohm, self.r2_ohm], u: &u };
         let evidence = (rules.evidence)(&variables, branch, &scale)?;
         let asleep = self.asleep(&ratio.by, record).unwrap_or(0.0);
+        let by_stamps = asleep.hypot(self.early(&ratio.by, times, branch));
         let by_switch = (branch == Branch::Inferred).then_some(ratio.by.switch);
         let basis =
             covariances.as_ref().map(|covariances| Basis { by_switch, ..covariances.basis(&ratio.by) });
-        Some((Measured { value: ratio.value, u: u(&ratio) }, basis.unwrap_or_default(), evidence, asleep))
+        Some((Measured { value: ratio.value, u: u(&ratio) }, basis.unwrap_or_default(), evidence, by_stamps))
     }
 
     /// The covariances of all times; `late` are the crossings that a discharge only through the resistor that ran last

@@ -12,6 +12,7 @@
 //! Variances come from successive differences, so that drift is not taken for noise.
 
 mod gate;
+mod skew;
 mod spread;
 
 use crate::estimate::limits::{
@@ -21,6 +22,7 @@ use crate::estimate::scatter;
 use crate::reading::Fault;
 use crate::record::CalibrationKind;
 pub use gate::Gate;
+use skew::Skew;
 use spread::Spread;
 pub use spread::is_step;
 
@@ -110,6 +112,8 @@ struct Learned {
     shared: CovarianceLaw,
     /// The greatest correlation of two crossings.
     correlated: f64,
+    /// By which part of its time a crossing is early for each e-fold of that, where noise is wide-band.
+    early: [f64; 2],
 }
 
 impl Noise {
@@ -159,8 +163,12 @@ impl Noise {
             spread.covariance().at_least(least)
         });
         let freedom = self.c1.freedom(self.nodes - 1).min(self.c2.freedom(self.nodes - 1));
+        let nodes = VarianceLaw::through([(self.c1.time, v1), (self.c2.time, v2)], self.quantisation);
+        let early_ns = skew::early(self.c2.skew);
         self.learned = Some(Learned {
-            nodes: VarianceLaw::through([(self.c1.time, v1), (self.c2.time, v2)], self.quantisation),
+            nodes,
+            early: [0, 1]
+                .map(|node| if early_ns[node] > 0.0 { early_ns[node] / self.c2.time[node] } else { 0.0 }),
             shared: CovarianceLaw::through([(self.c1.time, v1), (self.c2.time, v2)], freedom),
             // Too much would make a combination of two crossings look exact: it takes many discharges to believe that.
             correlated: 1.0 - 1.0 / freedom.sqrt(),
@@ -202,7 +210,7 @@ impl Noise {
 
     /// The same for several discharges.
     pub fn covariances<const N: usize>(&self, discharges: [[Option<f64>; 2]; N]) -> Option<[Covariance; N]> {
-        let Learned { nodes: [law_a, law_b], shared, correlated } = self.learned?;
+        let Learned { nodes: [law_a, law_b], shared, correlated, .. } = self.learned?;
         Some(discharges.map(|[a_ns, b_ns]| {
             let (aa, bb) = (a_ns.map_or(0.0, |ns| law_a.at(ns)), b_ns.map_or(0.0, |ns| law_b.at(ns)));
             let most = if shared.proportional > 0.0 {
@@ -214,6 +222,12 @@ impl Noise {
             let ab = a_ns.zip(b_ns).map_or(0.0, |(a_ns, b_ns)| shared.at(a_ns, b_ns).clamp(0.0, most));
             Covariance { aa, bb, ab }
         }))
+    }
+
+    /// By which part of its time a crossing of each node is early for each e-fold of that; 0 where noise does not show that it is
+    /// wide-band.
+    pub fn early(&self) -> [f64; 2] {
+        self.learned.map_or([0.0; 2], |learned| learned.early)
     }
 
     /// What of the covariance of two crossings is the instant of their start, ns².

@@ -12,6 +12,7 @@ use cermd::reading::Method;
 use cermd::units::{Hertz, Seconds, Volt};
 use rand::RngExt;
 use std::fmt::{Display, Write};
+use std::ops::RangeInclusive;
 
 /// The paper's board with capacitors within 1 % of theirs: where in a cycle a crossing falls differs from board to board.
 fn paper_s_boards(method: Method, boards: u64) -> (Errors, Figure) {
@@ -121,6 +122,8 @@ pub fn trigger() -> Scenario {
 
 const VOLTAGE: f64 = 5e-3;
 const BANDWIDTH: f64 = 10e6;
+/// The share of readings within 2u where u contains that they are early.
+const TOLD: RangeInclusive<f64> = 0.9..=0.985;
 
 fn wide_band(parts: Parts) -> Board {
     let mut board = Board::quiet(parts);
@@ -158,6 +161,9 @@ pub fn wide_band_low() -> Scenario {
         expect_bias(&mut it, format!("{} {name}", method.as_str()), mean, predicted);
         let figure = format!("{name}{}", percent(mean.value / r_ohm));
         it.cell_of(method, figure, &errors, mean.within(0.01 * r_ohm), false);
+        if measure.is_empty() {
+            it.promise(format!("{}: within 2u", method.as_str()), errors.within_2u(), TOLD);
+        }
     }
     for (method, name) in [(Method::Qerm, ""), (Method::Cerm, "offset found "), (Method::Tracked, "")] {
         let measure = if method == Method::Cerm { "t-l = \"1 s\"" } else { "" };
@@ -181,7 +187,8 @@ pub fn wide_band_low() -> Scenario {
         "the first dip of the noise below the threshold counts, and the slower the fall, the more dips there are: node A crosses \
          {first:.0} us early through Rc1, {second:.0} us through Rc2, and not in proportion. A discharge that ends through Rc2 is as \
          early as that of calibration, and the offset that split calibration finds contains what is left: but it is one offset, and \
-         B is three times as early as A. `qerm` times A alone, and so does `tracked` at such a resistance."
+         B is three times as early as A. `qerm` times A alone, and so does `tracked` at such a resistance. First dips scatter more to \
+         the early side than to the late one: some dozens of discharges through Rc2 show it, and from then on u contains what it may do."
     );
     it
 }
@@ -200,18 +207,21 @@ pub fn wide_band_high() -> Scenario {
         let mean = errors.mean_error();
         expect_bias(&mut it, method.as_str(), mean, predicted);
         it.cell_of(method, percent(mean.value / r_ohm), &errors, mean.within(0.001 * r_ohm), false);
+        it.promise(format!("{}: within 2u", method.as_str()), errors.within_2u(), TOLD);
     }
     for (name, board, expected) in [
         ("in full", patient, false),
         ("finished through Rc1 after 30 ms", board.with("deadline = \"30 ms\""), true),
     ] {
-        let errors = board.errors(Method::Tracked, r_ohm, 40, 100);
+        // Discharges of calibration are rare with it.
+        let errors = board.errors(Method::Tracked, r_ohm, 40, 2000);
         let mean = errors.mean_error();
+        it.promise(format!("tracked, {name}: within 2u"), errors.within_2u(), TOLD);
         let figure = format!("{name} {}", percent(mean.value / r_ohm));
         it.cell_of(Method::Tracked, figure, &errors, mean.within(0.001 * r_ohm), expected);
     }
-    it.why = "as at 100 ohm; averaging takes nothing of it away. A discharge that a known resistor finishes is as early as the \
-              calibration. A low-pass at the sense lines, or less noise, is the remedy."
+    it.why = "as at 100 ohm; averaging takes nothing of it away, but u contains it, once it shows (of `tracked`, which calibrates seldom, after some hundred readings). A discharge that a known resistor finishes is as \
+              early as the calibration. A low-pass at the sense lines, or less noise, is the remedy."
         .to_owned();
     it
 }

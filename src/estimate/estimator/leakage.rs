@@ -87,8 +87,8 @@ impl Estimator {
     }
 
     /// The same estimate less what a leak that shows has made of it; that, or what one that does not show may have made of it,
-    /// is in its uncertainty, and what dielectrics and late stamps do. `None` if the sensor may have any higher resistance.
-    pub(super) fn with_defects(&self, r_ohm: Measured, record: &Record, asleep_ohm: f64) -> Option<Measured> {
+    /// is in its uncertainty, and what dielectrics and stamps do. `None` if the sensor may have any higher resistance.
+    pub(super) fn with_defects(&self, r_ohm: Measured, record: &Record, stamps_ohm: f64) -> Option<Measured> {
         let beside = self.method.rules().sinks_beside;
         let leak = self.leak.as_ref();
         let error_ohm = match leak.map(LeakTest::likely_siemens) {
@@ -109,7 +109,7 @@ impl Estimator {
         let absorption_ohm =
             self.absorbed.map_or(0.0, |share| absorption::u_ohm(share, self.r1_ohm, path_ohm));
         let left_out_ohm = self.state().map_or(0.0, |tracker| tracker.left_out_ohm(r_ohm.value));
-        let defects = [left_ohm, bent_ohm, absorption_ohm, left_out_ohm, asleep_ohm];
+        let defects = [left_ohm, bent_ohm, absorption_ohm, left_out_ohm, stamps_ohm];
         let u = r_ohm.u.map(|u| defects.into_iter().fold(u, f64::hypot));
         is_bounded.then_some(Measured { value: r_ohm.value - known_ohm, u })
     }

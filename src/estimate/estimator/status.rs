@@ -105,7 +105,7 @@ impl Estimator {
         let moved =
             u.map(|u| motion.judge(record.start, [value, u], r_o_ohm, &evidence, late)).transpose()?;
         let measured = Measured { value, u: u.map(|u| u.hypot(moved.map_or(0.0, |moved| moved.u_ohm))) };
-        let Some(as_read) = self.with_defects(measured, record, estimate.asleep_ohm) else {
+        let Some(as_read) = self.with_defects(measured, record, estimate.stamps_ohm) else {
             // The leak only ever makes it read lower; so far up it is the reciprocal that is known.
             let u = measured.u.ok_or(Fault::Implausible)?;
             return Ok(self.open_above(sensor, measured.value, u));

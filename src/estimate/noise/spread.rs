@@ -1,6 +1,6 @@
 //! How the crossings of one calibration resistor scatter, and which of them are no noise.
 
-use super::{Covariance, Gate};
+use super::{Covariance, Gate, Skew};
 use crate::estimate::limits::{
     BEYOND_NOISE, BY_CHANCE, FAR_OF, LATE_NS, NEVER_SO_LATE, NOISE_MEMORY, NOISE_WARM_UP, OUTLIERS_OF_A_STEP,
     SHORTEST_THIRD, TOO_MANY_LATE, WEIGHT_OF_A_THIRD,
@@ -23,6 +23,8 @@ pub struct Spread {
     sum: Covariance,
     /// Of A alone, and of both.
     weight: [f64; 2],
+    /// Of the times less what was expected, and less their running mean.
+    pub skew: [Skew; 2],
     gate: Gate,
     outliers_in_row: u32,
     /// The share of discharges that are so far off that no gate would let them in.
@@ -45,6 +47,7 @@ impl Spread {
         last_had_b: true,
         sum: Covariance { aa: 0.0, bb: 0.0, ab: 0.0 },
         weight: [0.0; 2],
+        skew: [Skew::NEW; 2],
         gate: Gate::new(BEYOND_NOISE),
         outliers_in_row: 0,
         far: 0.0,
@@ -128,6 +131,7 @@ impl Spread {
         }
         for node in 0..2 {
             let Some(time) = times[node] else { continue };
+            self.skew[node].add(away[node] - self.mean[node]);
             self.mean[node] += (away[node] - self.mean[node]) / NOISE_WARM_UP as f64;
             (self.last[node], self.time[node]) = (away[node], time);
         }
