@@ -7,7 +7,7 @@ use crate::estimate::scatter::SwitchScatter;
 use crate::instrument::cycle::Cycle;
 use crate::instrument::discharge::Charge;
 use crate::instrument::settings::{Charges, OffsetSource, Settings};
-use crate::reading::{Fault, Method, Reading};
+use crate::reading::{Fault, Measured, Method, Reading};
 use crate::stream::tape::{Entry, Header, TapeOffset};
 use crate::stream::wire::{StateLine, Unit};
 use crate::units::Nanos;
@@ -142,11 +142,14 @@ impl Replay {
     }
 
     /// Takes the next discharge; the estimate as it is, ohm, if it was a sensor's and there is a calibration: no zero taken
-    /// off, and below 0 too, where a reading says `short`.
-    pub fn signed_ohm(&mut self, entry: &Entry) -> Option<Result<f64, Fault>> {
+    /// off, and below 0 too, where a reading says `short`; with 1 sigma of what other readings share with it.
+    pub fn signed_ohm(&mut self, entry: &Entry) -> Option<Result<Measured, Fault>> {
         let (record, estimator) = (&entry.record, self.cycle.estimator());
         let is_known = record.through.channel().is_some() && estimator.calibration().is_some();
-        let signed = is_known.then(|| estimator.estimate(record).map(|estimate| estimate.r_ohm.value));
+        let signed = is_known.then(|| {
+            let estimate = estimator.estimate(record)?;
+            Ok(Measured { u: estimate.r_ohm.u.map(|u| estimate.basis.shared(u)), ..estimate.r_ohm })
+        });
         self.cycle.replay(record, entry.is_timed, entry.is_held);
         signed
     }

@@ -163,7 +163,9 @@ pub fn publish(server: &mut Server, known: &mut Known, loaded: &Loaded, update: 
             }
             if server.wants_raw() {
                 let line = loaded.tape_header.discharge(seq, &record, is_held);
-                server.publish_discharge(DischargeLine { as_read_ohm, ..line });
+                let shared_u_ohm = as_read_ohm.and_then(|as_read| as_read.u);
+                let as_read_ohm = as_read_ohm.map(|as_read| as_read.value);
+                server.publish_discharge(DischargeLine { as_read_ohm, shared_u_ohm, ..line });
             }
         }
         Update::Lost(Lost { readings, discharges }) => server.miss(readings, discharges),

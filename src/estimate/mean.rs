@@ -28,6 +28,13 @@ pub struct Basis {
     pub by_switch: Option<f64>,
 }
 
+impl Basis {
+    /// Of an uncertainty of `u` ohm, the part that other readings share, 1 sigma.
+    pub fn shared(&self, u: f64) -> f64 {
+        (u * u - self.own).max(0.0).sqrt()
+    }
+}
+
 /// Readings of a sensor, summed.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct Mean {

@@ -37,7 +37,7 @@ use crate::instrument::limits::{
 };
 use crate::instrument::settings::Settings;
 use crate::instrument::stats::Stats;
-use crate::reading::{Branch, Fault, Reading, Status};
+use crate::reading::{Branch, Fault, Measured, Reading, Status};
 use crate::record::CalibrationKind;
 use crate::record::{Record, Through};
 use crate::units::Nanos;
@@ -93,7 +93,7 @@ pub struct Cycle {
     since_calibration: u32,
     young: u32,
     /// What the last discharge has told of a sensor.
-    as_read_ohm: Option<f64>,
+    as_read_ohm: Option<Measured>,
     /// So many readings in a row show that something leaks.
     leaks_in_row: u32,
     /// When the last discharge was asked for, and what discharges take beside what is planned of them, ns.
@@ -177,8 +177,9 @@ impl Cycle {
         stats
     }
 
-    /// What the last discharge has told of a sensor, with its sign, before zero and scale, ohm.
-    pub fn as_read_ohm(&self) -> Option<f64> {
+    /// What the last discharge has told of a sensor, with its sign, before zero and scale, ohm, with 1 sigma of what other readings
+    /// share with it.
+    pub fn as_read_ohm(&self) -> Option<Measured> {
         self.as_read_ohm
     }
 

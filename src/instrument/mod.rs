@@ -45,7 +45,7 @@ use crate::instrument::limits::NAP;
 use crate::instrument::settings::Settings;
 use crate::instrument::stats::Stats;
 use crate::pins::{Drives, Pins, PinsError};
-use crate::reading::{Fault, Reading};
+use crate::reading::{Fault, Measured, Reading};
 use crate::record::Record;
 use crate::units::Nanos;
 
@@ -64,8 +64,9 @@ pub enum Message {
         record: Record,
         /// It was held back, to look for a leak or for absorption.
         is_held: bool,
-        /// What was read by it, with its sign, before the zero and the scale of the channel, ohm.
-        as_read_ohm: Option<f64>,
+        /// What was read by it, with its sign, before the zero and the scale of the channel, ohm, with 1 sigma of what other
+        /// readings share with it.
+        as_read_ohm: Option<Measured>,
     },
 }
 

@@ -272,6 +272,7 @@ fn discharge() -> DischargeLine {
         waited_ns: u,
         later_ns: u,
         as_read_ohm: u,
+        shared_u_ohm: u,
     }
 }
 

@@ -45,7 +45,7 @@ pub fn run(arguments: &Zero, reference_ohm: f64) -> Result<(), CtlError> {
     let target = Target::new(&arguments.update)?;
     let part = if reference_ohm > 0.0 { "reference resistor" } else { "short circuit" };
     let numbers = take(&target, arguments, part)?;
-    let Some(mean) = fit::mean(&numbers) else { return Err(silent("number")) };
+    let Some(mean) = mean_of(&numbers) else { return Err(silent("number")) };
     if reference_ohm >= target.config.circuit.r_c1.0 {
         return scale(&target, mean, reference_ohm, numbers.len());
     }
@@ -91,7 +91,7 @@ fn scale(target: &Target, mean: Measured, reference_ohm: f64, discharges: usize)
 }
 
 /// Signed estimates of as many discharges as were asked for; those that gave none are left out.
-fn take(target: &Target, arguments: &Zero, part: &str) -> Result<Vec<f64>, CtlError> {
+fn take(target: &Target, arguments: &Zero, part: &str) -> Result<Vec<Measured>, CtlError> {
     let mut stream = Stream::connect(&arguments.connection.socket, std::slice::from_ref(&target.id))?;
     let method = method(&mut stream)?;
     stream.watch(None, true)?;
@@ -114,7 +114,8 @@ fn take(target: &Target, arguments: &Zero, part: &str) -> Result<Vec<f64>, CtlEr
                 let Some(replay) = &mut replay else {
                     // An open sensor never gives a number: not to be waited for without end.
                     let is_of_sensor = line.channel.is_some();
-                    estimates.extend(is_of_sensor.then(|| line.as_read_ohm.ok_or(None)));
+                    let as_read = line.as_read_ohm.map(|value| Measured { value, u: line.shared_u_ohm });
+                    estimates.extend(is_of_sensor.then(|| as_read.ok_or(None)));
                     continue;
                 };
                 let entry = replay.header().entry(&line).map_err(CtlError::said)?;
@@ -127,8 +128,8 @@ fn take(target: &Target, arguments: &Zero, part: &str) -> Result<Vec<f64>, CtlEr
     drop(progress);
     let discharges = estimates.len();
     let fault =
-        estimates.iter().rev().find_map(|estimate: &Result<f64, Option<Fault>>| estimate.err().flatten());
-    let numbers: Vec<f64> = estimates.into_iter().flatten().collect();
+        estimates.iter().rev().find_map(|estimate: &Result<_, Option<Fault>>| estimate.err().flatten());
+    let numbers: Vec<Measured> = estimates.into_iter().flatten().collect();
     if 2 * numbers.len() < discharges || numbers.len() < 2 {
         let fault = fault.map(|fault| format!(" (the last fault: {fault})")).unwrap_or_default();
         let count = numbers.len();
@@ -140,13 +141,21 @@ fn take(target: &Target, arguments: &Zero, part: &str) -> Result<Vec<f64>, CtlEr
 }
 
 /// Among them those that gave no number.
-fn so_far<E>(estimates: &[Result<f64, E>], count: u64) -> String {
-    let numbers: Vec<f64> = estimates.iter().flatten().copied().collect();
-    let mean = fit::mean(&numbers).map_or_else(String::new, |mean| {
+fn so_far<E>(estimates: &[Result<Measured, E>], count: u64) -> String {
+    let numbers: Vec<Measured> = estimates.iter().flatten().copied().collect();
+    let mean = mean_of(&numbers).map_or_else(String::new, |mean| {
         let mean = measured(mean.value, mean.u, "ohm", false);
         format!(": {mean}")
     });
     format!("{} of {count} discharges{mean}", estimates.len())
+}
+
+/// Their mean: known as well as they scatter, and as well as what all of them share.
+fn mean_of(numbers: &[Measured]) -> Option<Measured> {
+    let values: Vec<f64> = numbers.iter().map(|number| number.value).collect();
+    let shared =
+        numbers.iter().filter_map(|number| number.u).map(|u| u * u).sum::<f64>() / values.len() as f64;
+    fit::mean(&values).map(|mean| Measured { u: mean.u.map(|u| u.hypot(shared.sqrt())), ..mean })
 }
 
 /// The method of the daemon.

@@ -20,8 +20,8 @@ pub struct Judged {
     pub at_ns: Option<f64>,
     /// What the variance of the number is made of, before motion and leaks.
     pub basis: Basis,
-    /// With its sign, before the zero and the scale of the sensor, ohm.
-    pub as_read_ohm: Option<f64>,
+    /// With its sign, before the zero and the scale of the sensor, ohm, with 1 sigma of what other readings share with it.
+    pub as_read_ohm: Option<Measured>,
 }
 
 impl Judged {
@@ -110,7 +110,7 @@ impl Estimator {
             let u = measured.u.ok_or(Fault::Implausible)?;
             return Ok(self.open_above(sensor, measured.value, u));
         };
-        judged.as_read_ohm = Some(as_read.value);
+        judged.as_read_ohm = Some(Measured { u: as_read.u.map(|u| estimate.basis.shared(u)), ..as_read });
         let r_ohm = self.own_ohm(sensor, as_read);
         let is_settling = motion.settles(by_prior);
         if let Some(status) = self.unresolved(record, sensor, r_ohm, is_settling)? {

@@ -122,6 +122,9 @@ pub struct DischargeLine {
     /// calibration.
     #[serde(default, serialize_with = "value", skip_serializing_if = "is_unknown")]
     pub as_read_ohm: Option<f64>,
+    /// What other readings of the time share of its error, as that of the calibration, 1 sigma, ohm; absent: not known.
+    #[serde(default, serialize_with = "value", skip_serializing_if = "is_unknown")]
+    pub shared_u_ohm: Option<f64>,
 }
 
 /// From one resistor to the next, ns since the start.
@@ -222,6 +225,7 @@ impl Header {
             waited_ns: record.waited_ns,
             later_ns: record.later_ns,
             as_read_ohm: None,
+            shared_u_ohm: None,
         }
     }
 
