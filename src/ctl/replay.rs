@@ -2,6 +2,7 @@
 //! daemon has read it.
 
 use crate::circuit::Node;
+use crate::estimate::estimator::Estimate;
 use crate::estimate::offset::Offset;
 use crate::estimate::scatter::SwitchScatter;
 use crate::instrument::cycle::Cycle;
@@ -146,10 +147,8 @@ impl Replay {
     pub fn signed_ohm(&mut self, entry: &Entry) -> Option<Result<Measured, Fault>> {
         let (record, estimator) = (&entry.record, self.cycle.estimator());
         let is_known = record.through.channel().is_some() && estimator.calibration().is_some();
-        let signed = is_known.then(|| {
-            let estimate = estimator.estimate(record)?;
-            Ok(Measured { u: estimate.r_ohm.u.map(|u| estimate.basis.shared(u)), ..estimate.r_ohm })
-        });
+        let shared = |estimate: Estimate| estimate.basis.shared(estimate.r_ohm);
+        let signed = is_known.then(|| estimator.estimate(record).map(shared));
         self.cycle.replay(record, entry.is_timed, entry.is_held);
         signed
     }

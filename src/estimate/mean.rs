@@ -29,9 +29,9 @@ pub struct Basis {
 }
 
 impl Basis {
-    /// Of an uncertainty of `u` ohm, the part that other readings share, 1 sigma.
-    pub fn shared(&self, u: f64) -> f64 {
-        (u * u - self.own).max(0.0).sqrt()
+    /// The same reading with 1 sigma of only what other readings share with it.
+    pub fn shared(&self, Measured { value, u }: Measured) -> Measured {
+        Measured { value, u: u.map(|u| (u * u - self.own).max(0.0).sqrt()) }
     }
 }
 

@@ -43,6 +43,15 @@ impl Covariance {
         p * p * self.aa + q * q * self.bb + 2.0 * p * q * self.ab
     }
 
+    /// What the first of so many `nodes` count by, 1 in sum: by inverse variance.
+    pub fn weights(&self, nodes: usize) -> [f64; 2] {
+        if nodes == 1 {
+            return [1.0, 0.0];
+        }
+        let [a, b] = [1.0 / self.aa, 1.0 / self.bb];
+        [a / (a + b), b / (a + b)]
+    }
+
     /// Its inverse in the nodes that were seen; nothing in the others. `None` if it has none.
     pub fn inverse(&self, seen: [bool; 2]) -> Option<Covariance> {
         let Covariance { aa, bb, ab } = *self;

@@ -130,7 +130,9 @@ impl SplitCalibration {
         let switch = split.switch?;
         let ends = split.complete(self.nodes)?;
         let covariance = noise.covariance(c2);
-        let weights = self.weights(covariance);
+        // Alike while the noise is not known.
+        let alike = Covariance { aa: 1.0, bb: 1.0, ab: 0.0 };
+        let weights = covariance.unwrap_or(alike).weights(self.nodes);
         // Of each node, the crossings through R_1, R_2 and both.
         let nodes = [0, 1].map(|node| Some([c1[node]?, c2[node]?, ends[node]?]));
         let nodes = || nodes.into_iter().flatten();
@@ -150,12 +152,6 @@ impl SplitCalibration {
         let sound = d_ns.is_finite() && r_o_ohm.is_finite();
         let u_switch_ns = expected_ns(split);
         sound.then_some(Round { d_ns, r_o_ohm, s_ns: s, difference_ns, g, u_switch_ns, variance })
-    }
-
-    /// By inverse variance; alike while the noise is not known.
-    fn weights(&self, covariance: Option<Covariance>) -> [f64; 2] {
-        let [a, b] = covariance.map_or([1.0, 1.0], |covariance| [1.0 / covariance.aa, 1.0 / covariance.bb]);
-        if self.nodes == 1 { [1.0, 0.0] } else { [a / (a + b), b / (a + b)] }
     }
 
     /// The result so far; `None` for fewer than four rounds.

@@ -220,8 +220,9 @@ pub fn wide_band_high() -> Scenario {
         let figure = format!("{name} {}", percent(mean.value / r_ohm));
         it.cell_of(Method::Tracked, figure, &errors, mean.within(0.001 * r_ohm), expected);
     }
-    it.why = "as at 100 ohm; averaging takes nothing of it away, but u contains it, once it shows (of `tracked`, which calibrates seldom, after some hundred readings). A discharge that a known resistor finishes is as \
-              early as the calibration. A low-pass at the sense lines, or less noise, is the remedy."
+    it.why = "as at 100 ohm; averaging takes nothing of it away, but u contains it, once it shows (of \
+              `tracked`, which calibrates seldom, after some hundred readings). A discharge that a known resistor finishes is as early as \
+              the calibration. A low-pass at the sense lines, or less noise, is the remedy."
         .to_owned();
     it
 }

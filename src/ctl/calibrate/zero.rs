@@ -13,7 +13,7 @@ use crate::estimate::fit;
 use crate::reading::{Fault, Measured, Method};
 use crate::sensor::SCALES;
 use crate::stream::wire::ServerMessage;
-use crate::units::measured;
+use crate::units::{measured, sample};
 use serde::Serialize;
 
 /// The result for a machine.
@@ -153,9 +153,8 @@ fn so_far<E>(estimates: &[Result<Measured, E>], count: u64) -> String {
 /// Their mean: known as well as they scatter, and as well as what all of them share.
 fn mean_of(numbers: &[Measured]) -> Option<Measured> {
     let values: Vec<f64> = numbers.iter().map(|number| number.value).collect();
-    let shared =
-        numbers.iter().filter_map(|number| number.u).map(|u| u * u).sum::<f64>() / values.len() as f64;
-    fit::mean(&values).map(|mean| Measured { u: mean.u.map(|u| u.hypot(shared.sqrt())), ..mean })
+    let shared = sample::rms(numbers.iter().filter_map(|number| number.u)).unwrap_or(0.0);
+    fit::mean(&values).map(|mean| Measured { u: mean.u.map(|u| u.hypot(shared)), ..mean })
 }
 
 /// The method of the daemon.

@@ -38,18 +38,20 @@ impl Estimator {
     fn of_offset_ns(&self, times: &Times<f64>, first: [f64; 2]) -> f64 {
         let covariance = self.noise().covariance(times.c2).filter(|_| self.offset().r_o().is_some());
         let Some(covariance) = covariance else { return 0.0 };
-        let weights = [0, 1].map(|node| times.c2[node].map_or(0.0, |_| 1.0 / covariance.node(node)));
-        let mean = (weights[0] * first[0] + weights[1] * first[1]) / (weights[0] + weights[1]);
-        self.r2_ohm / (self.r2_ohm - self.r1_ohm) * mean
+        let [a, b] = covariance.weights(self.nodes);
+        self.r2_ohm / (self.r2_ohm - self.r1_ohm) * (a * first[0] + b * first[1])
     }
 
     /// What it does to a reading by a tracked state, whose offsets are those of both nodes, ohm.
     pub(super) fn early_ohm(&self, tracker: &Tracker, r_ohm: f64, branch: Branch) -> f64 {
         let betas = tracker.noise().early();
+        if betas == [0.0; 2] || branch == Branch::Inferred {
+            return 0.0;
+        }
         let beta = betas[..self.nodes].iter().sum::<f64>() / self.nodes as f64;
         let r_o_ohm = tracker.offset().r_o().unwrap_or(0.0);
         let [x, first, second] = [r_ohm, self.r1_ohm, self.r2_ohm].map(|ohm| ohm + r_o_ohm);
-        if beta == 0.0 || branch == Branch::Inferred || x <= 0.0 {
+        if x <= 0.0 {
             return 0.0;
         }
         beta * (bend(x, second) - bend(first, second) * (second - x) / (second - first))

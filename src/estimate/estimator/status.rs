@@ -110,7 +110,7 @@ impl Estimator {
             let u = measured.u.ok_or(Fault::Implausible)?;
             return Ok(self.open_above(sensor, measured.value, u));
         };
-        judged.as_read_ohm = Some(Measured { u: as_read.u.map(|u| estimate.basis.shared(u)), ..as_read });
+        judged.as_read_ohm = Some(estimate.basis.shared(as_read));
         let r_ohm = self.own_ohm(sensor, as_read);
         let is_settling = motion.settles(by_prior);
         if let Some(status) = self.unresolved(record, sensor, r_ohm, is_settling)? {
