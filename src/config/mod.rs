@@ -48,7 +48,7 @@ use crate::files::{self, FileError};
 use crate::instrument::settings::OffsetSource;
 use crate::pins::realtime::Wishes;
 use crate::reading::Method;
-use crate::units::Nanos;
+use crate::units::{Micros, Millis, Nanos, Ticks};
 use serde::Deserialize;
 use serde::de::{self, Deserializer};
 use std::io;
@@ -101,25 +101,30 @@ pub struct Measure {
     /// How long node A is charged before each discharge, above 0 up to 1 min; B's charger follows for half of its time
     /// constant where B is waited for. Default: the shortest charge whose being incomplete (most of which cancels) changes a
     /// reading by no more than a tenth of its uncertainty: 7 to 10 time constants.
+    #[serde(deserialize_with = "number::duration::<_, Millis>")]
     pub charge_time: Option<Nanos>,
     /// The pause between the end of the charge and the start of the discharge, 0 to 1 min. Default: what the calls between
     /// them take.
+    #[serde(deserialize_with = "number::duration::<_, Micros>")]
     pub settle_time: Option<Nanos>,
     /// The longest discharge through a sensor, up to 1 min, and not below the predicted discharge through Rc2 (Rc1 +
     /// Rc2 where they are in series); a higher resistance reads `open`. Default: 5 times that discharge; of `tracked` less, down
     /// to 2 times, where `rate-hz` or `average` ask for readings sooner.
+    #[serde(deserialize_with = "number::duration::<_, Millis>")]
     pub deadline: Option<Nanos>,
     /// The latency offset d of the crossings, 0 to 1 ms. Default: `auto` for `cerm` and `qerm`; in the other
     /// methods it cancels, and is 0.
-    #[serde(deserialize_with = "offset")]
+    #[serde(deserialize_with = "number::offset")]
     pub offset: Option<OffsetSource>,
     /// Period of the clock that stamps crossings, 1 ns to 1 ms. Default: 1 ns, as Linux counts.
+    #[serde(deserialize_with = "number::duration::<_, Ticks>")]
     pub resolution: Option<Nanos>,
     /// Where the calibration of `tpcm`, `tcdic` and `cerm` comes from; that of `tracked` is tracked. Default:
     /// `each-reading`.
     pub calibration: Option<Calibration>,
     /// Time limit T_L of eq. (19): a discharge whose T_xA is below it is finished through Rc2; 0 or above. Default: where the
     /// predicted uncertainties of both branches cross.
+    #[serde(deserialize_with = "number::duration::<_, Millis>")]
     pub t_l: Option<Nanos>,
     /// The planned switch comes at this fraction of the predicted T_xA, above 0 and below 1.3. Default: 0.9.
     #[serde(deserialize_with = "number::optional")]
@@ -141,10 +146,6 @@ pub enum Calibration {
     EachReading,
     /// As often as they pay; in between, the calibration is followed.
     Tracked,
-}
-
-fn offset<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Option<OffsetSource>, D::Error> {
-    String::deserialize(deserializer)?.parse().map(Some).map_err(de::Error::custom)
 }
 
 /// `[[channel]]`: one sensor.
@@ -179,6 +180,7 @@ pub struct ChannelTable {
     /// Released above this. Default: 1.25 of `on-below`; none in the unit of a law.
     pub off_above: Option<String>,
     /// How long all numbers must be beyond a threshold, 0 to 1 min. Default: 0, the first one is enough.
+    #[serde(default, deserialize_with = "number::duration::<_, Millis>")]
     pub hold: Option<Nanos>,
     /// How long the last number is good for, up to 1 min; after that the state is not known. Default: three times the longest
     /// time between two readings, and 100 ms at least.

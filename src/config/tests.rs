@@ -147,6 +147,37 @@ fn other_forces_and_offsets() {
     assert_eq!(offset, OffsetSource::Given(8_000.0));
 }
 
+/// Advice that is refused in its turn, such as an offset of 8 s, is none.
+#[test]
+fn a_duration_without_a_unit_gets_the_unit_of_its_key() {
+    for (written, advised) in [
+        ("offset = 8", "8 us"),
+        ("offset = \"8\"", "8 us"),
+        ("offset = 7.5", "7.5 us"),
+        ("offset = 8000", "8 us"),
+        ("offset = 8e-6", "8 us"),
+        ("resolution = 20", "20 ns"),
+        ("settle-time = 5", "5 us"),
+        ("charge-time = 1.85", "1.85 ms"),
+        ("deadline = 30", "30 ms"),
+        ("deadline = 0.03", "30 ms"),
+        ("t-l = 1", "1 ms"),
+        ("average = 50", "50 ms"),
+        ("average = 0.05", "50 ms"),
+        ("average = 1", "1 s"),
+    ] {
+        let refused = refusal(&format!("{MINIMAL}[measure]\n{written}"));
+        assert!(
+            refused.contains(&format!("the unit is missing, write \"{advised}\"")),
+            "{written}: {refused}"
+        );
+        let (key, _) = written.split_once(' ').unwrap();
+        let config = parse(&format!("{MINIMAL}[measure]\n{key} = \"{advised}\"\n[[channel]]\nid = \"a\""));
+        let said = config.check().errors();
+        assert!(!said.contains(&format!("measure.{key}")), "{written}: {said}");
+    }
+}
+
 #[test]
 fn laws_are_read_with_their_units() {
     use crate::sensor::Transducer;
@@ -237,7 +268,7 @@ fn refusals_name_the_line_and_the_choice() {
         (
             text("[measure]\noffset = \"soon\""),
             9,
-            "expected a duration such as \"3 ms\", got \"soon\"; or \"auto\"",
+            "expected a duration such as \"8 us\", got \"soon\"; or \"auto\"",
         ),
         (text("[measure]\nmethod = \"magic\""), 9, "unknown variant `magic`"),
         (text("[gpio]\nbackend = \"spi\""), 9, "unknown variant `spi`"),

@@ -7,7 +7,7 @@ use crate::pins::Drives;
 use crate::reading::Method;
 use crate::record::Through;
 use crate::sensor::Channel;
-use crate::units::Nanos;
+use crate::units::{Micros, Nanos};
 use std::str::FromStr;
 
 /// Where the latency offset comes from.
@@ -26,8 +26,8 @@ impl FromStr for OffsetSource {
         if text == "auto" {
             return Ok(OffsetSource::Auto);
         }
-        let d: Nanos = text.parse().map_err(|error| format!("{error}; or \"auto\""))?;
-        Ok(OffsetSource::Given(d.as_ns()))
+        let d: Micros = text.parse().map_err(|error| format!("{error}; or \"auto\""))?;
+        Ok(OffsetSource::Given(Nanos::from(d).as_ns()))
     }
 }
 

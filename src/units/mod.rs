@@ -13,8 +13,8 @@ pub mod sample;
 pub use force::ForceUnit;
 pub use number::{measured, rough, rounded, rounded_down, rounded_up, to_places};
 pub use quantity::{
-    Ampere, Celsius, Degree, Farad, Hertz, Kelvin, Lux, Metre, Newton, NewtonOhm, Ohm, ParseQuantityError,
-    Percent, Quantity, Seconds, Volt,
+    Ampere, Celsius, Degree, Farad, Hertz, Kelvin, Lux, Metre, Micros, Millis, Newton, NewtonOhm, Ohm,
+    ParseQuantityError, Percent, Quantity, Seconds, Ticks, Volt,
 };
 
 use serde::Deserialize;
@@ -66,11 +66,18 @@ impl Sub for Nanos {
     }
 }
 
-impl From<Seconds> for Nanos {
-    fn from(seconds: Seconds) -> Nanos {
-        Nanos::from_seconds(seconds.0)
-    }
+/// From a duration in seconds, whatever it is of.
+macro_rules! from_seconds {
+    ($($Duration:ident),+) => {
+        $(impl From<$Duration> for Nanos {
+            fn from(duration: $Duration) -> Nanos {
+                Nanos::from_seconds(duration.0)
+            }
+        })+
+    };
 }
+
+from_seconds!(Seconds, Millis, Micros, Ticks);
 
 impl From<Nanos> for Seconds {
     fn from(nanos: Nanos) -> Seconds {

@@ -214,7 +214,19 @@ quantity!(
 );
 quantity!(
     /// A duration in seconds, for predictions; instants and time-outs are [`Nanos`](super::Nanos).
-    Seconds, "a duration", "3 ms", ["s"]
+    Seconds, "a duration", "50 ms", ["s"]; [(10.0, "ms")]
+);
+quantity!(
+    /// The same of what takes about as long as a discharge.
+    Millis, "a duration", "3 ms", ["s"]; [(0.2, "ms")]
+);
+quantity!(
+    /// The same of what the kernel takes: latencies.
+    Micros, "a duration", "8 us", ["s"]; [(1e-3, "us"), (1e3, "ns")]
+);
+quantity!(
+    /// The same of the period of a clock.
+    Ticks, "a duration", "20 ns", ["s"]; [(1e-3, "us"), (1.0, "ns")]
 );
 quantity!(
     /// The sensor parameter alpha = F R of eq. (1), in newton ohm.

@@ -147,6 +147,18 @@ fn usage_is_explained_by_the_parser() {
     }
 }
 
+/// Advice that is refused in its turn is none.
+#[test]
+fn an_offset_without_a_unit_is_told_which_one() {
+    let with = |offset: &str| {
+        ctl(&["estimate", "--method", "cerm", "--offset", offset, "-"]).write_stdin("").assert()
+    };
+    let complaint = String::from_utf8(with("8").code(2).get_output().stderr.clone()).unwrap();
+    assert!(complaint.contains("the unit is missing, write \"8 us\"; or \"auto\""), "{complaint}");
+    // As far as the tape, which is empty.
+    with("8 us").code(1);
+}
+
 #[test]
 fn a_full_disk_is_an_error_of_its_own() {
     let daemon = Daemon::start();
