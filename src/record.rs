@@ -5,11 +5,15 @@
 
 use crate::circuit::Node;
 use crate::units::Nanos;
+use std::ops::RangeInclusive;
 
 /// The most sensors that share one pair of capacitors.
 pub const MAX_CHANNELS: usize = 16;
 /// What is longer is no latency offset d: a slip of the unit.
 pub const LONGEST_LATENCY: Nanos = Nanos(1_000_000);
+
+/// Periods that the clock of stamps may have: Linux counts in the first, and the last is coarser than any clock (judgement).
+pub const RESOLUTIONS: RangeInclusive<Nanos> = Nanos(1)..=Nanos(1_000_000);
 
 /// Which resistors a discharge (or a part of it) runs through.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]

@@ -9,6 +9,7 @@
 //! between the nodes A and B, C_B from B to ground, and the resistors at A.
 
 use crate::units::{Farad, Ohm, Seconds, Volt};
+use std::ops::RangeInclusive;
 
 mod charge;
 mod kind;
@@ -18,6 +19,8 @@ pub use charge::Chargers;
 pub use kind::Kind;
 pub use node::Node;
 
+/// What resistors are sold; outside is a slip of a prefix (judgement).
+pub const RESISTORS: RangeInclusive<Ohm> = Ohm(1.0)..=Ohm(100e6);
 /// Supply voltage V_DD when nothing else is said.
 pub const NOMINAL_V_DD: Volt = Volt(3.3);
 /// Falling threshold V_Th of an input when nothing else is said.

@@ -2,20 +2,18 @@
 //!
 //! | constant | value | unit | range or reason | source |
 //! |---|---|---|---|---|
-//! | `CAPACITORS`, `RESISTORS`, `SUPPLIES` | | F, ohm, V | what is sold; outside is a slip of a prefix | judgement |
+//! | `CAPACITORS`, `SUPPLIES` | | F, V | what is sold; outside is a slip of a prefix | judgement |
 //! | `PIN_LIMIT_A` | 0.016 | A | what a pin may carry | Raspberry Pi, strongest drive |
 //! | `B_MARGIN` | 0.05 | V_DD | below it node B crosses late and unsteadily | judgement |
 //! | `CALIBRATION_RATIO` | 1.5 | | below it the difference of two times is mostly noise | judgement |
 //! | `LONGEST_WAIT` | 60 | s | a longer one is a slip of a prefix | judgement |
 //! | `SLOWEST_HZ` | 1/60 | Hz | `LONGEST_WAIT` from one reading to the next; what follows from it, stale triggers and sensors that are read rarely, stays within what counts in ns | judgement |
-//! | `RESOLUTIONS` | 1 ns to 1 ms | ns | Linux counts in the first; the second is coarser than any clock | judgement |
 //! | `LARGEST_SWITCH_FRACTION` | 1.3 | T_xA | beyond it even a late node B has crossed | judgement |
 //! | `HYSTERESIS` | 0.8 | of `on-above` | where a channel is released unless it is said: more than the tremor of a hand, 2 % | as of a ForceSensor, clients/python |
 //! | `STALE_READINGS`, `SHORTEST_STALE` | 3, 100 | readings, ms | a number is old after two readings that are none; and after a pause that any process may have | judgement |
 //! | `LONGEST_ID` | 64 | bytes | the first line of the stream has to hold all names | stream, 64 KiB a line |
 //! | `EVERY` | 1 to 1000 | cycles | a sensor that is read more rarely is not read | judgement |
 //! | `LARGEST_ZERO_OHM` | 500 | ohm | pins and a series resistor make up less | tests/programs/calibrate.rs |
-//! | `ABSURD_ZERO_OHM` | 1e6 | ohm | a slip | judgement |
 //! | `LONGEST_SOCKET` | 107 | bytes | `sun_path` has 108 with its final zero | include/uapi/linux/un.h |
 //! | `PRIORITIES` | 1 to 99 | | SCHED_FIFO | sched(7) |
 //! | `INTERRUPTS` | 50 | | the priority of threads of interrupts | kernel/irq/manage.c, sched_set_fifo |
@@ -39,11 +37,10 @@
 //! | `LATENESS_S` | 20e-6 | s | scatter of the end of a charge, which is rested until, not spun: with 2.2 uF it is 2 % of tau and adds an eighth to what depths differ by anyway; where it adds more, one tau more of charge costs less than spinning | judgement |
 //! | `PER_DECADE`, `RESISTANCES` | 6, 30 | | resistances that are looked at, down from what the deadline resolves | five decades |
 
-use crate::units::{Farad, Nanos, Ohm, Seconds, Volt};
+use crate::units::{Farad, Nanos, Seconds, Volt};
 use std::ops::RangeInclusive;
 
 pub const CAPACITORS: RangeInclusive<Farad> = Farad(10e-12)..=Farad(1e-3);
-pub const RESISTORS: RangeInclusive<Ohm> = Ohm(1.0)..=Ohm(100e6);
 pub const SUPPLIES: RangeInclusive<Volt> = Volt(0.5)..=Volt(30.0);
 pub const PIN_LIMIT_A: f64 = 0.016;
 pub const B_MARGIN: f64 = 0.05;
@@ -51,7 +48,6 @@ pub const CALIBRATION_RATIO: f64 = 1.5;
 /// Of what is waited for or averaged over.
 pub const LONGEST_WAIT: Nanos = Nanos(60_000_000_000);
 pub const SLOWEST_HZ: f64 = 1.0 / 60.0;
-pub const RESOLUTIONS: RangeInclusive<Nanos> = Nanos(1)..=Nanos(1_000_000);
 pub const LARGEST_SWITCH_FRACTION: f64 = 1.3;
 pub const HYSTERESIS: f64 = 0.8;
 pub const STALE_READINGS: i64 = 3;
@@ -60,7 +56,6 @@ pub const LONGEST_ID: usize = 64;
 pub const EVERY: RangeInclusive<u32> = 1..=1000;
 /// Beyond this a zero is neither the difference of two pins nor a resistor that limits the current of the sensor, ohm.
 pub const LARGEST_ZERO_OHM: f64 = 500.0;
-pub const ABSURD_ZERO_OHM: f64 = 1e6;
 pub const LONGEST_SOCKET: usize = 107;
 pub const PRIORITIES: RangeInclusive<u8> = 1..=99;
 pub const INTERRUPTS: u8 = 50;

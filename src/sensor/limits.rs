@@ -4,6 +4,7 @@
 //! |---|---|---|---|---|
 //! | `UNLIKE_PINS_OHM` | 8 | ohm | how far pins differ | data sheets of processors, GUM |
 //! | `SCALES` | 0.9 to 1.1 | | beyond it pins would differ by a tenth of R_2 | judgement |
+//! | `ABSURD_ZERO_OHM` | 1e6 | ohm | a slip | judgement |
 //! | `PARTS_OHM` | 0.01 to 1e9 | ohm | outside is a slip of a prefix | judgement |
 //! | `FSR_402` | 13346.46 | N ohm | alpha of F = alpha / R | fitted to an FSR 402 between 1.2 N and 30 N in the paper (section V) |
 //! | `UNCALIBRATED_U` | 0.078 | | two FSR 402 differ by 6 %, one by 5 % with the direction | Interlink, FSR 400 series data sheet |
@@ -24,6 +25,8 @@ use std::ops::RangeInclusive;
 pub const UNLIKE_PINS_OHM: f64 = 8.0;
 /// A scale beyond this is a mistake: the pins would differ by a tenth of R_2.
 pub const SCALES: RangeInclusive<f64> = 0.9..=1.1;
+/// A zero beyond this, of either sign, is none.
+pub const ABSURD_ZERO_OHM: f64 = 1e6;
 pub const PARTS_OHM: RangeInclusive<f64> = 0.01..=1e9;
 pub const BETAS_K: RangeInclusive<f64> = 500.0..=10_000.0;
 pub const NTC_DEGC: [f64; 2] = [-40.0, 125.0];

@@ -14,7 +14,7 @@ pub mod table;
 mod transducer;
 
 pub use force::{Force, Law, Table, defect_of_bounds};
-pub use limits::{FSR_402, SCALES, UNCALIBRATED_N, UNCALIBRATED_U, UNLIKE_PINS_OHM};
+pub use limits::{ABSURD_ZERO_OHM, FSR_402, SCALES, UNCALIBRATED_N, UNCALIBRATED_U, UNLIKE_PINS_OHM};
 pub use transducer::Transducer;
 
 use crate::reading::{Bound, Measured, MeasuredValue};

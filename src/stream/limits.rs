@@ -24,8 +24,8 @@ pub const COMPLAINT: usize = 200;
 
 /// The longest time on a tape, ns (one hour): a greater number is a mistake of units.
 pub const LONGEST_NS: f64 = 3.6e12;
-/// The largest resistance on a tape, ohm; the smallest is its reciprocal.
-pub const LARGEST: f64 = 1e12;
+/// The most that d may change with an error of switches: that is about 1 / (1 - R_1 / R_2).
+pub const LARGEST_BY_SWITCH: f64 = 1e6;
 
 /// What the server spends on one turn and one client.
 #[cfg(feature = "programs")]

@@ -1,10 +1,10 @@
 //! `[[channel]]`: names that clients can tell apart, and characteristics that are physical.
 
 use crate::config::Findings;
-use crate::config::limits::{ABSURD_ZERO_OHM, EVERY, LARGEST_ZERO_OHM, LONGEST_ID};
+use crate::config::limits::{EVERY, LARGEST_ZERO_OHM, LONGEST_ID};
 use crate::config::{ChannelTable, Characteristic, ForceSource, LawSource, Severity};
 use crate::pins::MAX_CHANNELS;
-use crate::sensor::{self, Defect, SCALES, UNCALIBRATED_U, UNLIKE_PINS_OHM};
+use crate::sensor::{self, ABSURD_ZERO_OHM, Defect, SCALES, UNCALIBRATED_U, UNLIKE_PINS_OHM};
 use crate::units::Ohm;
 
 /// The name of a channel's key: by the channel's id, or by its number (from 1) where the id is unfit to print.

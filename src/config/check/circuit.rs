@@ -1,9 +1,9 @@
 //! `[circuit]`: can these parts measure at all, and would they last.
 
-use crate::circuit::{Circuit, Kind, Network, Node};
+use crate::circuit::{Circuit, Kind, Network, Node, RESISTORS};
 use crate::config::Findings;
 use crate::config::limits::{
-    B_MARGIN, CALIBRATION_RATIO, CAPACITORS, PIN_LIMIT_A, RESISTORS, SHORTEST_DISCHARGE, SUPPLIES,
+    B_MARGIN, CALIBRATION_RATIO, CAPACITORS, PIN_LIMIT_A, SHORTEST_DISCHARGE, SUPPLIES,
 };
 use crate::units::{Farad, Ohm, Quantity, Volt, rounded_up};
 use std::fmt::Display;

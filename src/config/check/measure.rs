@@ -2,11 +2,11 @@
 
 use crate::circuit::Kind;
 use crate::config::Findings;
-use crate::config::limits::{LARGEST_SWITCH_FRACTION, LONGEST_WAIT, RESOLUTIONS, SLOWEST_HZ};
+use crate::config::limits::{LARGEST_SWITCH_FRACTION, LONGEST_WAIT, SLOWEST_HZ};
 use crate::config::{Calibration, Config, Measure};
 use crate::instrument::settings::OffsetSource;
 use crate::reading::Method;
-use crate::record::LONGEST_LATENCY;
+use crate::record::{LONGEST_LATENCY, RESOLUTIONS};
 use crate::units::{Nanos, Seconds};
 
 pub fn check(config: &Config, findings: &mut Findings) {

@@ -1,12 +1,15 @@
 //! Whether a tape can be: resistors, channels and times that a circuit may have.
 
-use super::{Header, PROTO_MAJOR, TapeCircuit};
-use crate::record::{LONGEST_LATENCY, MAX_CHANNELS, Record};
-use crate::sensor::{Channel, SCALES};
-use crate::stream::limits::{LARGEST, LONGEST_NS};
+use super::{Header, PROTO_MAJOR, TapeCircuit, TapeOffset};
+use crate::circuit::RESISTORS;
+use crate::record::{LONGEST_LATENCY, MAX_CHANNELS, RESOLUTIONS, Record};
+use crate::sensor::{ABSURD_ZERO_OHM, Channel, SCALES};
+use crate::stream::limits::{LARGEST_BY_SWITCH, LONGEST_NS};
+use crate::units::Ohm;
 
 impl Header {
-    /// The first thing that is wrong with it.
+    /// The first thing that is wrong with it. What a configuration may say has the limits that it has there: a number that no
+    /// configuration has makes estimates that are no numbers, and nobody would be told why.
     pub(super) fn check(&self) -> Result<(), String> {
         let found = self.proto_major;
         if found != PROTO_MAJOR {
@@ -14,26 +17,21 @@ impl Header {
                 "this is a tape of version {found}; this release reads version {PROTO_MAJOR}"
             ));
         }
-        let TapeCircuit { r_c1_ohm, r_c2_ohm, .. } = self.circuit;
-        if !(is_of_a_part(r_c1_ohm) && is_of_a_part(r_c2_ohm)) {
-            return Err(format!(
-                "r_c1_ohm and r_c2_ohm must be resistances above 0, and are {r_c1_ohm:e} and {r_c2_ohm:e}"
-            ));
-        }
+        self.circuit.check()?;
         let [r1, r2] = self.r_ohm();
         if r1 >= r2 {
             return Err(format!("r_c1_ohm = {r1} is not below r_c2_ohm = {r2}; are they swapped?"));
         }
-        let is_period = |ns: f64| ns > 0.0 && ns <= LONGEST_LATENCY.as_ns();
-        if self.resolution_ns.is_some_and(|ns| !is_period(ns)) {
-            return Err("resolution_ns is the period of a clock: above 0 and up to 1 ms".to_owned());
+        let periods = RESOLUTIONS.start().as_ns()..=RESOLUTIONS.end().as_ns();
+        if let Some(ns) = self.resolution_ns.filter(|ns| !periods.contains(ns)) {
+            return Err(format!(
+                "resolution_ns = {ns:e} is no period of a clock: write 1 to 1e6 (1 ms), or leave it away for that of Linux"
+            ));
         }
         if self.channels.is_empty() || self.channels.len() > MAX_CHANNELS {
             return Err(format!("a tape has 1 to {MAX_CHANNELS} channels"));
         }
-        if self.offset.offset_ns.is_some_and(|d_ns| d_ns.abs() >= LONGEST_LATENCY.as_ns()) {
-            return Err("offset_ns is a latency: it must be below 1 ms".to_owned());
-        }
+        self.offset.check()?;
         for (index, channel) in self.channels.iter().enumerate() {
             if self.channels[..index].iter().any(|other| other.id == channel.id) {
                 return Err(format!("two channels have the id {:?}", channel.id));
@@ -44,19 +42,59 @@ impl Header {
     }
 }
 
-fn check_channel(channel: &Channel) -> Result<(), String> {
-    if let Some(zero_ohm) = channel.zero_ohm.filter(|zero_ohm| zero_ohm.abs() > LARGEST) {
-        return Err(format!("zero_ohm = {zero_ohm:e} is no resistance of wires and pins"));
+impl TapeCircuit {
+    fn check(&self) -> Result<(), String> {
+        for (name, r_ohm) in [("r_c1_ohm", self.r_c1_ohm), ("r_c2_ohm", self.r_c2_ohm)] {
+            if !RESISTORS.contains(&Ohm(r_ohm)) {
+                let [least, greatest] = [RESISTORS.start(), RESISTORS.end()];
+                return Err(format!(
+                    "{name} = {r_ohm:e} is no resistor: write what was measured, in ohm, between {least} and {greatest}"
+                ));
+            }
+        }
+        Ok(())
     }
-    if let Some(scale) = channel.scale.filter(|scale| !SCALES.contains(scale)) {
-        return Err(format!("scale = {scale:e} is no part of a resistance that is near 1"));
-    }
-    channel.defect().map_or(Ok(()), |(defect, _)| Err(defect))
 }
 
-/// Whether a resistance is that of a part.
-fn is_of_a_part(value: f64) -> bool {
-    (1.0 / LARGEST..=LARGEST).contains(&value)
+impl TapeOffset {
+    fn check(&self) -> Result<(), String> {
+        if self.offset_ns.is_some_and(|d_ns| d_ns.abs() >= LONGEST_LATENCY.as_ns()) {
+            return Err("offset_ns is a latency: it must be below 1 ms".to_owned());
+        }
+        let (latency, r_ohm) = (LONGEST_LATENCY.as_ns(), ABSURD_ZERO_OHM);
+        let by = LARGEST_BY_SWITCH;
+        for (name, value, [least, greatest]) in [
+            ("offset_u_ns", self.offset_u_ns, [0.0, latency]),
+            ("offset_by_switch", self.offset_by_switch, [-by, by]),
+            ("switch_u_ns", self.switch_u_ns, [0.0, latency]),
+            ("r_o_ohm", self.r_o_ohm, [-r_ohm, r_ohm]),
+            ("r_o_u_ohm", self.r_o_u_ohm, [0.0, r_ohm]),
+        ] {
+            if let Some(value) = value.filter(|value| !(least..=greatest).contains(value)) {
+                return Err(format!(
+                    "{name} = {value:e} is not between {least:e} and {greatest:e}: leave it away, it is not known then"
+                ));
+            }
+        }
+        Ok(())
+    }
+}
+
+fn check_channel(channel: &Channel) -> Result<(), String> {
+    if let Some(zero_ohm) = channel.zero_ohm.filter(|zero_ohm| zero_ohm.abs() > ABSURD_ZERO_OHM) {
+        return Err(format!(
+            "zero_ohm = {zero_ohm:e} is more than pins and a series resistor make up: write what a short circuit in the sensor's \
+             place reads, in ohm, or leave it away, it is not known then"
+        ));
+    }
+    if let Some(scale) = channel.scale.filter(|scale| !SCALES.contains(scale)) {
+        return Err(format!(
+            "scale = {scale:e} is not between {} and {}: write what `cermctl calibrate reference` finds, near 1, or leave it away",
+            SCALES.start(),
+            SCALES.end()
+        ));
+    }
+    channel.defect().map_or(Ok(()), |(defect, _)| Err(defect))
 }
 
 /// Whether times are positive, not absurd, and in order.

@@ -26,6 +26,7 @@ use crate::sensor::Channel;
 use crate::units::Nanos;
 use serde::de::{DeserializeOwned, Error as _};
 use serde::{Deserialize, Serialize};
+use serde_json::Value;
 
 /// The first line of a tape.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -303,11 +304,35 @@ impl From<Through> for Resistor {
 
 /// Reads a line of this class.
 fn read<T: DeserializeOwned>(text: &str, class: &str) -> serde_json::Result<T> {
+    // Of any other line, only this is looked at: the text of a null is rare, and so is an id that has it.
+    if text.contains("null") {
+        if let Some(key) = null(&serde_json::from_str(text)?) {
+            return Err(serde_json::Error::custom(format!(
+                "{key} is null: leave it out, it is not known then"
+            )));
+        }
+    }
     let found: Tagged = serde_json::from_str(text)?;
     if found.class != class {
         return Err(serde_json::Error::custom(format!("the class is {:?}, not {class:?}", found.class)));
     }
     serde_json::from_str(text)
+}
+
+/// The key of the first null in it. Serde takes one for a field that is absent, and a crossing that somebody has not filled in
+/// would make a fault without a word.
+fn null(value: &Value) -> Option<String> {
+    match value {
+        Value::Object(fields) => fields.iter().find_map(|(key, value)| match value {
+            Value::Null => Some(key.clone()),
+            _ => null(value).map(|inner| format!("{key}.{inner}")),
+        }),
+        Value::Array(values) => values.iter().find_map(|value| match value {
+            Value::Null => Some("an item".to_owned()),
+            _ => null(value),
+        }),
+        _ => None,
+    }
 }
 
 /// Without serde_json's own "at line 1 column ..", which counts from the start of one line.

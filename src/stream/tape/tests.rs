@@ -22,11 +22,18 @@ fn a_bad_header_is_refused_with_its_reason() {
     for (from, to, reason) in [
         ("\"proto_major\":1", "\"proto_major\":2", "line 1: this is a tape of version 2"),
         ("2320", "12700", "are they swapped?"),
-        ("2320", "-1", "must be resistances above 0"),
+        (
+            "2320",
+            "-1",
+            "r_c1_ohm = -1e0 is no resistor: write what was measured, in ohm, between 1 ohm and 100 Mohm",
+        ),
+        ("2320", "0.9", "r_c1_ohm = 9e-1 is no resistor"),
+        ("12700", "null", "circuit.r_c2_ohm is null: leave it out"),
         ("TAPE", "TOPE", "line 1: not the header of a tape"),
         ("\"offset_ns\":8000", "\"offset_ns\":8e6", "below 1 ms"),
         ("two-capacitor", "three-capacitor", "unknown variant"),
-        ("12700", "1e308", "must be resistances above 0, and are 2.32e3 and 1e308"),
+        ("12700", "1e308", "r_c2_ohm = 1e308 is no resistor"),
+        ("12700", "1.1e8", "r_c2_ohm = 1.1e8 is no resistor"),
         (
             "\"fc1_n\":5.75",
             "\"fc1_n\":0.5",
@@ -35,8 +42,36 @@ fn a_bad_header_is_refused_with_its_reason() {
         ("\"fc2_n\":1.05", "\"fc2_n\":-1.05", "and both be above zero"),
         ("\"fc1_n\":5.75,\"fc2_n\":1.05", "\"alpha_n_ohm\":1e308", "1e308 N ohm is beyond any sensor"),
         ("\"fc1_n\":5.75", "\"f1_n\":5.75", "force is one of {\"fc1_n\", \"fc2_n\"}"),
-        ("\"id\":\"thumb\"", "\"id\":\"thumb\",\"zero_ohm\":-1e308", "zero_ohm = -1e308 is no resistance"),
-        ("\"id\":\"thumb\"", "\"id\":\"thumb\",\"scale\":0", "scale = 0e0 is no part of a resistance"),
+        ("\"id\":\"thumb\"", "\"id\":\"thumb\",\"zero_ohm\":-1e308", "zero_ohm = -1e308 is more than pins"),
+        (
+            "\"id\":\"thumb\"",
+            "\"id\":\"thumb\",\"zero_ohm\":1e12",
+            "channel \"thumb\": zero_ohm = 1e12 is more than pins",
+        ),
+        (
+            "\"offset_ns\"",
+            "\"resolution_ns\":0.5,\"offset_ns\"",
+            "resolution_ns = 5e-1 is no period of a clock",
+        ),
+        (
+            "\"offset_ns\"",
+            "\"resolution_ns\":2e6,\"offset_ns\"",
+            "resolution_ns = 2e6 is no period of a clock",
+        ),
+        (
+            "\"offset_ns\"",
+            "\"offset_u_ns\":-1,\"offset_ns\"",
+            "offset_u_ns = -1e0 is not between 0e0 and 1e6",
+        ),
+        ("\"offset_ns\"", "\"switch_u_ns\":1e12,\"offset_ns\"", "switch_u_ns = 1e12 is not between"),
+        (
+            "\"offset_ns\"",
+            "\"offset_by_switch\":1e12,\"offset_ns\"",
+            "offset_by_switch = 1e12 is not between",
+        ),
+        ("\"offset_ns\"", "\"r_o_ohm\":-1e12,\"offset_ns\"", "r_o_ohm = -1e12 is not between"),
+        ("\"offset_ns\"", "\"r_o_u_ohm\":1e12,\"offset_ns\"", "r_o_u_ohm = 1e12 is not between"),
+        ("\"id\":\"thumb\"", "\"id\":\"thumb\",\"scale\":0", "scale = 0e0 is not between 0.9 and 1.1"),
         ("[{", "[{\"id\":\"thumb\"},{", "two channels have the id \"thumb\""),
     ] {
         let message = message(from, to);
@@ -56,10 +91,18 @@ fn a_bad_discharge_is_refused_with_its_line() {
         ("\"to\":\"c2\"", "\"to\":\"c12\"", "series calibration"),
         ("\"channel\":\"thumb\",", "", "names its channel"),
         ("\"seq\":3", "\"seq\":-3", "expected u64"),
+        ("911000", "null", "a_ns is null: leave it out"),
+        ("74950", "null", "switch.on_ns is null: leave it out"),
         ("\"later_ns\":40.5}", "\"later_ns\":4", "EOF"),
         ("\"later_ns\":40.5", "\"later_ns\":-40.5", "later_ns is -40.5"),
     ] {
         let message = header.parse_discharge(7, &SWITCHED.replace(from, to)).unwrap_err().to_string();
         assert!(message.starts_with("line 7: ") && message.contains(reason), "{message}");
     }
+}
+
+#[test]
+fn an_id_may_be_called_null() {
+    let header = Header::parse(&HEADER.replace("thumb", "null")).unwrap();
+    assert!(header.parse_discharge(2, &SWITCHED.replace("thumb", "null")).is_ok());
 }

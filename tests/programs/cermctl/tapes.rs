@@ -204,6 +204,11 @@ fn bad_tapes_say_which_line() {
             &TAPE.replace("2320", "12700").replace("r_c2_ohm\":12700", "r_c2_ohm\":2320"),
             "line 1: r_c1_ohm = 12700 is not below",
         ),
+        (
+            &TAPE.replace("\"id\"", "\"zero_ohm\":1e12,\"id\""),
+            "line 1: channel \"thumb\": zero_ohm = 1e12 is more than",
+        ),
+        (&TAPE.replace("650000", "null"), "line 4: a_ns is null: leave it out"),
         (&TAPE.replace("650000", "0"), "line 4: a_ns is 0;"),
         (&TAPE.replace("7756123", "-7756123"), "line 3: a_ns is -7756123;"),
         (&TAPE.replace("547250.0", "546000.0"), "line 5: switch.on_ns is before switch.at_ns"),
