@@ -58,6 +58,43 @@ pub fn of_csv(text: &str, origin: &str) -> Result<Vec<Weighing>, String> {
     })
 }
 
+/// Whether force and resistance of pairs are in the order that is read. R = alpha / F fits as well with its sides changed, and only
+/// numbers without units can be taken for each other; those of a force sensor are ohms that are many more than newtons.
+///
+/// # Errors
+/// Why they look swapped, and what to do.
+pub fn in_order(text: &str) -> Result<(), String> {
+    let cells = |line: &str| -> Vec<String> {
+        line.split(',').map(|cell| cell.trim().to_ascii_lowercase()).collect()
+    };
+    let rows: Vec<Vec<String>> =
+        text.lines().filter(|line| !line.trim().starts_with('#')).map(cells).collect();
+    let names = rows.iter().find(|row| !row[0].is_empty());
+    let is_of_ohms = |name: &String| ["r_", "ohm", "resist"].iter().any(|part| name.contains(part));
+    if let Some([first, second]) =
+        names.map(Vec::as_slice).filter(|row| row.iter().all(|name| name.parse::<f64>().is_err()))
+    {
+        if is_of_ohms(first) && !is_of_ohms(second) {
+            return Err(format!(
+                "the columns are swapped: {first:?} comes first, and has to be the force; {EXAMPLE}"
+            ));
+        }
+    }
+    let bare = rows.iter().filter_map(|row| match row.as_slice() {
+        [force, r] => Some((force.parse().ok()?, r.parse().ok()?)),
+        _ => None,
+    });
+    let bare: Vec<(f64, f64)> = bare.collect();
+    let over: f64 = bare.iter().map(|(f_n, r_ohm)| (f_n / r_ohm).ln()).sum();
+    match bare.first() {
+        Some((f_n, r_ohm)) if over > 0.0 => Err(format!(
+            "the columns look swapped: forces of {f_n} N with resistances of {r_ohm} ohm. Force comes first; if they are right, write \
+             their units: \"{f_n} N, {r_ohm} ohm\""
+        )),
+        _ => Ok(()),
+    }
+}
+
 /// What the lines of a file say, but for comments and names.
 fn lines<T>(text: &str, origin: &str, parse: impl Fn(&str) -> Result<T, String>) -> Result<Vec<T>, String> {
     let mut pairs = Vec::new();
@@ -147,6 +184,31 @@ mod tests {
         ] {
             let error = load(text).unwrap_err();
             assert!(error.contains("t.csv") && error.contains(wanted), "{text:?}: {error}");
+        }
+    }
+
+    #[test]
+    fn swapped_columns_are_told_by_names_and_magnitudes() {
+        for good in [
+            "",
+            "1.20,11122\n6.06,2200\n",
+            "force_n,r_ohm\n1.20,11122\n",
+            "1.2 N\n6.06, 2200\n",
+            // Of a mat under somebody's feet, on purpose.
+            "700 N, 20 ohm\n",
+            "# 11122,1.2\n1.2,11122",
+            // An FSR 402 as hard as it may be pressed, and harder.
+            "20,667\n100,133\n130,103\n",
+        ] {
+            assert_eq!(in_order(good), Ok(()), "{good}");
+        }
+        for (swapped, says) in [
+            ("11122,1.20\n2200,6.06\n", "write their units: \"11122 N, 1.2 ohm\""),
+            ("# mine\n\n11122, 1.20\n", "look swapped"),
+            ("r_ohm,force_n\n1.2,11122\n", "\"r_ohm\" comes first"),
+            ("Resistance (ohm), Weight (N)\n1.2,11122\n", "comes first"),
+        ] {
+            assert!(in_order(swapped).unwrap_err().contains(says), "{swapped}: {:?}", in_order(swapped));
         }
     }
 

@@ -260,7 +260,7 @@ fn anything_but_a_yes_changes_nothing() {
         assert!(text.ends_with("cermd.toml is as it was\n"), "{answer:?}: {text}");
     }
     // Cut off while weights are typed.
-    for typed in ["", "1.2 N, 11122 ohm\n", "1.2 N, 11122 ohm\n6.06 N, 22"] {
+    for typed in ["", "1.2 N, 11122 ohm\n", "1.2 N, 11122 ohm\n6.06 N, 22", "11122, 1.2\n\n"] {
         folder.force(&["--yes"]).write_stdin(typed).assert().code(1);
     }
     assert_eq!(folder.config(), before);
@@ -278,6 +278,9 @@ fn bad_input_is_named_and_changes_nothing() {
         ("power", "1.2,11122\n1.2,11100\n", "all pairs have the same force"),
         ("power", "1.2,2200\n6.06,11122\n9,12000\n", "does not fall while the force rises"),
         ("table", "1.2,11122\n6.06,12000\n", "not monotone"),
+        ("alpha", "11122,1.2\n2200,6.06\n", "weights.csv: the columns look swapped: forces of 11122 N"),
+        ("power", "11122,1.2\n2200,6.06\n", "look swapped"),
+        ("table", "r_ohm,force_n\n1.2,11122\n6.06,2200\n", "the columns are swapped: \"r_ohm\" comes first"),
         // One weight in gram among others in newton.
         ("alpha", "1.2,11122\n6.06,2200\n200,6670\n", "that is no fit: the weights are off it by "),
     ];
@@ -316,6 +319,8 @@ fn weights_that_are_all_on_the_fit_state_no_uncertainty() {
         assert!(text.contains(says), "{csv}: {text}");
         let config = folder.config();
         assert!(!config.contains("u = \""), "{config}");
+        // Only what is stored is announced.
+        assert_eq!(text.contains("are marked as extrapolated"), config.contains("range = ["), "{text}");
     }
 }
 
@@ -343,10 +348,16 @@ fn what_residuals_mean_is_said_with_them() {
         "a residual is how much more resistance than the fit a weight made",
         "they are no scatter but a bend: `--model power` leaves 0.00 % of them",
         "readings outside of 500 mN to 4 N are marked as extrapolated",
-        "N (at Rc1; over the range of the weights)",
+        // At 2.32 kohm more than the greatest, at 12.7 kohm more than the least, which has 23.2 kohm.
+        "N (at Rc1; above all weights)",
+        "N (at Rc2)",
     ] {
         assert!(alpha.contains(wanted), "{wanted:?} is missing:\n{alpha}");
     }
+    let heavy: String = [2.0f64, 4.0].map(|f_n| format!("{f_n},{}\n", 13_346.0 / f_n)).concat();
+    fs::write(folder.path("heavy.csv"), heavy).unwrap();
+    let heavy = stdout(folder.force(&["--csv", "heavy.csv"]).write_stdin("n\n"));
+    assert!(heavy.contains("F_c2 = 1.05 N (at Rc2; below all weights)"), "{heavy}");
     assert!(!text("power").contains("--model"), "a power law has no bend left");
     assert!(text("table").contains("outside of 500 mN to 4 N have no force"));
 }

@@ -28,7 +28,11 @@ pub fn run(arguments: &Force) -> Result<(), CtlError> {
     let pairs = match &arguments.csv {
         Some(path) => {
             let text = fs::read_to_string(path).map_err(CtlError::file(path))?;
-            pairs::of_csv(&text, &path.display().to_string()).map_err(CtlError::said)?
+            let name = path.display().to_string();
+            let pairs = pairs::of_csv(&text, &name).map_err(CtlError::said)?;
+            pairs::in_order(&text)
+                .map_err(|why| CtlError::Said(format!("{name}: {why}; nothing was changed")))?;
+            pairs
         }
         None => typed(&target, arguments)?,
     };
@@ -66,7 +70,9 @@ fn typed(target: &Target, arguments: &Force) -> Result<Vec<Weighing>, CtlError> 
         if text.trim().is_empty() {
             break;
         }
-        let pair = match pairs::parse(&text) {
+        // A pair that is typed stands alone: what others come to does not put it right.
+        let parsed = pairs::parse(&text).and_then(|pair| pairs::in_order(&text).map(|()| pair));
+        let pair = match parsed {
             Ok((f_n, Some(r_ohm))) => Ok(Weighing { f_n, r_ohm }),
             Ok((f_n, None)) => {
                 let r_ohm = measure(target, &arguments.connection, arguments.count)?;
@@ -172,10 +178,13 @@ fn report(fit: &Fit, force: &sensor::Force, pairs: &[Weighing], circuit: &Circui
     let [least, greatest] = weights(pairs);
     let names = ["F_c1", "F_c2"].into_iter().zip(["Rc1", "Rc2"]);
     for ((name, resistor), f_n) in names.zip(at_resistors(force, circuit)) {
-        let is_over = f_n.is_some_and(|f_n| f_n < least || f_n > greatest);
-        let over = if is_over { "; over the range of the weights" } else { "" };
+        let beyond = match f_n {
+            Some(f_n) if f_n < least => "; below all weights",
+            Some(f_n) if f_n > greatest => "; above all weights",
+            _ => "",
+        };
         let f_n = f_n.map_or("outside the table".to_owned(), |f_n| format!("{f_n:.2} N"));
-        let _ = writeln!(text, "{name} = {f_n} (at {resistor}{over})");
+        let _ = writeln!(text, "{name} = {f_n} (at {resistor}{beyond})");
     }
     if let Some(rms) = fit.relative_rms(pairs) {
         let _ = writeln!(text, "relative rms of the residuals: {:.2} %", 100.0 * rms);
@@ -205,11 +214,18 @@ fn meaning(fit: &Fit, force: &sensor::Force, pairs: &[Weighing], [least, greates
             100.0 * power
         ));
     }
-    lines.push(format!(
-        "readings outside of {} to {} are marked as extrapolated",
-        Newton(least),
-        Newton(greatest)
-    ));
+    // As they are stored: a single force is no range.
+    lines.push(match force.range_n.filter(|[least, greatest]| least < greatest) {
+        Some([least, greatest]) => {
+            format!(
+                "readings outside of {} to {} are marked as extrapolated",
+                Newton(least),
+                Newton(greatest)
+            )
+        }
+        None => "weights of one force make no range, and none is stored: that of a data sheet stands in"
+            .to_owned(),
+    });
     lines.join("\n")
 }
 
@@ -229,7 +245,7 @@ fn refusal(fit: &Fit, pairs: &[Weighing], model: Model) -> Option<String> {
     (rms > WORST_FIT).then(|| {
         format!(
             "that is no fit: the weights are off it by {:.0} % rms, more than {:.0} %; nothing was changed. Look for a weight in \
-             another unit, or typed for another reading, for columns that are swapped (force comes first), {other}",
+             another unit, or typed for another reading, {other}",
             100.0 * rms,
             100.0 * WORST_FIT
         )
