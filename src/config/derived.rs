@@ -47,6 +47,13 @@ impl Config {
         if self.last_node() == Node::B { to_b.time() } else { to_a.time() }
     }
 
+    /// How long charges take, in words: that of A, and the whole of it before a discharge that waits for B.
+    pub fn charge_in_words(&self) -> String {
+        let [alone, usual] = [self.charge_time(), self.usual_charge()];
+        let of_b = (usual > alone).then(|| format!(" (for B {:.3})", Seconds::from(usual)));
+        format!("{:.3}{}", Seconds::from(alone), of_b.unwrap_or_default())
+    }
+
     /// How long R_1 takes to bring full capacitors to where discharges end, with room for their tolerance.
     pub fn drain_time(&self) -> Nanos {
         Nanos::from_seconds(DRAIN * self.discharge(self.circuit.r_c1).0)

@@ -3,6 +3,7 @@
 //!
 //! `UPDATE_DOCS=1 cargo test --test programs pages` writes the quoted figures anew.
 
+use cermd::config::Config;
 use pulldown_cmark::{Event, Options, Parser, Tag, TagEnd};
 use std::collections::BTreeSet;
 use std::fs;
@@ -194,4 +195,65 @@ fn quoted_figures_are_those_that_were_measured() {
             ),
         ],
     );
+}
+
+/// A circuit as the page on wiring has it, with everything else by default.
+fn circuit(parts: &str, r_charge: &str) -> String {
+    let kind = if parts.starts_with("c =") { "one" } else { "two" };
+    format!(
+        "[circuit]\nkind = \"{kind}-capacitor\"\n{parts}\nr-c1 = \"470 ohm\"\nr-c2 = \"12.7 kohm\"\nr-charge = \"{r_charge}\"\n\
+         [gpio]\nbackend = \"mock\"\n[mock]\nscene = \"pi4\"\n[[channel]]\nid = \"x\"\nzero-ohm = 0.0\nscale = 1.0\n"
+    )
+}
+
+const ONE: &str = "c = \"470 nF\"";
+const TWO: &str = "c-a = \"2.2 uF\"\nc-b = \"680 nF\"";
+
+#[test]
+fn charges_are_as_long_as_the_program_plans_them() {
+    let charge = |parts: &str, r_charge: &str| {
+        Config::parse(&circuit(parts, r_charge), "a page").unwrap().charge_in_words()
+    };
+    /// A row with another last cell but so many.
+    fn with(begin: &str, cell: usize, new: &str) -> String {
+        let mut cells = row("../hw/wiring.md", begin);
+        cells[cell] = new.to_owned();
+        cells.join(" | ").replace("|  |", "| |").trim().to_owned()
+    }
+    for (pins, r_charge) in [("16", "260 ohm"), ("12", "370 ohm"), ("8", "510 ohm")] {
+        let begin = format!("| {pins} mA | Pi");
+        let charges = format!("{}, {}", charge(ONE, r_charge), charge(TWO, r_charge));
+        check_lines("hw/wiring.md", &begin, &[with(&begin, 8, &charges)]);
+    }
+    for (begin, parts) in [
+        ("| **470 nF alone**", ONE),
+        ("| 330 nF / 22 nF", "c-a = \"330 nF\"\nc-b = \"22 nF\""),
+        ("| **2.2 uF / 680 nF**", TWO),
+        ("| 2.2 uF / 470 nF", "c-a = \"2.2 uF\"\nc-b = \"470 nF\""),
+        ("| 10 uF / 680 nF", "c-a = \"10 uF\"\nc-b = \"680 nF\""),
+    ] {
+        check_lines("hw/wiring.md", begin, &[with(begin, 4, &charge(parts, "260 ohm"))]);
+    }
+}
+
+/// The first pages have rates of a board whose threshold its configuration knows; these are of one that has the default.
+#[test]
+fn rates_as_shipped_are_those_that_check_says() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("cermd.toml");
+    let rates = |parts: &str| {
+        fs::write(&path, circuit(parts, "220 ohm")).unwrap();
+        let mut check = assert_cmd::Command::new(env!("CARGO_BIN_EXE_cermctl"));
+        let assert = check.args(["check", "--config", path.to_str().unwrap()]).assert();
+        let said = String::from_utf8(assert.get_output().stdout.clone()).unwrap();
+        let rate = |r: &str| {
+            let (_, after) = said.split_once(r).unwrap_or_else(|| panic!("{said}"));
+            let (hertz, _) = after.split_once(" ohm at ").unwrap().1.split_once(" Hz").unwrap();
+            format!("{:.0}/s", hertz.parse::<f64>().unwrap())
+        };
+        format!("{}, {}", rate("scene: 100"), rate(" 1000"))
+    };
+    let line =
+        format!("at 100 ohm and 1 kohm, {} with one capacitor and {} with two.", rates(ONE), rates(TWO));
+    check_lines("README.md", "at 100 ohm and 1 kohm, ", &[line]);
 }

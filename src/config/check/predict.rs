@@ -148,9 +148,9 @@ fn predictions(config: &Config, findings: &mut Findings) {
             .collect();
         findings.info(format!("circuit.{key}"), format!("through {name}, {}", times.join(", ")));
     }
-    let charge = Seconds::from(config.charge_time());
+    let charge = config.charge_in_words();
     let whose = if config.measure.charge_time.is_some() { "as given" } else { "automatic" };
-    findings.info("measure.charge-time", format!("{charge:.3}, {whose}, {}", remembers(config)));
+    findings.info("measure.charge-time", format!("{charge}, {whose}, {}", remembers(config)));
     let deadline = Seconds::from(config.deadline());
     if let Some(highest) = circuit.resistance(config.last_node(), deadline) {
         let above = if config.is_tracked() { "; one of more is finished early" } else { "" };

@@ -71,7 +71,7 @@ fn a_good_one_has_predictions_only() {
     info: channel.thumb.force: it has no u: the data sheet of an FSR 402 stands in, 7.8 % (part to part 6 %, hysteresis 10 %); try `cermctl calibrate force`: it stores the residual of the sensor itself
     info: circuit.r-c1: through Rc1, node A after 247 us, node B after 418 us
     info: circuit.r-c2: through Rc2, node A after 6.16 ms, node B after 10.4 ms
-    info: measure.charge-time: 1.04 ms, automatic, is 9.1 time constants: the discharge before changes a reading by up to 0.10 of its u (at 64 kohm)
+    info: measure.charge-time: 1.04 ms (for B 1.36 ms), automatic, is 9.1 time constants: the discharge before changes a reading by up to 0.10 of its u (at 64 kohm)
     info: measure.deadline: 52.2 ms, enough for a sensor of 63.7 kohm
     info: measure.rate-hz: a cycle takes 25.4 ms (39.4 Hz) with the sensor at Rc2, 67.1 ms at most
     "#);

@@ -53,7 +53,7 @@ fn a_report_of_warnings() {
     warning: measure.charge-time: 300 us is 1.8 time constants: the discharge before changes a reading by up to 228.96 of its u (at 62 kohm); try at least "1.6 ms", or without it
     info: circuit.r-c1: through Rc1, node A after 1.12 ms, node B after 1.89 ms
     info: circuit.r-c2: through Rc2, node A after 6.06 ms, node B after 10.2 ms
-    info: measure.charge-time: 300 us, as given, is 1.8 time constants: the discharge before changes a reading by up to 228.96 of its u (at 62 kohm)
+    info: measure.charge-time: 300 us (for B 775 us), as given, is 1.8 time constants: the discharge before changes a reading by up to 228.96 of its u (at 62 kohm)
     info: measure.deadline: 50 ms, enough for a sensor of 62.5 kohm
     info: measure.rate-hz: a cycle takes 35.7 ms (28 Hz) with the sensor at Rc2, 115 ms at most
     info: channel.thumb.on-above: 2 N: told 350 ms after it is so, or sooner, unless readings are faults

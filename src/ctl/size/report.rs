@@ -95,8 +95,9 @@ fn settings(asked: &Asked, design: &Design) -> String {
         Pace::Mean(time) => format!("means over {}", Seconds::from(time)),
         Pace::Hertz(hertz) => format!("a mean {hertz} times a second"),
     };
-    let [charge, deadline] = [config.usual_charge(), config.deadline()].map(Seconds::from);
-    format!("charge {charge:.2}, longest discharge {deadline:.2}, {pace}")
+    let deadline = Seconds::from(config.deadline());
+    // As `cermctl check` says it of what is written.
+    format!("charge {}, longest discharge {deadline:.2}, {pace}", config.charge_in_words())
 }
 
 fn currents(asked: &Asked, design: &Design) -> [String; 3] {
@@ -213,6 +214,9 @@ struct CircuitLine {
     r_lim_ohm: f64,
     r_s_ohm: f64,
     charge_s: f64,
+    /// Before a discharge that waits for B.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    charge_b_s: Option<f64>,
     deadline_s: f64,
     #[serde(skip_serializing_if = "Option::is_none")]
     average_s: Option<f64>,
@@ -271,7 +275,8 @@ impl CircuitLine {
             r_p_ohm: design.r_p.0,
             r_lim_ohm: design.r_lim.0,
             r_s_ohm: SENSE_OHM,
-            charge_s: seconds(config.usual_charge()),
+            charge_s: seconds(config.charge_time()),
+            charge_b_s: (design.nodes() == 2).then(|| seconds(config.usual_charge())),
             deadline_s: seconds(config.deadline()),
             average_s: config.average().map(seconds),
             currents_a: [("charger", charger), ("c1", c1), ("x", x)].into(),
