@@ -47,11 +47,15 @@ impl Config {
         if self.last_node() == Node::B { to_b.time() } else { to_a.time() }
     }
 
+    /// The same before one that waits for node B, where any does.
+    pub fn charge_for_b(&self) -> Option<Nanos> {
+        (self.last_node() == Node::B).then(|| self.usual_charge())
+    }
+
     /// How long charges take, in words: that of A, and the whole of it before a discharge that waits for B.
     pub fn charge_in_words(&self) -> String {
-        let [alone, usual] = [self.charge_time(), self.usual_charge()];
-        let of_b = (usual > alone).then(|| format!(" (for B {:.3})", Seconds::from(usual)));
-        format!("{:.3}{}", Seconds::from(alone), of_b.unwrap_or_default())
+        let for_b = self.charge_for_b().map(|whole| format!(" (for B {:.3})", Seconds::from(whole)));
+        format!("{:.3}{}", Seconds::from(self.charge_time()), for_b.unwrap_or_default())
     }
 
     /// How long R_1 takes to bring full capacitors to where discharges end, with room for their tolerance.

@@ -64,27 +64,22 @@ pub fn of_csv(text: &str, origin: &str) -> Result<Vec<Weighing>, String> {
 /// # Errors
 /// Why they look swapped, and what to do.
 pub fn in_order(text: &str) -> Result<(), String> {
-    let cells = |line: &str| -> Vec<String> {
-        line.split(',').map(|cell| cell.trim().to_ascii_lowercase()).collect()
-    };
-    let rows: Vec<Vec<String>> =
-        text.lines().filter(|line| !line.trim().starts_with('#')).map(cells).collect();
-    let names = rows.iter().find(|row| !row[0].is_empty());
-    let is_of_ohms = |name: &String| ["r_", "ohm", "resist"].iter().any(|part| name.contains(part));
-    if let Some([first, second]) =
-        names.map(Vec::as_slice).filter(|row| row.iter().all(|name| name.parse::<f64>().is_err()))
-    {
-        if is_of_ohms(first) && !is_of_ohms(second) {
+    let written = || text.lines().filter(|line| !is_blank(line));
+    if let Some(names) = written().next().filter(|line| is_names(line)) {
+        let names = cells(&names.to_ascii_lowercase());
+        let is_of_ohms = |name: &str| ["r_", "ohm", "resist"].iter().any(|part| name.contains(part));
+        if names.len() == 2 && is_of_ohms(&names[0]) && !is_of_ohms(&names[1]) {
             return Err(format!(
-                "the columns are swapped: {first:?} comes first, and has to be the force; {EXAMPLE}"
+                "the columns are swapped: {:?} comes first, and has to be the force; {EXAMPLE}",
+                &names[0]
             ));
         }
     }
-    let bare = rows.iter().filter_map(|row| match row.as_slice() {
-        [force, r] => Some((force.parse().ok()?, r.parse().ok()?)),
+    let of_pair = |row: StringRecord| match row.len() {
+        2 => Some((row[0].parse().ok()?, row[1].parse().ok()?)),
         _ => None,
-    });
-    let bare: Vec<(f64, f64)> = bare.collect();
+    };
+    let bare: Vec<(f64, f64)> = written().map(cells).filter_map(of_pair).collect();
     let over: f64 = bare.iter().map(|(f_n, r_ohm)| (f_n / r_ohm).ln()).sum();
     match bare.first() {
         Some((f_n, r_ohm)) if over > 0.0 => Err(format!(
@@ -100,9 +95,7 @@ fn lines<T>(text: &str, origin: &str, parse: impl Fn(&str) -> Result<T, String>)
     let mut pairs = Vec::new();
     // Line by line: the reader of a whole file does not count those that it passes over.
     for (index, line) in text.lines().enumerate() {
-        let is_names = pairs.is_empty()
-            && line.trim_start_matches(|c| " \t\"".contains(c)).starts_with(char::is_alphabetic);
-        if line.trim().is_empty() || line.trim().starts_with('#') || is_names {
+        if is_blank(line) || pairs.is_empty() && is_names(line) {
             continue;
         }
         pairs.push(parse(line).map_err(|reason| format!("{origin}, line {}: {reason}", index + 1))?);
@@ -110,13 +103,28 @@ fn lines<T>(text: &str, origin: &str, parse: impl Fn(&str) -> Result<T, String>)
     Ok(pairs)
 }
 
+/// Whether a line is empty or a comment.
+fn is_blank(line: &str) -> bool {
+    line.trim().is_empty() || line.trim().starts_with('#')
+}
+
+/// Whether it has the names of columns.
+fn is_names(line: &str) -> bool {
+    line.trim_start_matches(|c| " \t\"".contains(c)).starts_with(char::is_alphabetic)
+}
+
+/// What stands between its commas.
+fn cells(line: &str) -> StringRecord {
+    let reader = ReaderBuilder::new().has_headers(false).trim(Trim::All).from_reader(line.as_bytes());
+    reader.into_records().next().and_then(Result::ok).unwrap_or_default()
+}
+
 /// One line: newton, and ohm if it is there.
 ///
 /// # Errors
 /// What is wrong with it, and how it is written.
 pub fn parse(line: &str) -> Result<(f64, Option<f64>), String> {
-    let reader = ReaderBuilder::new().has_headers(false).trim(Trim::All).from_reader(line.as_bytes());
-    let cells: StringRecord = reader.into_records().next().and_then(Result::ok).unwrap_or_default();
+    let cells = cells(line);
     let mut cells = cells.iter();
     let left = cells.next().unwrap_or_default();
     let f_n = force(left)
@@ -207,6 +215,8 @@ mod tests {
             ("# mine\n\n11122, 1.20\n", "look swapped"),
             ("r_ohm,force_n\n1.2,11122\n", "\"r_ohm\" comes first"),
             ("Resistance (ohm), Weight (N)\n1.2,11122\n", "comes first"),
+            ("\"r_ohm\",\"force_n\"\n1.2,11122\n", "comes first"),
+            ("\"11122\",\"1.20\"\n", "look swapped"),
         ] {
             assert!(in_order(swapped).unwrap_err().contains(says), "{swapped}: {:?}", in_order(swapped));
         }

@@ -133,7 +133,7 @@ impl Fit {
             law,
             // A table goes through its pairs, and so does a law with as many parameters. Pairs that are all on it say no more.
             u: u.filter(|u| freedom > 0.0 && !is_table && *u > NO_RESIDUAL),
-            range_n: (!is_table).then_some(range_n),
+            range_n: Some(range_n).filter(|[least, greatest]| !is_table && least < greatest),
             tare_n: None,
         }
     }

@@ -3,7 +3,8 @@
 //!
 //! `UPDATE_DOCS=1 cargo test --test programs pages` writes the quoted figures anew.
 
-use cermd::config::Config;
+use crate::cermctl::daemon::ctl;
+use crate::common::config::{ConfigFile, config};
 use pulldown_cmark::{Event, Options, Parser, Tag, TagEnd};
 use std::collections::BTreeSet;
 use std::fs;
@@ -198,22 +199,19 @@ fn quoted_figures_are_those_that_were_measured() {
 }
 
 /// A circuit as the page on wiring has it, with everything else by default.
-fn circuit(parts: &str, r_charge: &str) -> String {
-    let kind = if parts.starts_with("c =") { "one" } else { "two" };
-    format!(
-        "[circuit]\nkind = \"{kind}-capacitor\"\n{parts}\nr-c1 = \"470 ohm\"\nr-c2 = \"12.7 kohm\"\nr-charge = \"{r_charge}\"\n\
-         [gpio]\nbackend = \"mock\"\n[mock]\nscene = \"pi4\"\n[[channel]]\nid = \"x\"\nzero-ohm = 0.0\nscale = 1.0\n"
-    )
+fn circuit(parts: &str, r_charge: &str) -> ConfigFile {
+    config(|file| {
+        file.unset(&["circuit.c-a", "circuit.c-b"]).lines("circuit", parts).set("circuit.r-charge", r_charge);
+        file.set("gpio.backend", "mock").set("mock.scene", "pi4").channel("x")
+    })
 }
 
-const ONE: &str = "c = \"470 nF\"";
+const ONE: &str = "kind = \"one-capacitor\"\nc = \"470 nF\"";
 const TWO: &str = "c-a = \"2.2 uF\"\nc-b = \"680 nF\"";
 
 #[test]
 fn charges_are_as_long_as_the_program_plans_them() {
-    let charge = |parts: &str, r_charge: &str| {
-        Config::parse(&circuit(parts, r_charge), "a page").unwrap().charge_in_words()
-    };
+    let charge = |parts: &str, r_charge: &str| circuit(parts, r_charge).parse().charge_in_words();
     /// A row with another last cell but so many.
     fn with(begin: &str, cell: usize, new: &str) -> String {
         let mut cells = row("../hw/wiring.md", begin);
@@ -242,10 +240,9 @@ fn rates_as_shipped_are_those_that_check_says() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("cermd.toml");
     let rates = |parts: &str| {
-        fs::write(&path, circuit(parts, "220 ohm")).unwrap();
-        let mut check = assert_cmd::Command::new(env!("CARGO_BIN_EXE_cermctl"));
-        let assert = check.args(["check", "--config", path.to_str().unwrap()]).assert();
-        let said = String::from_utf8(assert.get_output().stdout.clone()).unwrap();
+        fs::write(&path, circuit(parts, "220 ohm").to_string()).unwrap();
+        let output = ctl(&["check", "--config", path.to_str().unwrap()]).output().unwrap();
+        let said = String::from_utf8(output.stdout).unwrap();
         let rate = |r: &str| {
             let (_, after) = said.split_once(r).unwrap_or_else(|| panic!("{said}"));
             let (hertz, _) = after.split_once(" ohm at ").unwrap().1.split_once(" Hz").unwrap();

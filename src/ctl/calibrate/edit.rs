@@ -180,8 +180,7 @@ fn characteristic(force: &Force, table_name: &str) -> InlineTable {
         Law::Table { .. } => vec![("table", table_name.into())],
     };
     let u = force.u.map(|u| ("u", format!("{} %", rounded(100.0 * u, 2)).into()));
-    let range = force.range_n.filter(|[least, greatest]| least < greatest);
-    let range = range.map(|range| ("range", range.map(newton).into_iter().collect()));
+    let range = force.range_n.map(|range| ("range", range.map(newton).into_iter().collect()));
     pairs.into_iter().chain(u).chain(range).collect()
 }
 

@@ -214,8 +214,8 @@ fn meaning(fit: &Fit, force: &sensor::Force, pairs: &[Weighing], [least, greates
             100.0 * power
         ));
     }
-    // As they are stored: a single force is no range.
-    lines.push(match force.range_n.filter(|[least, greatest]| least < greatest) {
+    // As they are stored.
+    lines.push(match force.range_n {
         Some([least, greatest]) => {
             format!(
                 "readings outside of {} to {} are marked as extrapolated",

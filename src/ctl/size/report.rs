@@ -276,7 +276,7 @@ impl CircuitLine {
             r_lim_ohm: design.r_lim.0,
             r_s_ohm: SENSE_OHM,
             charge_s: seconds(config.charge_time()),
-            charge_b_s: (design.nodes() == 2).then(|| seconds(config.usual_charge())),
+            charge_b_s: config.charge_for_b().map(seconds),
             deadline_s: seconds(config.deadline()),
             average_s: config.average().map(seconds),
             currents_a: [("charger", charger), ("c1", c1), ("x", x)].into(),

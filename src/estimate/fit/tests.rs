@@ -163,5 +163,6 @@ fn what_the_residuals_are_is_the_uncertainty_of_a_force() {
     assert_eq!(range_n, Some([1.0, 8.0]));
     // One pair, and a table, say nothing of how far the sensor is off between them.
     assert_eq!(fit.force(&pairs[..1]).u, None);
+    assert_eq!(fit.force(&pairs[..1]).range_n, None, "one force is no range");
     assert_eq!(table(&pairs).unwrap().force(&pairs).u, None);
 }
