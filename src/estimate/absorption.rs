@@ -8,7 +8,8 @@
 //! (docs/stability.md, "What capacitors remember"). A charge that is always too short looks the same.
 
 use crate::estimate::limits::{
-    ABSORPTION_EVERY, ABSORPTION_FIRST, ABSORPTION_GROWS, ABSORPTION_REMEMBERED, BY_ABSORPTION,
+    ABSORPTION_EVERY, ABSORPTION_FIRST, ABSORPTION_GROWS, ABSORPTION_LIKELY, ABSORPTION_REMEMBERED,
+    BY_ABSORPTION,
 };
 use crate::estimate::look::Looks;
 use crate::units::Nanos;
@@ -30,8 +31,17 @@ impl AbsorptionTest {
 
     /// By which share of their time discharges are longer after a rest, if that shows.
     pub fn share(&self) -> Option<f64> {
+        self.beyond(self.0.gate())
+    }
+
+    /// The same if it is likely: what is not told to the user may be there for readings.
+    pub fn likely_share(&self) -> Option<f64> {
+        self.beyond(ABSORPTION_LIKELY * self.0.noise())
+    }
+
+    fn beyond(&self, chance: f64) -> Option<f64> {
         let share = self.0.median().abs();
-        (self.0.taken() >= ABSORPTION_FIRST && share > self.0.gate()).then_some(share)
+        (self.0.taken() >= ABSORPTION_FIRST && share > chance).then_some(share)
     }
 }
 

@@ -3,10 +3,13 @@
 //! A processor that has nothing to do for long sleeps more deeply, and stamps later. Discharges through R_1, R_2 and both that wait as
 //! long as they take agree with each other, whatever all of them are late by; a sensor's waits for another time. So the program
 //! wakes shortly before some of them end, which changes nothing in the circuit: a switch to the resistor that sinks already.
+//!
+//! What they are compared with must not have been corrected by them: once there are enough, each by its own with the one just before it in
+//! which the program slept, whatever the state has become.
 
 use crate::estimate::limits::{
-    AWAKE_AGAIN, AWAKE_EVERY, AWAKE_FIRST, AWAKE_MARGIN, AWAKE_REMEMBERED, AWAKE_SHOWS, AWAKE_YOUNG,
-    LATEST_STAMP_NS,
+    AWAKE_AGAIN, AWAKE_EVERY, AWAKE_FIRST, AWAKE_MARGIN, AWAKE_PAIRS, AWAKE_REMEMBERED, AWAKE_SHOWS,
+    AWAKE_YOUNG, LATEST_STAMP_NS,
 };
 use crate::estimate::look::{Looks, beyond};
 use crate::record::{CalibrationKind, Record, Through};
@@ -18,6 +21,9 @@ pub struct AwakeTest {
     looks: [Looks<AWAKE_REMEMBERED>; 2],
     /// How well the usual one is known, 1 sigma, ns.
     u_usual_ns: [f64; 2],
+    /// By how much it crossed beside the last one in which the program slept, and when that one did beside the state, with the variance.
+    pairs: [Looks<AWAKE_REMEMBERED>; 2],
+    asleep: [Option<[f64; 2]>; 2],
     /// Plain discharges so far, whether the program woke in them or not.
     plain: [u32; 2],
 }
@@ -45,15 +51,27 @@ impl AwakeTest {
     pub fn add(&mut self, resistor: usize, longer_ns: Option<[f64; 2]>, u_usual_ns: f64, now: Nanos) {
         self.u_usual_ns[resistor] = u_usual_ns;
         self.looks[resistor].add(longer_ns, now);
+        if let Some((awake, asleep)) = longer_ns.zip(self.asleep[resistor].take()) {
+            self.pairs[resistor].add(Some([awake[0] - asleep[0], awake[1] + asleep[1]]), now);
+        }
+    }
+
+    /// Takes one in which it slept, for the next in which it wakes: by how much it was longer than the state says, with its variance.
+    pub fn add_asleep(&mut self, resistor: usize, longer_ns: Option<[f64; 2]>) {
+        self.asleep[resistor] = longer_ns;
     }
 
     /// By how much later stamps are after a wait as long as a discharge through a resistor, and the uncertainty of that, 1 sigma, ns.
     fn shown_ns(&self, resistor: usize) -> [f64; 2] {
-        let looks = &self.looks[resistor];
+        let (looks, pairs) = (&self.looks[resistor], &self.pairs[resistor]);
+        let (looks, first, u_usual_ns) = match pairs.taken() {
+            ..AWAKE_PAIRS => (looks, AWAKE_FIRST, self.u_usual_ns[resistor]),
+            _ => (pairs, AWAKE_PAIRS, 0.0),
+        };
         // What is more is no latency: the circuit was another one meanwhile.
         let is_latency = looks.median().abs() <= LATEST_STAMP_NS;
-        if looks.taken() >= AWAKE_FIRST && is_latency {
-            [looks.median().abs(), looks.noise().hypot(self.u_usual_ns[resistor])]
+        if looks.taken() >= first && is_latency {
+            [looks.median().abs(), looks.noise().hypot(u_usual_ns)]
         } else {
             [0.0; 2]
         }
@@ -130,6 +148,18 @@ mod tests {
         assert!(late.late_ns().is_some_and(|ns| (ns - 4e3).abs() < 1.0) && !late.shows(0), "{late:?}");
         let [first, second] = late.beyond_ns(AWAKE_SHOWS);
         assert!(first == 0.0 && (3.5e3..4e3).contains(&second), "{late:?}");
+    }
+
+    #[test]
+    fn a_state_that_both_have_corrected_hides_no_half_of_it() {
+        let mut test = AwakeTest::default();
+        for index in 0..2 * AWAKE_PAIRS {
+            assert_eq!(test.late_ns().is_some_and(|ns| ns > 3.5e3), index >= AWAKE_PAIRS, "{index}");
+            let noise = if index % 2 == 0 { 1e3 } else { -1e3 };
+            test.add_asleep(1, Some([2e3 + noise, 1e6]));
+            test.add(1, Some([noise - 2e3, 1e6]), 0.0, Nanos::ZERO);
+        }
+        assert!(test.late_ns().is_some_and(|ns| (ns - 4e3).abs() < 1.0), "{test:?}");
     }
 
     #[test]

@@ -62,8 +62,9 @@ pub struct Estimator {
     c2: Option<Crossings>,
     /// What leaks, as far as looks have told; `None` where leaks are left out.
     leak: Option<LeakTest>,
-    /// By which share of their time discharges are longer after a rest, if that shows.
+    /// By which share of their time discharges are longer after a rest, if that shows, and if it is likely.
     absorbed: Option<f64>,
+    likely_absorbed: Option<f64>,
     /// Whether stamps are later after long waits, without a tracked calibration.
     awake: AwakeTest,
     /// With it, c1 and c2 are only used until it is ready.
@@ -86,6 +87,7 @@ impl Estimator {
             c2: None,
             leak: None,
             absorbed: None,
+            likely_absorbed: None,
             awake: AwakeTest::default(),
             tracker: None,
         }

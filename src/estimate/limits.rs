@@ -74,6 +74,8 @@ pub const ABSORPTION_EVERY: Nanos = Nanos(5_000_000_000);
 pub const ABSORPTION_REMEMBERED: usize = 64;
 /// The first of them follow each other; fewer tell little.
 pub const ABSORPTION_FIRST: usize = 16;
+/// What they show is likely beyond so many sigma: chance makes one of none once in 400 times.
+pub const ABSORPTION_LIKELY: f64 = 3.0;
 /// By which part of R_1 a reading is off, 1 sigma, for each share that a discharge is longer after a rest.
 pub const BY_ABSORPTION: f64 = 2.5;
 /// From this part of R_1 on, what R_x is more is off by the same share.
@@ -111,6 +113,8 @@ pub const AWAKE_YOUNG: usize = 40;
 pub const AWAKE_EVERY: u32 = 2;
 /// The first of them follow each other; fewer tell little.
 pub const AWAKE_FIRST: usize = 10;
+/// So many pairs of one that is and one that is not tell more than the state does.
+pub const AWAKE_PAIRS: usize = 32;
 /// The same beside calibration discharges that are taken anew for each reading.
 pub const AWAKE_AGAIN: Nanos = Nanos(1_000_000_000);
 /// How many are remembered through either resistor.

@@ -92,6 +92,7 @@ impl Estimator {
         }
         let (estimate, evidence) = self.solve(record)?;
         let Measured { value, u } = estimate.r_ohm;
+        let evidence = evidence.beside(self.disagree_ohm(value, record));
         let by_prior = self.is_settling(record, &estimate);
         // Whose conductance may be none is no number, as where the state tells it; a prior is wide enough already.
         let sigmas = if by_prior { COVERAGE } else { RESOLVED };

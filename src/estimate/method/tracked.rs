@@ -116,8 +116,9 @@ pub fn beyond(tracker: &Tracker, observed: &Observed, r2_ohm: f64) -> Option<f64
 }
 
 impl Observed {
-    /// Where a crossing is so near to the switch to a lower resistor that noise could have it on either side, that one finished it:
-    /// of a sensor that did so itself that tells less, but nothing that is wrong.
+    /// Where a crossing is so near to the switch that noise could have it on either side: before one to a lower resistor, that one
+    /// finished it, since of a sensor that did so itself that tells less, but nothing that is wrong; after one to a higher resistor, the
+    /// sensor did, since what that one leaves to do takes it far longer.
     fn branch(&self, tracker: &Tracker) -> Branch {
         let state = tracker.state();
         let last =
@@ -126,12 +127,18 @@ impl Observed {
             return Branch::Direct;
         };
         let next_ns = [0, 1].map(|node| state[node] * (next_ohm + state[R_O]));
-        let doubt_ns = || {
-            let noise = tracker.noise().covariance(next_ns).map_or(0.0, |noise| noise.node(node));
-            COVERAGE * noise.sqrt().hypot(tracker.u_switch_ns(self.u_switch_ns))
+        let u_ns = |late_ns: [f64; 2]| {
+            let noise = tracker.noise().covariance(late_ns).map_or(0.0, |noise| noise.node(node));
+            noise.sqrt().hypot(tracker.u_switch_ns(self.u_switch_ns))
         };
-        let doubt_ns = if next_ns[node] < switch.at_ns { doubt_ns() } else { 0.0 };
-        if last_ns > switch.on_ns - doubt_ns { Branch::Inferred } else { Branch::Direct }
+        let switched_ns = if next_ns[node] < switch.at_ns {
+            switch.on_ns - COVERAGE * u_ns(next_ns)
+        } else if last_ns > switch.on_ns {
+            switch.on_ns + BEYOND_NOISE * u_ns([last_ns; 2])
+        } else {
+            switch.on_ns
+        };
+        if last_ns > switched_ns { Branch::Inferred } else { Branch::Direct }
     }
 }
 

@@ -80,6 +80,14 @@ impl Evidence {
         }
     }
 
+    /// The same where a defect of the circuit makes the crossings disagree by so much, 1 sigma, ohm.
+    pub fn beside(self, defect_ohm: f64) -> Evidence {
+        let Some(pair) = self.pair.filter(|_| defect_ohm > 0.0) else { return self };
+        let pair = Pair { u_ohm: pair.u_ohm.hypot(defect_ohm), ..pair };
+        let agrees = pair.difference().abs() <= BEYOND_NOISE * pair.u_ohm;
+        Evidence { pair: Some(pair), ..self.contradicting(self.contradicts && !agrees) }
+    }
+
     /// Whether a second crossing says the same where stamps are often late: none is late that agrees by chance.
     pub fn is_confirmed(&self) -> bool {
         !self.contradicts && self.pair.is_some_and(|pair| pair.difference().abs() <= STATED * pair.u_ohm)

@@ -29,9 +29,12 @@ impl Tracker {
     pub(super) fn takes_awake(&mut self, kind: CalibrationKind, record: &Record) -> Option<bool> {
         let resistor = resistor_of(kind)?;
         self.awake.count(resistor);
-        let switch = record.switch?;
+        let (longer_ns, u_state_ns) = self.beside(kind, record).unzip();
+        let Some(switch) = record.switch else {
+            self.awake.add_asleep(resistor, longer_ns);
+            return None;
+        };
         if record.a_ns.is_some_and(|a_ns| a_ns > switch.on_ns) {
-            let (longer_ns, u_state_ns) = self.beside(kind, record).unzip();
             self.awake.add(resistor, longer_ns, u_state_ns.unwrap_or(0.0), record.start);
         }
         Some(!self.awake.shows(resistor))

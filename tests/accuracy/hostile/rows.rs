@@ -230,16 +230,18 @@ const AT_A: &[(Method, &[f64])] = &[
     (Qerm, &[1000.0]),
 ];
 /// Ten readings a second, as most are configured: the first ten seconds, and what comes later.
-/// A fault is an answer.
 const FIRST: Row = Row {
     measure: "rate-hz = 10",
     seconds: [0.0, 10.0],
     readings: 50,
-    least_numbers: 0.0,
+    least_numbers: 0.9,
     cases: AT_A,
     ..ROW
 };
 const LATER: Row = Row { seconds: [15.0, f64::INFINITY], readings: 20, ..FIRST };
+/// A fault is the answer to a defect.
+const DEFECT_FIRST: Row = Row { least_numbers: 0.0, ..FIRST };
+const DEFECT_LATER: Row = Row { least_numbers: 0.0, ..LATER };
 
 const A_100_KOHM: &str = "[circuit.node-a]\nleakage-resistance = '100 kohm'";
 const A_1_MOHM: &str = "[circuit.node-a]\nleakage-resistance = '1 Mohm'";
@@ -257,16 +259,16 @@ const LOW: &[(Method, &[f64])] =
 const ONE: &[(Method, &[f64])] = &[(Tracked, &[50.0, 470.0, 5000.0, 16_200.0])];
 
 pub static LEAKS: [Row; 19] = [
-    Row { name: "100 kohm at A, the first 10 s", scene: A_100_KOHM, ..FIRST },
-    Row { name: "100 kohm at A, later", scene: A_100_KOHM, ..LATER },
+    Row { name: "100 kohm at A, the first 10 s", scene: A_100_KOHM, ..DEFECT_FIRST },
+    Row { name: "100 kohm at A, later", scene: A_100_KOHM, ..DEFECT_LATER },
     Row { name: "1 Mohm at A, the first 10 s", scene: A_1_MOHM, ..FIRST },
     Row { name: "1 Mohm at A, later", scene: A_1_MOHM, ..LATER },
     Row { name: "5 uA into A, the first 10 s", scene: A_CURRENT, ..FIRST },
     Row { name: "5 uA into A, later", scene: A_CURRENT, ..LATER },
     Row { name: "pull-up of 1 Mohm at A, the first 10 s", scene: A_PULL_UP, ..FIRST },
     Row { name: "pull-up of 1 Mohm at A, later", scene: A_PULL_UP, ..LATER },
-    Row { name: "50 kohm at B, the first 10 s", scene: B_50_KOHM, cases: AT_B, ..FIRST },
-    Row { name: "50 kohm at B, later", scene: B_50_KOHM, cases: AT_B, ..LATER },
+    Row { name: "50 kohm at B, the first 10 s", scene: B_50_KOHM, cases: AT_B, ..DEFECT_FIRST },
+    Row { name: "50 kohm at B, later", scene: B_50_KOHM, cases: AT_B, ..DEFECT_LATER },
     Row { name: "3 Mohm at B, the first 10 s", scene: B_3_MOHM, cases: AT_B, ..FIRST },
     Row { name: "3 Mohm at B, later", scene: B_3_MOHM, cases: AT_B, ..LATER },
     Row { name: "pull-up of 1 Mohm at A, low ones", scene: A_PULL_UP, cases: LOW, ..LATER },
