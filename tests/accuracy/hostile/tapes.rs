@@ -18,18 +18,19 @@ use variants::{VARIANTS, Variant};
 
 /// Between the calls that release and sink.
 const PAUSE_S: f64 = 1150e-9;
-const BOARDS: u64 = 60;
+const BOARDS: u64 = 45;
 /// So many estimates of each tape count: the last ones.
 const COUNTED: usize = 20;
 /// The cycle from which on a daemon has followed its calibration for long enough, and that by which one that finds its offset has.
 const STATE_FROM: usize = 48;
 const OFFSET_FROM: usize = 64;
-/// What a plan takes Ro for, ohm, and how well it knows a crossing, s.
-const PLANNED_R_O: f64 = 40.0;
+/// How well a plan knows a crossing, s.
 const JITTER_S: f64 = 2e-6;
-/// A sensor below this is released early, one above that is finished through Rc1, ohm.
+/// By which part of it a discharge moves what is usual, and beyond how many sigma from that one is refused.
+const USUAL_STEP: f64 = 0.125;
+const REFUSED: f64 = 4.0;
+/// A sensor below this is released for Rc2, one above it for Rc1, ohm.
 const RELEASED_BELOW: f64 = 2320.0;
-const FINISHED_ABOVE: f64 = 20_000.0;
 
 /// Looks for leaks: after which parts of Rc2's time they are held, in their order, and for how long.
 const LEAK_HELD_AT: [f64; 8] = [0.6, 0.6, 0.1, 0.1, 0.6, 0.1, 0.6, 0.1];
@@ -50,7 +51,9 @@ struct Tape<'a> {
     method: Method,
     r_x: f64,
     lines: Vec<String>,
-    /// When A crossed last in plain discharges through R_1 and R_2, s.
+    /// Ro as the daemon has found it at first, ohm.
+    r_o: f64,
+    /// When A crosses in plain discharges through R_1 and R_2, s.
     usual: [f64; 2],
     leak_looks: usize,
     absorption_looks: usize,
@@ -71,7 +74,16 @@ impl<'a> Tape<'a> {
         }
         let board = Board::new(number, variant, wiring, r_x);
         let lines = vec![header.to_string()];
-        Tape { board, method, r_x, lines, usual: [0.0; 2], leak_looks: 0, absorption_looks: 0 }
+        Tape {
+            r_o: board.r_o(),
+            board,
+            method,
+            r_x,
+            lines,
+            usual: [0.0; 2],
+            leak_looks: 0,
+            absorption_looks: 0,
+        }
     }
 
     fn write(mut self) -> String {
@@ -117,18 +129,33 @@ impl<'a> Tape<'a> {
         let wakes = self.follows(cycle) && (since < WAKES_IN_ROW || since % 2 == 1);
         for (index, path) in [Path::C1, Path::C2].into_iter().enumerate() {
             let then = if wakes { self.wake(index) } else { None };
-            let timed = self.add(&self.way(cycle, path, then), false);
-            self.usual[index] = timed.stamps[0].unwrap_or(self.usual[index]);
+            let woken = then.map(|then| self.add(&self.way(cycle, path, Some(then)), false));
+            // What contradicts those before it is asked once more, without a wake.
+            if woken.is_none_or(|timed| self.is_far(index, &timed)) {
+                let timed = self.add(&self.way(cycle, path, None), false);
+                self.learn(index, &timed);
+            }
         }
         if self.method == Method::Tpcm {
             return;
         }
         let [r1, _] = self.board.known_ohm();
-        let late = 0.98 * self.per_ohm() * (r1 + PLANNED_R_O) - JITTER_S;
+        let late = 0.98 * self.per_ohm() * (r1 + self.r_o) - JITTER_S;
         let is_late = self.follows(cycle) && (since < LATE_IN_ROW || since % 2 == 1);
         let at = if is_late { late } else { 0.9 * self.per_ohm() * r1 };
         let split = self.way(cycle, Path::C1, Some(switched(at, Path::C2)));
         self.add(&split, false);
+    }
+
+    fn learn(&mut self, index: usize, timed: &Timed) {
+        let Some(stamp) = timed.stamps[0] else { return };
+        let usual = &mut self.usual[index];
+        *usual += if *usual > 0.0 { USUAL_STEP * (stamp - *usual) } else { stamp };
+    }
+
+    /// Whether a filter would refuse it.
+    fn is_far(&self, index: usize, timed: &Timed) -> bool {
+        timed.stamps[0].is_none_or(|stamp| (stamp - self.usual[index]).abs() > REFUSED * timed.sigma)
     }
 
     /// The discharge of the sensor, switched as soon as the daemon knows what it needs for that.
@@ -138,9 +165,11 @@ impl<'a> Tape<'a> {
                 Method::Tracked => cycle >= STATE_FROM,
                 _ => cycle >= OFFSET_FROM,
             };
-        let due = self.per_ohm() * (self.r_x + PLANNED_R_O);
+        let due = self.per_ohm() * (self.r_x + self.r_o);
         let then = match self.method {
-            Method::Tracked if knows && self.r_x > FINISHED_ABOVE => Some(switched(0.8 * due, Path::C1)),
+            Method::Tracked if knows && !self.board.variant.to_end && self.r_x > RELEASED_BELOW => {
+                Some(switched(0.9 * due, Path::C1))
+            }
             Method::Tracked | Method::Cerm if knows && self.r_x < RELEASED_BELOW => {
                 Some(switched(0.9 * due, Path::C2))
             }

@@ -67,6 +67,8 @@ pub struct Then {
 pub struct Timed {
     pub start_ns: i64,
     pub stamps: [Option<f64>; 2],
+    /// The noise of A's.
+    pub sigma: f64,
     /// The last node crossed after the switch, if one was to be.
     pub is_switched: bool,
 }
@@ -101,6 +103,7 @@ impl<'a> Board<'a> {
             beside: variant.beside,
         };
         let noise = within(0.1e-3, 0.5e-3);
+        let loud = if variant.is_quiet { 0.1 } else { 1.0 };
         Board {
             variant,
             wiring,
@@ -108,8 +111,8 @@ impl<'a> Board<'a> {
             v_th: within(1.1, 1.4),
             r_o: within(20.0, 60.0),
             late: within(3e-6, 12e-6),
-            jitter: within(1e-6, 2e-6),
-            noise: variant.bandwidth_hz.map_or(noise, |_| 0.5e-3),
+            jitter: loud * within(1e-6, 2e-6),
+            noise: variant.bandwidth_hz.map_or(loud * noise, |_| 0.5e-3),
             now: within(1.0, 2.0),
             state: network.at_rest(V_DD),
             network,
@@ -125,6 +128,11 @@ impl<'a> Board<'a> {
     pub fn known_ohm(&self) -> [f64; 2] {
         let beyond = if self.wiring == Wiring::Series { self.variant.r_c1 } else { 0.0 };
         [self.variant.r_c1, R_C2 + beyond]
+    }
+
+    /// The output resistance of a pin now.
+    pub fn r_o(&self) -> f64 {
+        self.r_o
     }
 
     fn sunk(&self, path: Path) -> Load {
@@ -188,11 +196,13 @@ impl<'a> Board<'a> {
         }
         let actions = [Some(0.0), way.then.filter(|_| is_switched).map(|then| then.on)];
         let stamps = self.stamps(&course, start_ns, actions);
+        let of_volts = course.crossings[0].map_or(0.0, |crossing| self.noise / crossing.slope);
+        let sigma = self.jitter.hypot(of_volts);
         let ends = course.time + ENDS_S;
         course.go(&self.network.flow([sinks, Load::NONE]), ends, f64::NEG_INFINITY, None);
         self.state = course.state;
         self.pass(ends);
-        Timed { start_ns, stamps, is_switched }
+        Timed { start_ns, stamps, sigma, is_switched }
     }
 
     /// What sinks from when to when; the lines have moved so much later than they should: at the start, the release, the sinking.

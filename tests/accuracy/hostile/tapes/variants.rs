@@ -33,6 +33,8 @@ pub struct Variant {
     pub b_later_ns: f64,
     pub asleep: Option<Asleep>,
     pub clock: Option<Clock>,
+    /// Stamps jitter by a tenth of what they do elsewhere, and so does the voltage.
+    pub is_quiet: bool,
     /// Lines move before and after the instants on the tape, ns, 1 sigma, each for itself; what the tape says of that.
     pub scatter_ns: f64,
     pub told_ns: Option<f64>,
@@ -49,6 +51,8 @@ pub struct Variant {
     pub has_t: bool,
     /// It has the discharges by which a daemon looks for what is wrong.
     pub looks: bool,
+    /// Sensors of high resistance discharge until the end, however noisy that is.
+    pub to_end: bool,
     /// All estimates count, from the first on.
     pub from_first: bool,
     pub cycles: usize,
@@ -69,6 +73,7 @@ const BARE: Variant = Variant {
     b_later_ns: 0.0,
     asleep: None,
     clock: None,
+    is_quiet: false,
     scatter_ns: 0.0,
     told_ns: None,
     bandwidth_hz: None,
@@ -79,6 +84,7 @@ const BARE: Variant = Variant {
     walk_volt: 0.0,
     has_t: true,
     looks: false,
+    to_end: true,
     from_first: false,
     cycles: 60,
     // A switched discharge tells nothing before there is a state.
@@ -94,6 +100,7 @@ const DAEMON: Variant = Variant {
     scatter_ns: 150.0,
     told_ns: Some(200.0),
     looks: true,
+    to_end: false,
     // The state is found anew when a leak shows, and has to see some looks.
     cycles: 100,
     cases: &[
@@ -105,6 +112,14 @@ const DAEMON: Variant = Variant {
     ],
     ..BARE
 };
+
+/// What changes in time changes what is followed, and what is taken anew.
+const WALKING: Variant =
+    Variant { cases: &[(Tracked, &[100.0, 1000.0, 5000.0]), (Cerm, &[100.0]), (Tpcm, &[5000.0])], ..DAEMON };
+
+/// What stamps coarsely does it to all alike.
+const TICKING: Variant =
+    Variant { cases: &[(Tracked, &[100.0, 5000.0]), (Cerm, &[100.0]), (Tpcm, &[5000.0])], ..DAEMON };
 
 /// A fault is an answer.
 const LEAKING: Variant = Variant { least_numbers: 0.0, ..DAEMON };
@@ -122,6 +137,7 @@ const fn absorbs(share: f64, tau: f64) -> Option<Absorption> {
 }
 
 const AMPERES: Load = Load { amperes: 5e-6, siemens: 0.0 };
+const AT_B: Cases = &[(Tracked, &[100.0, 1000.0, 5000.0]), (Cerm, &[100.0, 5000.0]), (Tcdic, &[5000.0])];
 const SLEEPY: Cases = &[
     (Tracked, &[100.0, 1000.0, 5000.0]),
     (Cerm, &[100.0, 5000.0]),
@@ -133,7 +149,7 @@ const ONE: Cases = &[(Tracked, &[30.0, 100.0, 1000.0, 5000.0]), (Tpcm, &[100.0, 
 const DIELECTRIC: Cases =
     &[(Tracked, &[100.0, 1000.0, 5000.0]), (Cerm, &[100.0]), (Tcdic, &[100.0, 5000.0]), (Qerm, &[1000.0])];
 
-pub static VARIANTS: [Variant; 36] = [
+pub static VARIANTS: [Variant; 42] = [
     Variant { name: "tape: plain", ..BARE },
     Variant { name: "tape: from its first estimate on", from_first: true, least_numbers: 0.4, ..BARE },
     Variant {
@@ -172,8 +188,18 @@ pub static VARIANTS: [Variant; 36] = [
     Variant { name: "tape of a daemon: 1 Mohm at A", beside: at_a(Load::to(0.0, 1e6)), ..LEAKING },
     Variant { name: "tape of a daemon: pull-up of 1 Mohm at A", beside: at_a(Load::to(3.3, 1e6)), ..LEAKING },
     Variant { name: "tape of a daemon: 5 uA into A", beside: at_a(AMPERES), ..LEAKING },
-    Variant { name: "tape of a daemon: 50 kohm at B", beside: at_b(Load::to(0.0, 50e3)), ..LEAKING },
-    Variant { name: "tape of a daemon: 3 Mohm at B", beside: at_b(Load::to(0.0, 3e6)), ..LEAKING },
+    Variant {
+        name: "tape of a daemon: 50 kohm at B",
+        beside: at_b(Load::to(0.0, 50e3)),
+        cases: AT_B,
+        ..LEAKING
+    },
+    Variant {
+        name: "tape of a daemon: 3 Mohm at B",
+        beside: at_b(Load::to(0.0, 3e6)),
+        cases: AT_B,
+        ..LEAKING
+    },
     Variant {
         name: "tape of a daemon: PP, 0.05 % at 1 ms",
         absorption: absorbs(0.0005, 1e-3),
@@ -196,6 +222,8 @@ pub static VARIANTS: [Variant; 36] = [
         name: "tape of a daemon: PET, 0.25 % at 10 ms",
         absorption: absorbs(0.0025, 10e-3),
         cases: DIELECTRIC,
+        // Looks show it less than noise hides.
+        fails: &[(Tcdic, 5000.0)],
         ..DAEMON
     },
     Variant {
@@ -225,22 +253,34 @@ pub static VARIANTS: [Variant; 36] = [
     Variant {
         name: "tape of a daemon: a clock of 1 us, told",
         clock: Some(Clock { period_ns: 1000.0, is_told: true }),
-        ..DAEMON
+        ..TICKING
     },
     Variant {
         name: "tape of a daemon: a clock of 5 us, told",
         clock: Some(Clock { period_ns: 5000.0, is_told: true }),
-        ..DAEMON
+        ..TICKING
     },
     Variant {
         name: "tape of a daemon: a clock of 5 us, not told",
         clock: Some(Clock { period_ns: 5000.0, is_told: false }),
-        ..DAEMON
+        ..TICKING
     },
-    Variant { name: "tape of a daemon: C walks by 100 ppm in a second", walk_c: 1e-4, ..DAEMON },
-    Variant { name: "tape of a daemon: V_Th walks by 1 mV in a second", walk_volt: 1e-3, ..DAEMON },
-    Variant { name: "tape of a daemon: Ro walks by 0.1 ohm in a second", walk_ohm: 0.1, ..DAEMON },
-    Variant { name: "tape of a daemon: Ro walks by 1 ohm in a second", walk_ohm: 1.0, ..DAEMON },
+    Variant {
+        name: "tape of a daemon: a clock of 5 us, told, quiet",
+        clock: Some(Clock { period_ns: 5000.0, is_told: true }),
+        is_quiet: true,
+        ..TICKING
+    },
+    Variant {
+        name: "tape of a daemon: a clock of 5 us, not told, quiet",
+        clock: Some(Clock { period_ns: 5000.0, is_told: false }),
+        is_quiet: true,
+        ..TICKING
+    },
+    Variant { name: "tape of a daemon: C walks by 100 ppm in a second", walk_c: 1e-4, ..WALKING },
+    Variant { name: "tape of a daemon: V_Th walks by 1 mV in a second", walk_volt: 1e-3, ..WALKING },
+    Variant { name: "tape of a daemon: Ro walks by 0.1 ohm in a second", walk_ohm: 0.1, ..WALKING },
+    Variant { name: "tape of a daemon: Ro walks by 1 ohm in a second", walk_ohm: 1.0, ..WALKING },
     Variant { name: "tape of a daemon: one node", wiring: Wiring::One, cases: ONE, ..DAEMON },
     Variant {
         name: "tape of a daemon: one node, lines scatter by 2 us",
@@ -255,5 +295,37 @@ pub static VARIANTS: [Variant; 36] = [
         beside: at_a(Load::to(0.0, 1e6)),
         cases: ONE,
         ..LEAKING
+    },
+    Variant {
+        name: "tape of a daemon: one node, pull-up of 1 Mohm at A",
+        wiring: Wiring::One,
+        beside: at_a(Load::to(3.3, 1e6)),
+        cases: ONE,
+        ..LEAKING
+    },
+    Variant {
+        name: "tape of a daemon: one node, 5 us later after waits of 2 ms",
+        wiring: Wiring::One,
+        asleep: Some(Asleep { after: 2e-3, late: 5e-6 }),
+        cases: ONE,
+        ..DAEMON
+    },
+    // The state follows wakes before they show what they are there for.
+    Variant {
+        name: "tape of a daemon: the same, two nodes, each sensor to its end",
+        asleep: Some(Asleep { after: 2e-3, late: 5e-6 }),
+        to_end: true,
+        cases: &[(Tracked, &[5000.0])],
+        fails: &[(Tracked, 5000.0)],
+        ..DAEMON
+    },
+    Variant {
+        name: "tape of a daemon: the same, one node, each sensor to its end",
+        wiring: Wiring::One,
+        asleep: Some(Asleep { after: 2e-3, late: 5e-6 }),
+        to_end: true,
+        cases: &[(Tracked, &[5000.0])],
+        fails: &[(Tracked, 5000.0)],
+        ..DAEMON
     },
 ];
