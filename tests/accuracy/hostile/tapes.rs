@@ -29,8 +29,10 @@ const JITTER_S: f64 = 2e-6;
 /// By which part of it a discharge moves what is usual, and beyond how many sigma from that one is refused.
 const USUAL_STEP: f64 = 0.125;
 const REFUSED: f64 = 4.0;
-/// A sensor below this is released for Rc2, one above it for Rc1, ohm.
+/// A sensor below this is released for Rc2 and needs no more than node A; one above that is finished through Rc1, ohm. What
+/// pays for `tracked` is Rc2 up to its own resistance, since stamps weigh less there.
 const RELEASED_BELOW: f64 = 2320.0;
+const FINISHED_ABOVE: f64 = 20_000.0;
 
 /// Looks for leaks: after which parts of Rc2's time they are held, in their order, and for how long.
 const LEAK_HELD_AT: [f64; 8] = [0.6, 0.6, 0.1, 0.1, 0.6, 0.1, 0.6, 0.1];
@@ -166,11 +168,11 @@ impl<'a> Tape<'a> {
                 _ => cycle >= OFFSET_FROM,
             };
         let due = self.per_ohm() * (self.r_x + self.r_o);
+        let is_tracked = self.method == Method::Tracked && !self.board.variant.to_end;
+        let released_below = if is_tracked { R_C2 } else { RELEASED_BELOW };
         let then = match self.method {
-            Method::Tracked if knows && !self.board.variant.to_end && self.r_x > RELEASED_BELOW => {
-                Some(switched(0.9 * due, Path::C1))
-            }
-            Method::Tracked | Method::Cerm if knows && self.r_x < RELEASED_BELOW => {
+            Method::Tracked if knows && self.r_x > FINISHED_ABOVE => Some(switched(0.8 * due, Path::C1)),
+            Method::Tracked | Method::Cerm if knows && self.r_x < released_below => {
                 Some(switched(0.9 * due, Path::C2))
             }
             Method::Qerm if knows && self.r_x < RELEASED_BELOW => {
