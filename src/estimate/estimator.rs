@@ -168,6 +168,10 @@ impl Estimator {
     /// [`Fault::NoCalibration`] if a crossing is missing, [`Fault::LatencyOutlier`] if it is late beyond the others.
     /// The calibration in force stays.
     pub fn calibrate(&mut self, record: &Record) -> Result<(), Fault> {
+        // Whether its stamp is as late as others is not known before there is a state that it can be held against.
+        if record.is_woken() && self.tracker().is_none() {
+            return Ok(());
+        }
         if let Some(tracker) = &mut self.tracker {
             tracker.add(record)?;
             if tracker.is_ready() {

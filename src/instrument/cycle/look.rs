@@ -24,8 +24,8 @@ impl Look {
     /// What a discharge that was one of them looked for.
     pub fn of(record: &Record, kind: Option<CalibrationKind>) -> Look {
         match record.switch {
-            Some(switch) if switch.on_ns > switch.at_ns => Look::Leak,
-            Some(_) => Look::Awake(kind.and_then(resistor_of).unwrap_or(1)),
+            Some(_) if record.is_woken() => Look::Awake(kind.and_then(resistor_of).unwrap_or(1)),
+            Some(_) => Look::Leak,
             None => Look::Absorption,
         }
     }
