@@ -35,8 +35,7 @@ pub fn run(arguments: &cli::Estimate) -> Result<(), CtlError> {
             entry => entry.map_err(|error| wrong(&error))?,
         };
         for replay in &mut replays {
-            let estimate = replay.take(&entry).map_err(|why| wrong(&why))?;
-            match estimate {
+            match replay.take(&entry) {
                 Some(estimate) if arguments.summary => summary.add(estimate),
                 Some(estimate) => print(&line(&estimate))?,
                 None => {}

@@ -8,7 +8,8 @@ use crate::estimate::scatter::SwitchScatter;
 use crate::instrument::cycle::Cycle;
 use crate::instrument::discharge::Charge;
 use crate::instrument::settings::{Charges, OffsetSource, Settings};
-use crate::reading::{Fault, Measured, Method, Reading};
+use crate::reading::{Fault, Measured, Method, Reading, Status};
+use crate::record::Record;
 use crate::stream::tape::{Entry, Header, TapeOffset};
 use crate::stream::wire::{StateLine, Unit};
 use crate::units::Nanos;
@@ -44,6 +45,8 @@ pub struct Replay {
     numbers: u64,
     /// How many discharges of sensors ended before the last node that the method times.
     ended_early: u64,
+    /// How many were switched before d was known.
+    without_offset: u64,
 }
 
 impl Replay {
@@ -99,47 +102,46 @@ impl Replay {
         if let Some(offset) = offset.filter(|_| !tracked) {
             cycle.set_offset(offset);
         }
-        Ok(Replay { header, method, cycle, tracked, is_auto, numbers: 0, ended_early: 0 })
+        Ok(Replay { header, method, cycle, tracked, is_auto, numbers: 0, ended_early: 0, without_offset: 0 })
     }
 
     /// Takes the next discharge; the estimate, if it was a sensor's.
-    ///
-    /// # Errors
-    /// d is needed, and not known.
-    pub fn take(&mut self, entry: &Entry) -> Result<Option<EstimateLine>, String> {
-        let Some(reading) = self.read(entry)? else { return Ok(None) };
+    pub fn take(&mut self, entry: &Entry) -> Option<EstimateLine> {
+        let reading = self.read(entry)?;
         let channel = &self.header.channels[reading.channel];
         let mut state = StateLine::new(&reading.status, self.method, &Unit::named(channel.unit()));
         state.method = Some(self.method.to_string());
-        self.numbers += u64::from(state.r_ohm.is_some());
         let channel = channel.id.clone();
         let t_mono_ns = entry.is_timed.then_some(reading.at.0);
-        Ok(Some(EstimateLine { seq: entry.seq, channel, t_mono_ns, state }))
+        Some(EstimateLine { seq: entry.seq, channel, t_mono_ns, state })
     }
 
     /// The same as the instrument has it.
-    ///
-    /// # Errors
-    /// As [`take`](Replay::take).
-    pub fn read(&mut self, entry: &Entry) -> Result<Option<Reading>, String> {
+    pub fn read(&mut self, entry: &Entry) -> Option<Reading> {
         let Entry { is_timed, is_held, record, .. } = entry;
+        let is_of_sensor = record.through.channel().is_some();
+        let reading = if self.lacks_offset(record) {
+            self.without_offset += 1;
+            self.cycle.replay_failed(record, *is_timed, Fault::NoCalibration)
+        } else {
+            let is_cut = record.a_ns.is_some() && record.b_ns.is_none() && record.waited_ns.is_none();
+            let needs_b =
+                !self.method.is_tracked() && self.method.rules().last(self.header.circuit.kind) == Node::B;
+            self.ended_early += u64::from(is_of_sensor && is_cut && needs_b);
+            self.cycle.replay(record, *is_timed, *is_held)
+        };
+        let is_number = reading.is_some_and(|reading| matches!(reading.status, Status::Ok { .. }));
+        self.numbers += u64::from(is_number);
+        reading
+    }
+
+    /// Whether this discharge needs d, and nothing has told it yet. Of a calibration that is followed, readings say that there is none
+    /// yet; full ones are read as the daemon reads them before it has found the offset, unless the tape is to tell it.
+    fn lacks_offset(&mut self, record: &Record) -> bool {
         let is_switched = record.through.channel().is_some() && record.switch.is_some();
         let is_wanting = self.method.needs_offset() && !self.tracked && !self.cycle.offset_is_known();
-        // Of a calibration that is followed, readings say that there is none yet. Others are read as the daemon reads them
-        // before it has found the offset, unless the tape is to tell.
         let is_settled = is_wanting && (is_switched || self.is_auto) && self.cycle.settle_offset();
-        if is_wanting && is_switched && !is_settled {
-            return Err(format!(
-                "{} needs the latency offset, and the tape has neither offset_ns nor enough split calibration \
-                 discharges; give it with --offset, e.g. --offset \"8 us\"",
-                self.method
-            ));
-        }
-        let is_cut = record.a_ns.is_some() && record.b_ns.is_none() && record.waited_ns.is_none();
-        let needs_b =
-            !self.method.is_tracked() && self.method.rules().last(self.header.circuit.kind) == Node::B;
-        self.ended_early += u64::from(record.through.channel().is_some() && is_cut && needs_b);
-        Ok(self.cycle.replay(record, *is_timed, *is_held))
+        is_wanting && is_switched && !is_settled
     }
 
     /// Takes the next discharge; the estimate as it is, ohm, if it was a sensor's and there is a calibration: no zero taken
@@ -153,6 +155,11 @@ impl Replay {
         signed
     }
 
+    /// At the end of the tape: whether there is not a single number because nothing has told d.
+    pub fn has_no_offset(&self) -> bool {
+        self.numbers == 0 && self.without_offset > 0
+    }
+
     /// At the end of the tape: what was missing on it, if there is not a single number because of that.
     pub fn missed(&self) -> Option<String> {
         let method = self.method;
@@ -160,6 +167,10 @@ impl Replay {
             0 if self.tracked && !self.cycle.offset_is_known() => Some(format!(
                 "no number: the tape shows too few whole rounds of calibration discharges to follow the calibration of {method} by; \
                  record it again, all of it: `cermctl record --raw` begins with them",
+            )),
+            0 if self.has_no_offset() => Some(format!(
+                "{method} needs the latency offset, and the tape has neither offset_ns nor enough split calibration \
+                 discharges; give it with --offset, e.g. --offset \"8 us\"",
             )),
             0 if self.ended_early > 0 => Some(format!(
                 "no number: the discharges of this tape end at node A, and {method} needs node B, too; take --method tracked, or \

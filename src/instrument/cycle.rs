@@ -256,13 +256,28 @@ impl Cycle {
             (None, Some(kind)) => Step::Calibrate(kind, self.settings.last()),
             (None, None) => return None,
         };
+        self.replay_as(record, is_timed, Ok(*record))
+    }
+
+    /// The same of a sensor's discharge that has come to nothing.
+    pub fn replay_failed(&mut self, record: &Record, is_timed: bool, fault: Fault) -> Option<Reading> {
+        self.step = Step::Sensor(record.through.channel()?);
+        self.replay_as(record, is_timed, Err(fault))
+    }
+
+    fn replay_as(
+        &mut self,
+        record: &Record,
+        is_timed: bool,
+        result: Result<Record, Fault>,
+    ) -> Option<Reading> {
         match record.through.channel() {
             _ if is_timed => self.estimator.advance(record.start),
             Some(channel) => self.memory[channel].motion.forget(),
             None => {}
         }
         self.failed = None;
-        self.done(&Outcome { result: Ok(*record), calls: [None; 3], charged: None }, record.start)
+        self.done(&Outcome { result, calls: [None; 3], charged: None }, record.start)
     }
 
     /// Leaves leaks out of what is said, until a discharge that was held tells of them: for tapes that have none.
