@@ -1,6 +1,8 @@
 //! Estimating from a tape: the discharges go through the instrument's own order of things, so that a tape is read as the
 //! daemon has read it.
 
+mod grid;
+
 use crate::circuit::Node;
 use crate::estimate::estimator::Estimate;
 use crate::estimate::offset::Offset;
@@ -13,6 +15,7 @@ use crate::record::Record;
 use crate::stream::tape::{Entry, Header, TapeOffset};
 use crate::stream::wire::{StateLine, Unit};
 use crate::units::Nanos;
+use grid::Grid;
 use serde::Serialize;
 
 /// What is said about one x discharge.
@@ -37,6 +40,9 @@ pub struct Replay {
     header: Header,
     method: Method,
     cycle: Cycle,
+    /// What the stamps tell of their clock, and the period that is in force, ns.
+    grid: Grid,
+    resolution_ns: f64,
     /// Whether the calibration is followed.
     tracked: bool,
     /// The offset is what the tape tells, from the first four split discharges on.
@@ -102,7 +108,20 @@ impl Replay {
         if let Some(offset) = offset.filter(|_| !tracked) {
             cycle.set_offset(offset);
         }
-        Ok(Replay { header, method, cycle, tracked, is_auto, numbers: 0, ended_early: 0, without_offset: 0 })
+        let resolution_ns = header.resolution_ns.unwrap_or(1.0);
+        let replay = Replay {
+            header,
+            method,
+            cycle,
+            grid: Grid::default(),
+            resolution_ns,
+            tracked,
+            is_auto,
+            numbers: 0,
+            ended_early: 0,
+            without_offset: 0,
+        };
+        Ok(replay)
     }
 
     /// Takes the next discharge; the estimate, if it was a sensor's.
@@ -119,6 +138,7 @@ impl Replay {
     /// The same as the instrument has it.
     pub fn read(&mut self, entry: &Entry) -> Option<Reading> {
         let Entry { is_timed, is_held, record, .. } = entry;
+        self.look_at_clock(record);
         let is_of_sensor = record.through.channel().is_some();
         let reading = if self.lacks_offset(record) {
             self.without_offset += 1;
@@ -135,6 +155,17 @@ impl Replay {
         reading
     }
 
+    /// Stamps at the edges of a coarse clock have its uncertainty, though their scatter need not show it and the header not say it.
+    fn look_at_clock(&mut self, record: &Record) {
+        self.grid.add(record);
+        let said_ns = self.header.resolution_ns.unwrap_or(1.0);
+        let resolution_ns = self.grid.period_ns().map_or(said_ns, |period_ns| period_ns.max(said_ns));
+        if resolution_ns != self.resolution_ns {
+            self.resolution_ns = resolution_ns;
+            self.cycle.set_resolution(resolution_ns);
+        }
+    }
+
     /// Whether this discharge needs d, and nothing has told it yet. Of a calibration that is followed, readings say that there is none
     /// yet; full ones are read as the daemon reads them before it has found the offset, unless the tape is to tell it.
     fn lacks_offset(&mut self, record: &Record) -> bool {
@@ -147,6 +178,7 @@ impl Replay {
     /// Takes the next discharge; the estimate as it is, ohm, if it was a sensor's and there is a calibration: no zero taken
     /// off, and below 0 too, where a reading says `short`; with 1 sigma of what other readings share with it.
     pub fn signed_ohm(&mut self, entry: &Entry) -> Option<Result<Measured, Fault>> {
+        self.look_at_clock(&entry.record);
         let (record, estimator) = (&entry.record, self.cycle.estimator());
         let is_known = record.through.channel().is_some() && estimator.calibration().is_some();
         let shared = |estimate: Estimate| estimate.basis.shared(estimate.r_ohm);

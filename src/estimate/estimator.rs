@@ -97,11 +97,12 @@ impl Estimator {
         Estimator { tracker, ..Estimator::new(method, r1_ohm, r2_ohm, nodes, Offset::default()) }
     }
 
-    /// For a clock that stamps crossings with this period instead of 1 ns. Forgets what was learned.
-    pub fn with_resolution(self, resolution_ns: f64) -> Estimator {
-        let r_ohm = [self.r1_ohm, self.r2_ohm];
-        let tracker = self.tracker.map(|_| Tracker::new(r_ohm, self.nodes, resolution_ns));
-        Estimator { noise: Noise::new(self.nodes, resolution_ns), tracker, ..self }
+    /// The clock that stamps crossings has this period, instead of 1 ns or what was said before.
+    pub fn set_resolution(&mut self, resolution_ns: f64) {
+        self.noise.set_resolution(resolution_ns);
+        if let Some(tracker) = &mut self.tracker {
+            tracker.set_resolution(resolution_ns);
+        }
     }
 
     /// The tracked calibration, once there is one.

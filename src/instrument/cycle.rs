@@ -121,14 +121,14 @@ impl Cycle {
     /// A cycle that has learned nothing yet.
     pub fn new(settings: Settings) -> Cycle {
         let ([r1, r2], nodes, method) = (settings.r_ohm(), settings.nodes(), settings.method);
-        let estimator = if settings.tracked {
+        let mut estimator = if settings.tracked {
             Estimator::tracked(method, r1, r2, nodes)
         } else {
             let offset = settings.offset_ns.map_or_else(Offset::unknown, Offset::given);
             Estimator::new(method, r1, r2, nodes, offset)
         };
-        let (leak, mut estimator) =
-            (LeakTest::default(), estimator.with_resolution(settings.resolution.as_ns()));
+        let leak = LeakTest::default();
+        estimator.set_resolution(settings.resolution.as_ns());
         estimator.set_leak(&leak);
         let finds_offset = !settings.tracked && settings.offset_ns.is_none();
         let split = finds_offset.then(|| SplitCalibration::new(r1, r2, nodes, WINDOW));
@@ -278,6 +278,11 @@ impl Cycle {
         }
         self.failed = None;
         self.done(&Outcome { result, calls: [None; 3], charged: None }, record.start)
+    }
+
+    /// The clock that stamps crossings has turned out to have another period.
+    pub fn set_resolution(&mut self, resolution_ns: f64) {
+        self.estimator.set_resolution(resolution_ns);
     }
 
     /// Leaves leaks out of what is said, until a discharge that was held tells of them: for tapes that have none.
