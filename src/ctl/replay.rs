@@ -103,7 +103,7 @@ impl Replay {
             t_l: None,
             switch_fraction: 1.0,
         });
-        cycle.ignore_leaks();
+        cycle.know(&header.looks.found());
         // That of a calibration which is followed is followed with it.
         if let Some(offset) = offset.filter(|_| !tracked) {
             cycle.set_offset(offset);
@@ -187,6 +187,11 @@ impl Replay {
         signed
     }
 
+    /// Whether neither the header nor a discharge that was held has told of leaks: none is in the uncertainties.
+    pub fn ignores_leaks(&self) -> bool {
+        self.cycle.estimator().ignores_leaks()
+    }
+
     /// At the end of the tape: whether there is not a single number because nothing has told d.
     pub fn has_no_offset(&self) -> bool {
         self.numbers == 0 && self.without_offset > 0
@@ -230,5 +235,7 @@ fn of_header(d_ns: f64, known: &TapeOffset) -> Offset {
     }
 }
 
+#[cfg(test)]
+mod later;
 #[cfg(test)]
 mod tests;

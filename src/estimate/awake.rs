@@ -23,6 +23,21 @@ pub struct AwakeTest {
 }
 
 impl AwakeTest {
+    /// What others have [found](Self::found).
+    pub fn known(by_resistor: [[f64; 2]; 2]) -> AwakeTest {
+        AwakeTest { looks: by_resistor.map(Looks::known), ..AwakeTest::default() }
+    }
+
+    /// By how much later or earlier stamps are after a wait as long as through each resistor, ns, with 1 sigma, once both are known.
+    pub fn found(&self) -> Option<[[f64; 2]; 2]> {
+        let is_known = self.looks.iter().all(|looks| looks.taken() >= AWAKE_FIRST);
+        let of = |resistor: usize| {
+            let looks = &self.looks[resistor];
+            [looks.median(), looks.noise().hypot(self.u_usual_ns[resistor])]
+        };
+        is_known.then(|| [of(0), of(1)])
+    }
+
     /// Whether the next plain discharge through a resistor is to be such a one, where they are calibration discharges.
     pub fn is_next(&self, resistor: usize) -> bool {
         let every = if self.looks[resistor].taken() < AWAKE_YOUNG { 1 } else { AWAKE_EVERY };

@@ -28,6 +28,21 @@ pub struct LeakTest {
 }
 
 impl LeakTest {
+    /// What others have [found](Self::found).
+    pub fn known(levels: [[f64; 2]; 2]) -> LeakTest {
+        let mut test = LeakTest { looks: levels.map(Looks::known), before: 0.0 };
+        test.before = test.likely_siemens();
+        test
+    }
+
+    /// The leak at either level with 1 sigma, siemens, once it is known. A level of which nothing is known is as the other.
+    pub fn found(&self) -> Option<[[f64; 2]; 2]> {
+        let [early, late] = &self.looks;
+        let known =
+            [[early, late], [late, early]].map(|[own, other]| if own.taken() > 0 { own } else { other });
+        self.is_known().then(|| known.map(|looks| [looks.median(), looks.noise()]))
+    }
+
     /// Whether a held discharge is due.
     pub fn is_due(&self, now: Nanos) -> bool {
         // Nothing is measured meanwhile, so it is seen at once when that is over.

@@ -170,6 +170,7 @@ impl Cycle {
         let mut stats = self.stats;
         stats.offset = self.estimator.offset();
         stats.offset_is_known = self.offset_is_known();
+        stats.found = self.found();
         stats.leak_siemens = self.leak.siemens();
         stats.absorbed = self.absorption.share();
         stats.late_after_waits_ns = self.estimator.awake().late_ns();
@@ -283,11 +284,6 @@ impl Cycle {
     /// The clock that stamps crossings has turned out to have another period.
     pub fn set_resolution(&mut self, resolution_ns: f64) {
         self.estimator.set_resolution(resolution_ns);
-    }
-
-    /// Leaves leaks out of what is said, until a discharge that was held tells of them: for tapes that have none.
-    pub fn ignore_leaks(&mut self) {
-        self.estimator.ignore_leaks();
     }
 
     /// Puts another offset in force, one that is known from elsewhere.

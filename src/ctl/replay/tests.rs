@@ -7,7 +7,7 @@ use crate::pins::sim::{Scene, SimPins};
 use crate::stream::tape::Reader;
 use crate::stream::wire::{StatusName, Unit};
 
-fn config(kind: &str, method: &str) -> Config {
+pub(super) fn config(kind: &str, method: &str) -> Config {
     let capacitors =
         if kind == "two-capacitor" { "c-a = \"2.2 uF\"\nc-b = \"680 nF\"" } else { "c = \"470 nF\"" };
     let text = format!(
@@ -54,7 +54,7 @@ fn measured(kind: &str, method: &str, cycles: u64) -> (Vec<(i64, StateLine)>, St
     (readings, tape.join("\n") + "\n")
 }
 
-fn replayed(tape: &str, method: Method) -> Vec<EstimateLine> {
+pub(super) fn replayed(tape: &str, method: Method) -> Vec<EstimateLine> {
     let tape = Reader::open(tape.as_bytes()).unwrap();
     let mut replay = Replay::new(tape.header(), method, None).unwrap();
     tape.filter_map(|entry| replay.take(&entry.unwrap())).collect()
