@@ -134,6 +134,11 @@ impl Record {
         }
     }
 
+    /// Whether nothing was switched, and the program has only woken before the end.
+    pub fn is_woken(&self) -> bool {
+        self.switch.is_some_and(|switch| switch.to == self.through && switch.on_ns == switch.at_ns)
+    }
+
     /// The crossing of a node, ns.
     pub fn crossing(&self, node: Node) -> Option<f64> {
         self.crossings()[node.index()]

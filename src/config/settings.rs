@@ -7,7 +7,7 @@ use crate::estimate::offset::Offset;
 use crate::instrument::settings::{OffsetSource, Settings};
 use crate::sensor::table::Tabled;
 use crate::sensor::{Channel, Force, Law, Transducer};
-use crate::stream::tape::{Header, PROTO_MAJOR, TapeCircuit, TapeOffset};
+use crate::stream::tape::{Header, PROTO_MAJOR, TapeCircuit, TapeLooks, TapeOffset};
 use crate::units::Nanos;
 
 /// Why a configuration that passes its check still cannot be run.
@@ -108,6 +108,7 @@ pub fn tape_header(settings: &Settings, found: Option<Offset>) -> Header {
         circuit: TapeCircuit { kind: settings.kind, r_c1_ohm, r_c2_ohm },
         resolution_ns: Some(settings.resolution.as_ns()),
         offset,
+        looks: TapeLooks::default(),
         tracked: settings.tracked,
         channels: settings.channels.clone(),
     }

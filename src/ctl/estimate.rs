@@ -35,8 +35,7 @@ pub fn run(arguments: &cli::Estimate) -> Result<(), CtlError> {
             entry => entry.map_err(|error| wrong(&error))?,
         };
         for replay in &mut replays {
-            let estimate = replay.take(&entry).map_err(|why| wrong(&why))?;
-            match estimate {
+            match replay.take(&entry) {
                 Some(estimate) if arguments.summary => summary.add(estimate),
                 Some(estimate) => print(&line(&estimate))?,
                 None => {}
@@ -48,5 +47,13 @@ pub fn run(arguments: &cli::Estimate) -> Result<(), CtlError> {
         .iter()
         .try_for_each(|row| print(&if arguments.json { line(row) } else { row.to_string() }))?;
     // A tape without a discharge of a sensor has nothing to give.
-    replays.iter().find_map(Replay::missed).map_or(Ok(()), |why| Err(wrong(&why)))
+    if let Some(why) = replays.iter().find_map(Replay::missed) {
+        return Err(wrong(&why));
+    }
+    if replays.iter().any(Replay::ignores_leaks) {
+        eprintln!(
+            "cermctl: {name}: this tape shows no look for a leak: what one beside the sensor does is not in u (docs/tapes.md)"
+        );
+    }
+    Ok(())
 }

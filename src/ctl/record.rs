@@ -106,7 +106,9 @@ impl<'a> Recording<'a> {
                 self.header = Some(header);
                 self.write(line)
             }
-            Some(first) if *first == (Header { offset: first.offset, ..header }) => Ok(()),
+            Some(first) if *first == (Header { offset: first.offset, looks: first.looks, ..header }) => {
+                Ok(())
+            }
             Some(_) => Err(ended("the configuration of cermd has changed")),
         }
     }

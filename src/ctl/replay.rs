@@ -1,6 +1,8 @@
 //! Estimating from a tape: the discharges go through the instrument's own order of things, so that a tape is read as the
 //! daemon has read it.
 
+mod grid;
+
 use crate::circuit::Node;
 use crate::estimate::estimator::Estimate;
 use crate::estimate::offset::Offset;
@@ -8,10 +10,12 @@ use crate::estimate::scatter::SwitchScatter;
 use crate::instrument::cycle::Cycle;
 use crate::instrument::discharge::Charge;
 use crate::instrument::settings::{Charges, OffsetSource, Settings};
-use crate::reading::{Fault, Measured, Method, Reading};
+use crate::reading::{Fault, Measured, Method, Reading, Status};
+use crate::record::Record;
 use crate::stream::tape::{Entry, Header, TapeOffset};
 use crate::stream::wire::{StateLine, Unit};
 use crate::units::Nanos;
+use grid::Grid;
 use serde::Serialize;
 
 /// What is said about one x discharge.
@@ -36,14 +40,23 @@ pub struct Replay {
     header: Header,
     method: Method,
     cycle: Cycle,
+    /// What the stamps tell of their clock.
+    grid: Grid,
     /// Whether the calibration is followed.
     tracked: bool,
     /// The offset is what the tape tells, from the first four split discharges on.
     is_auto: bool,
+    counts: Counts,
+}
+
+#[derive(Debug, Default)]
+struct Counts {
     /// How many estimates were numbers.
     numbers: u64,
     /// How many discharges of sensors ended before the last node that the method times.
     ended_early: u64,
+    /// How many were switched before d was known.
+    without_offset: u64,
 }
 
 impl Replay {
@@ -73,78 +86,67 @@ impl Replay {
             _ if tracked || !method.needs_offset() => Some(Offset::default()),
             _ => None,
         };
-        let mut cycle = Cycle::new(Settings {
-            method,
-            kind,
-            r_c_ohm: [header.circuit.r_c1_ohm, header.circuit.r_c2_ohm],
-            offset_ns: offset.map(|offset| offset.d_ns),
-            resolution: Nanos(header.resolution_ns.unwrap_or(1.0) as i64),
-            tracked,
-            channels: header.channels.clone(),
-            // What is planned is on the tape already.
-            nominal: Nanos::ZERO,
-            drain: Nanos::ZERO,
-            charge: Charges::alike(Charge::alone(Nanos::ZERO)),
-            charge_ohm: None,
-            settle: Nanos::ZERO,
-            deadline: Nanos::MAX,
-            period: None,
-            average: None,
-            every: vec![1; header.channels.len()],
-            t_l: None,
-            switch_fraction: 1.0,
-        });
-        cycle.ignore_leaks();
+        let mut cycle = Cycle::new(settings(&header, method, tracked, offset.map(|offset| offset.d_ns)));
+        cycle.know(&header.looks.found());
         // That of a calibration which is followed is followed with it.
         if let Some(offset) = offset.filter(|_| !tracked) {
             cycle.set_offset(offset);
         }
-        Ok(Replay { header, method, cycle, tracked, is_auto, numbers: 0, ended_early: 0 })
+        let grid = Grid::new(header.resolution_ns.unwrap_or(1.0));
+        Ok(Replay { header, method, cycle, grid, tracked, is_auto, counts: Counts::default() })
     }
 
     /// Takes the next discharge; the estimate, if it was a sensor's.
-    ///
-    /// # Errors
-    /// d is needed, and not known.
-    pub fn take(&mut self, entry: &Entry) -> Result<Option<EstimateLine>, String> {
-        let Some(reading) = self.read(entry)? else { return Ok(None) };
+    pub fn take(&mut self, entry: &Entry) -> Option<EstimateLine> {
+        let reading = self.read(entry)?;
         let channel = &self.header.channels[reading.channel];
         let mut state = StateLine::new(&reading.status, self.method, &Unit::named(channel.unit()));
         state.method = Some(self.method.to_string());
-        self.numbers += u64::from(state.r_ohm.is_some());
         let channel = channel.id.clone();
         let t_mono_ns = entry.is_timed.then_some(reading.at.0);
-        Ok(Some(EstimateLine { seq: entry.seq, channel, t_mono_ns, state }))
+        Some(EstimateLine { seq: entry.seq, channel, t_mono_ns, state })
     }
 
     /// The same as the instrument has it.
-    ///
-    /// # Errors
-    /// As [`take`](Replay::take).
-    pub fn read(&mut self, entry: &Entry) -> Result<Option<Reading>, String> {
+    pub fn read(&mut self, entry: &Entry) -> Option<Reading> {
         let Entry { is_timed, is_held, record, .. } = entry;
+        self.look_at_clock(record);
+        let is_of_sensor = record.through.channel().is_some();
+        let reading = if self.lacks_offset(record) {
+            self.counts.without_offset += 1;
+            self.cycle.replay_failed(record, *is_timed, Fault::NoCalibration)
+        } else {
+            let is_cut = record.a_ns.is_some() && record.b_ns.is_none() && record.waited_ns.is_none();
+            let needs_b =
+                !self.method.is_tracked() && self.method.rules().last(self.header.circuit.kind) == Node::B;
+            self.counts.ended_early += u64::from(is_of_sensor && is_cut && needs_b);
+            self.cycle.replay(record, *is_timed, *is_held)
+        };
+        let is_number = reading.is_some_and(|reading| matches!(reading.status, Status::Ok { .. }));
+        self.counts.numbers += u64::from(is_number);
+        reading
+    }
+
+    /// Stamps at the edges of a coarse clock have its uncertainty, though their scatter need not show it and the header not say it.
+    fn look_at_clock(&mut self, record: &Record) {
+        if let Some(resolution_ns) = self.grid.take(record) {
+            self.cycle.set_resolution(resolution_ns);
+        }
+    }
+
+    /// Whether this discharge needs d, and nothing has told it yet. Of a calibration that is followed, readings say that there is none
+    /// yet; full ones are read as the daemon reads them before it has found the offset, unless the tape is to tell it.
+    fn lacks_offset(&mut self, record: &Record) -> bool {
         let is_switched = record.through.channel().is_some() && record.switch.is_some();
         let is_wanting = self.method.needs_offset() && !self.tracked && !self.cycle.offset_is_known();
-        // Of a calibration that is followed, readings say that there is none yet. Others are read as the daemon reads them
-        // before it has found the offset, unless the tape is to tell.
         let is_settled = is_wanting && (is_switched || self.is_auto) && self.cycle.settle_offset();
-        if is_wanting && is_switched && !is_settled {
-            return Err(format!(
-                "{} needs the latency offset, and the tape has neither offset_ns nor enough split calibration \
-                 discharges; give it with --offset, e.g. --offset \"8 us\"",
-                self.method
-            ));
-        }
-        let is_cut = record.a_ns.is_some() && record.b_ns.is_none() && record.waited_ns.is_none();
-        let needs_b =
-            !self.method.is_tracked() && self.method.rules().last(self.header.circuit.kind) == Node::B;
-        self.ended_early += u64::from(record.through.channel().is_some() && is_cut && needs_b);
-        Ok(self.cycle.replay(record, *is_timed, *is_held))
+        is_wanting && is_switched && !is_settled
     }
 
     /// Takes the next discharge; the estimate as it is, ohm, if it was a sensor's and there is a calibration: no zero taken
     /// off, and below 0 too, where a reading says `short`; with 1 sigma of what other readings share with it.
     pub fn signed_ohm(&mut self, entry: &Entry) -> Option<Result<Measured, Fault>> {
+        self.look_at_clock(&entry.record);
         let (record, estimator) = (&entry.record, self.cycle.estimator());
         let is_known = record.through.channel().is_some() && estimator.calibration().is_some();
         let shared = |estimate: Estimate| estimate.basis.shared(estimate.r_ohm);
@@ -153,15 +155,29 @@ impl Replay {
         signed
     }
 
+    /// Whether neither the header nor a discharge that was held has told of leaks: none is in the uncertainties.
+    pub fn ignores_leaks(&self) -> bool {
+        self.cycle.estimator().ignores_leaks()
+    }
+
+    /// At the end of the tape: whether there is not a single number because nothing has told d.
+    pub fn has_no_offset(&self) -> bool {
+        self.counts.numbers == 0 && self.counts.without_offset > 0
+    }
+
     /// At the end of the tape: what was missing on it, if there is not a single number because of that.
     pub fn missed(&self) -> Option<String> {
         let method = self.method;
-        match self.numbers {
+        match self.counts.numbers {
             0 if self.tracked && !self.cycle.offset_is_known() => Some(format!(
                 "no number: the tape shows too few whole rounds of calibration discharges to follow the calibration of {method} by; \
                  record it again, all of it: `cermctl record --raw` begins with them",
             )),
-            0 if self.ended_early > 0 => Some(format!(
+            0 if self.has_no_offset() => Some(format!(
+                "{method} needs the latency offset, and the tape has neither offset_ns nor enough split calibration \
+                 discharges; give it with --offset, e.g. --offset \"8 us\"",
+            )),
+            0 if self.counts.ended_early > 0 => Some(format!(
                 "no number: the discharges of this tape end at node A, and {method} needs node B, too; take --method tracked, or \
                  record a cermd with method = \"{method}\"",
             )),
@@ -172,6 +188,31 @@ impl Replay {
     /// What all discharges belong to.
     pub fn header(&self) -> &Header {
         &self.header
+    }
+}
+
+/// Of an instrument that only takes what is on the tape.
+fn settings(header: &Header, method: Method, tracked: bool, offset_ns: Option<f64>) -> Settings {
+    Settings {
+        method,
+        kind: header.circuit.kind,
+        r_c_ohm: [header.circuit.r_c1_ohm, header.circuit.r_c2_ohm],
+        offset_ns,
+        resolution: Nanos(header.resolution_ns.unwrap_or(1.0) as i64),
+        tracked,
+        channels: header.channels.clone(),
+        // What is planned is on the tape already.
+        nominal: Nanos::ZERO,
+        drain: Nanos::ZERO,
+        charge: Charges::alike(Charge::alone(Nanos::ZERO)),
+        charge_ohm: None,
+        settle: Nanos::ZERO,
+        deadline: Nanos::MAX,
+        period: None,
+        average: None,
+        every: vec![1; header.channels.len()],
+        t_l: None,
+        switch_fraction: 1.0,
     }
 }
 
@@ -187,5 +228,7 @@ fn of_header(d_ns: f64, known: &TapeOffset) -> Offset {
     }
 }
 
+#[cfg(test)]
+mod later;
 #[cfg(test)]
 mod tests;

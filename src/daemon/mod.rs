@@ -24,7 +24,7 @@ use crate::config::{Backend, Config, Severity, TriggerSettings, tape_header};
 use crate::instrument::settings::Settings;
 use crate::pins::{clock, monotonic};
 use crate::stream::server::{Limits, Server};
-use crate::stream::tape::Header;
+use crate::stream::tape::{Header, TapeLooks};
 use crate::units::Nanos;
 pub use error::DaemonError;
 use error::{is_held, system};
@@ -205,7 +205,7 @@ impl Daemon {
         let _ = self.threads.measuring.wake().read();
         // Of readings that are in the ring by now, and are told first.
         let events = self.threads.events();
-        let before = self.known.stats;
+        let (before, found_before) = (self.known.stats, self.known.found);
         let to_wall = clock(ClockId::CLOCK_REALTIME) - monotonic();
         let mut lost = Lost::default();
         while let Some(update) = self.threads.measuring.next() {
@@ -228,17 +228,20 @@ impl Daemon {
         if is_found {
             publish::log_offset(&found);
         }
-        // The offset is followed; a tape that is being recorded keeps the one that it began with.
-        if is_found || (found.offset != before.offset && !self.server.wants_raw()) {
+        // The offset is followed, and what looks show; a tape that is being recorded keeps what it began with.
+        let has_changed = found.offset != before.offset || self.known.found != found_before;
+        if is_found || (has_changed && !self.server.wants_raw()) {
             self.announce_tape_header();
         }
     }
 
-    /// With the offset as soon as it is known: a tape that begins later holds no split discharges to find it from.
+    /// With the offset as soon as it is known, and what looks have found: a tape that begins later holds no split discharges, and too
+    /// few looks, to find them from.
     fn announce_tape_header(&mut self) {
         let stats = &self.known.stats;
         let found = stats.offset_is_known.then_some(stats.offset);
-        let header = tape_header(&self.loaded.settings, found);
+        let looks = TapeLooks::of(&self.known.found);
+        let header = Header { looks, ..tape_header(&self.loaded.settings, found) };
         self.server.set_tape_header(&header);
     }
 

@@ -19,6 +19,11 @@ use crate::units::Nanos;
 pub struct AbsorptionTest(Looks<ABSORPTION_REMEMBERED>);
 
 impl AbsorptionTest {
+    /// What others have found to [show](Self::share).
+    pub fn known(share: f64) -> AbsorptionTest {
+        AbsorptionTest(Looks::known([share, 0.0]))
+    }
+
     /// Whether one is due.
     pub fn is_due(&self, now: Nanos) -> bool {
         self.0.is_due(now, ABSORPTION_FIRST, ABSORPTION_EVERY)

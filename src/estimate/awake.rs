@@ -29,6 +29,17 @@ pub struct AwakeTest {
 }
 
 impl AwakeTest {
+    /// What others have [found](Self::found).
+    pub fn known(by_resistor: [[f64; 2]; 2]) -> AwakeTest {
+        AwakeTest { looks: by_resistor.map(Looks::known), ..AwakeTest::default() }
+    }
+
+    /// By how much later or earlier stamps are after a wait as long as through each resistor, ns, with 1 sigma, once both are known.
+    pub fn found(&self) -> Option<[[f64; 2]; 2]> {
+        let [first, second] = [0, 1].map(|resistor| self.longer_ns(resistor));
+        Some([first?, second?])
+    }
+
     /// Whether the next plain discharge through a resistor is to be such a one, where they are calibration discharges.
     pub fn is_next(&self, resistor: usize) -> bool {
         let every = if self.looks[resistor].taken() < AWAKE_YOUNG { 1 } else { AWAKE_EVERY };
@@ -61,20 +72,21 @@ impl AwakeTest {
         self.asleep[resistor] = longer_ns;
     }
 
-    /// By how much later stamps are after a wait as long as a discharge through a resistor, and the uncertainty of that, 1 sigma, ns.
-    fn shown_ns(&self, resistor: usize) -> [f64; 2] {
+    /// By how much longer those are in which it woke, ns, with 1 sigma, once that is known.
+    fn longer_ns(&self, resistor: usize) -> Option<[f64; 2]> {
         let (looks, pairs) = (&self.looks[resistor], &self.pairs[resistor]);
         let (looks, first, u_usual_ns) = match pairs.taken() {
             ..AWAKE_PAIRS => (looks, AWAKE_FIRST, self.u_usual_ns[resistor]),
             _ => (pairs, AWAKE_PAIRS, 0.0),
         };
+        (looks.taken() >= first).then(|| [looks.median(), looks.noise().hypot(u_usual_ns)])
+    }
+
+    /// By how much later stamps are after a wait as long as a discharge through a resistor, and the uncertainty of that, 1 sigma, ns.
+    fn shown_ns(&self, resistor: usize) -> [f64; 2] {
         // What is more is no latency: the circuit was another one meanwhile.
-        let is_latency = looks.median().abs() <= LATEST_STAMP_NS;
-        if looks.taken() >= first && is_latency {
-            [looks.median().abs(), looks.noise().hypot(u_usual_ns)]
-        } else {
-            [0.0; 2]
-        }
+        let latency = self.longer_ns(resistor).filter(|[longer_ns, _]| longer_ns.abs() <= LATEST_STAMP_NS);
+        latency.map_or([0.0; 2], |[longer_ns, u_ns]| [longer_ns.abs(), u_ns])
     }
 
     /// Whether they are longer than the others or shorter for certain.

@@ -99,11 +99,12 @@ impl Estimator {
         Estimator { tracker, ..Estimator::new(method, r1_ohm, r2_ohm, nodes, Offset::default()) }
     }
 
-    /// For a clock that stamps crossings with this period instead of 1 ns. Forgets what was learned.
-    pub fn with_resolution(self, resolution_ns: f64) -> Estimator {
-        let r_ohm = [self.r1_ohm, self.r2_ohm];
-        let tracker = self.tracker.map(|_| Tracker::new(r_ohm, self.nodes, resolution_ns));
-        Estimator { noise: Noise::new(self.nodes, resolution_ns), tracker, ..self }
+    /// The clock that stamps crossings has this period, instead of 1 ns or what was said before.
+    pub fn set_resolution(&mut self, resolution_ns: f64) {
+        self.noise.set_resolution(resolution_ns);
+        if let Some(tracker) = &mut self.tracker {
+            tracker.set_resolution(resolution_ns);
+        }
     }
 
     /// The tracked calibration, once there is one.
@@ -170,6 +171,10 @@ impl Estimator {
     /// [`Fault::NoCalibration`] if a crossing is missing, [`Fault::LatencyOutlier`] if it is late beyond the others.
     /// The calibration in force stays.
     pub fn calibrate(&mut self, record: &Record) -> Result<(), Fault> {
+        // Whether its stamp is as late as others is not known before there is a state that it can be held against.
+        if record.is_woken() && self.tracker().is_none() {
+            return Ok(());
+        }
         if let Some(tracker) = &mut self.tracker {
             tracker.add(record)?;
             if tracker.is_ready() {

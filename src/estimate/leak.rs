@@ -28,6 +28,21 @@ pub struct LeakTest {
 }
 
 impl LeakTest {
+    /// What others have [found](Self::found).
+    pub fn known(levels: [[f64; 2]; 2]) -> LeakTest {
+        let mut test = LeakTest { looks: levels.map(Looks::known), before: 0.0 };
+        test.before = test.likely_siemens();
+        test
+    }
+
+    /// The leak at either level with 1 sigma, siemens, once it is known. A level of which nothing is known is as the other.
+    pub fn found(&self) -> Option<[[f64; 2]; 2]> {
+        let [early, late] = &self.looks;
+        let known =
+            [[early, late], [late, early]].map(|[own, other]| if own.taken() > 0 { own } else { other });
+        self.is_known().then(|| known.map(|looks| [looks.median(), looks.noise()]))
+    }
+
     /// Whether a held discharge is due.
     pub fn is_due(&self, now: Nanos) -> bool {
         // Nothing is measured meanwhile, so it is seen at once when that is over.
@@ -222,6 +237,20 @@ mod tests {
         let gone =
             tested(4 * LEAK_REMEMBERED, |index| if index < 2 * LEAK_REMEMBERED { 508_000.0 } else { 0.0 });
         assert_eq!((gone.siemens(), gone.likely_siemens()), (None, 0.0));
+    }
+
+    #[test]
+    fn what_was_found_is_known_elsewhere_until_other_looks_replace_it() {
+        let found = tested(2 * LEAK_REMEMBERED, |_| 508_000.0);
+        let mut known = LeakTest::known(found.found().unwrap());
+        let [of_found, of_known] = [&found, &known].map(|test| [test.likely_siemens(), test.u_siemens()]);
+        assert!(of_found.iter().zip(of_known).all(|(found, known)| (found / known - 1.0).abs() < 1e-9));
+        assert!(known.siemens().is_some() && !known.has_changed() && !known.is_wanting());
+        for _ in 0..2 * LEAK_REMEMBERED {
+            known.add(Some((0.0, 1.8e7)), 12_700.0, Nanos::ZERO);
+        }
+        assert_eq!((known.siemens(), known.likely_siemens()), (None, 0.0));
+        assert_eq!(tested(1, |_| 508_000.0).found(), None);
     }
 
     #[test]

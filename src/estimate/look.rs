@@ -10,6 +10,17 @@ pub fn beyond(shown: f64, chance: f64) -> f64 {
     (shown.powi(2) - chance.powi(2)).max(0.0).sqrt()
 }
 
+/// What all looks have shown, as it is told to who comes later; `None`: too few, or nothing.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Found {
+    /// What leaks [early and late](crate::estimate::leak) in a discharge, whether it shows or not, siemens, with 1 sigma.
+    pub leak_siemens: Option<[[f64; 2]; 2]>,
+    /// By how much later stamps are after [waits](crate::estimate::awake) as long as through R_1 and R_2, ns, with 1 sigma.
+    pub late_ns: Option<[[f64; 2]; 2]>,
+    /// By which share of their time discharges are longer [after a rest](crate::estimate::absorption).
+    pub absorbed: Option<f64>,
+}
+
 /// Looks so far, the last `N` of them with what they have shown.
 #[derive(Debug, Clone, Copy)]
 pub struct Looks<const N: usize> {
@@ -42,6 +53,12 @@ impl<const N: usize> Default for Looks<N> {
 }
 
 impl<const N: usize> Looks<N> {
+    /// As if so many as are remembered had shown this, with 1 sigma of it: later ones replace them one by one.
+    pub fn known([shown, noise]: [f64; 2]) -> Looks<N> {
+        let variance = noise.powi(2) * N as f64 / FRAC_PI_2;
+        Looks { shown: [shown; N], taken: N, median: shown, variance, ..Looks::default() }
+    }
+
     /// Whether another one is due: `first` of them follow each other, and then there is one in every so long.
     pub fn is_due(&self, now: Nanos, first: usize, every: Nanos) -> bool {
         let is_old = self.last.is_none_or(|last| now - last >= every);

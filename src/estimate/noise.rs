@@ -129,8 +129,15 @@ impl Noise {
     /// Nothing is known yet. One or two `nodes`; `resolution_ns`: period of the clock that stamps crossings. A spread cannot show
     /// quantisation where the noise is smaller: the same count comes each time.
     pub fn new(nodes: usize, resolution_ns: f64) -> Noise {
-        let quantisation = resolution_ns * resolution_ns / 12.0;
-        Noise { nodes, c1: Spread::NEW, c2: Spread::NEW, quantisation, learned: None }
+        let mut noise = Noise { nodes, c1: Spread::NEW, c2: Spread::NEW, quantisation: 0.0, learned: None };
+        noise.set_resolution(resolution_ns);
+        noise
+    }
+
+    /// The clock that stamps crossings has another period.
+    pub fn set_resolution(&mut self, resolution_ns: f64) {
+        self.quantisation = resolution_ns * resolution_ns / 12.0;
+        self.learn();
     }
 
     /// Takes the crossings of a calibration discharge, ns, that of B if it was waited for; those of a split one tell nothing.

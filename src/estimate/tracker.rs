@@ -122,6 +122,12 @@ impl Tracker {
         }
     }
 
+    /// The clock that stamps crossings has another period.
+    pub fn set_resolution(&mut self, resolution_ns: f64) {
+        self.resolution_ns = resolution_ns;
+        self.noise.set_resolution(resolution_ns);
+    }
+
     /// How many nodes there are.
     pub fn nodes(&self) -> usize {
         self.nodes

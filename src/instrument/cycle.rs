@@ -121,14 +121,14 @@ impl Cycle {
     /// A cycle that has learned nothing yet.
     pub fn new(settings: Settings) -> Cycle {
         let ([r1, r2], nodes, method) = (settings.r_ohm(), settings.nodes(), settings.method);
-        let estimator = if settings.tracked {
+        let mut estimator = if settings.tracked {
             Estimator::tracked(method, r1, r2, nodes)
         } else {
             let offset = settings.offset_ns.map_or_else(Offset::unknown, Offset::given);
             Estimator::new(method, r1, r2, nodes, offset)
         };
-        let (leak, mut estimator) =
-            (LeakTest::default(), estimator.with_resolution(settings.resolution.as_ns()));
+        let leak = LeakTest::default();
+        estimator.set_resolution(settings.resolution.as_ns());
         estimator.set_leak(&leak);
         let finds_offset = !settings.tracked && settings.offset_ns.is_none();
         let split = finds_offset.then(|| SplitCalibration::new(r1, r2, nodes, WINDOW));
@@ -256,18 +256,33 @@ impl Cycle {
             (None, Some(kind)) => Step::Calibrate(kind, self.settings.last()),
             (None, None) => return None,
         };
+        self.replay_as(record, is_timed, Ok(*record))
+    }
+
+    /// The same of a sensor's discharge that has come to nothing.
+    pub fn replay_failed(&mut self, record: &Record, is_timed: bool, fault: Fault) -> Option<Reading> {
+        self.step = Step::Sensor(record.through.channel()?);
+        self.replay_as(record, is_timed, Err(fault))
+    }
+
+    fn replay_as(
+        &mut self,
+        record: &Record,
+        is_timed: bool,
+        result: Result<Record, Fault>,
+    ) -> Option<Reading> {
         match record.through.channel() {
             _ if is_timed => self.estimator.advance(record.start),
             Some(channel) => self.memory[channel].motion.forget(),
             None => {}
         }
         self.failed = None;
-        self.done(&Outcome { result: Ok(*record), calls: [None; 3], charged: None }, record.start)
+        self.done(&Outcome { result, calls: [None; 3], charged: None }, record.start)
     }
 
-    /// Leaves leaks out of what is said, until a discharge that was held tells of them: for tapes that have none.
-    pub fn ignore_leaks(&mut self) {
-        self.estimator.ignore_leaks();
+    /// The clock that stamps crossings has turned out to have another period.
+    pub fn set_resolution(&mut self, resolution_ns: f64) {
+        self.estimator.set_resolution(resolution_ns);
     }
 
     /// Puts another offset in force, one that is known from elsewhere.

@@ -24,6 +24,8 @@ pub const COMPLAINT: usize = 200;
 
 /// The longest time on a tape, ns (one hour): a greater number is a mistake of units.
 pub const LONGEST_NS: f64 = 3.6e12;
+/// The largest leak on a tape, siemens: 1 ohm, beside which no capacitor is charged.
+pub const LARGEST_LEAK_SIEMENS: f64 = 1.0;
 /// The most that d may change with an error of switches: that is about 1 / (1 - R_1 / R_2).
 pub const LARGEST_BY_SWITCH: f64 = 1e6;
 

@@ -44,6 +44,23 @@ pub fn ns<S: Serializer, T: Into<Option<f64>> + Copy>(number: &T, serializer: S)
     write((*number).into(), TAPE_DIGITS, serializer)
 }
 
+/// A field of two numbers, of which both are known or none.
+pub fn pair<S: Serializer>(pair: &Option<[f64; 2]>, serializer: S) -> Result<S::Ok, S::Error> {
+    /// A number by itself.
+    struct Item(f64);
+    impl Serialize for Item {
+        fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+            write(Some(self.0), VALUE_DIGITS, serializer)
+        }
+    }
+    pair.map(|pair| pair.map(Item)).serialize(serializer)
+}
+
+/// Whether such a field is left out.
+pub fn is_unknown_pair(pair: &Option<[f64; 2]>) -> bool {
+    pair.is_none_or(|pair| !pair.iter().all(|number| number.is_finite()))
+}
+
 /// Whole numbers have no ".0".
 fn write<S: Serializer>(number: Option<f64>, digits: usize, serializer: S) -> Result<S::Ok, S::Error> {
     /// Below this every whole number is exact as an f64: 2^53.

@@ -113,7 +113,7 @@ pub fn tape(data: &[u8]) {
         let Ok(reader) = Reader::open(data) else { return };
         let Ok(mut replay) = Replay::new(reader.header(), method, None) else { continue };
         for entry in reader.map_while(Result::ok) {
-            let Ok(Some(estimate)) = replay.take(&entry) else { continue };
+            let Some(estimate) = replay.take(&entry) else { continue };
             let (r_ohm, u_ohm) = (estimate.state.r_ohm, estimate.state.r_u_ohm);
             assert!(r_ohm.is_none_or(f64::is_finite) && u_ohm.is_none_or(|u| u >= 0.0), "{estimate:?}");
         }

@@ -11,7 +11,7 @@ use cermd::sensor::position::Position;
 use cermd::sensor::pt1000::{Class, Pt1000};
 use cermd::sensor::table::{Pairs, Tabled};
 use cermd::sensor::{Channel, Force, Law, Transducer};
-use cermd::tape::{DischargeLine, Header, Resistor, SwitchLine, TapeCircuit, TapeOffset};
+use cermd::tape::{DischargeLine, Header, Resistor, SwitchLine, TapeCircuit, TapeLooks, TapeOffset};
 use cermd::wire::{
     ChannelInfo, ChannelStats, ErrorCode, ErrorLine, EventLine, EventName, InstrumentStats, ReadingLine,
     StateLine, StatsLine, StatusName, Unit, VersionLine,
@@ -247,6 +247,13 @@ fn header() -> Header {
             switch_u_ns: u,
             r_o_ohm: u,
             r_o_u_ohm: u,
+        },
+        looks: TapeLooks {
+            leak_siemens: Some([0.1; 2]),
+            leak_u_siemens: Some([0.1; 2]),
+            late_ns: Some([0.1; 2]),
+            late_u_ns: Some([0.1; 2]),
+            absorbed: u,
         },
         tracked: true,
         channels: [

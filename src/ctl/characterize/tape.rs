@@ -99,13 +99,12 @@ fn replayed(
     let mut replay = Replay::new(header, method, None)?;
     let mut found = Found::default();
     for entry in entries {
-        // Where d is needed and the tape does not tell it, this method has nothing to say.
-        let Ok(reading) = replay.read(entry) else { return Ok(Found::default()) };
-        found.told.extend(
-            reading
-                .filter(|reading| reading.channel == channel)
-                .map(|reading| observed(&reading, r_ohm, None)),
-        );
+        let reading = replay.read(entry).filter(|reading| reading.channel == channel);
+        found.told.extend(reading.map(|reading| observed(&reading, r_ohm, None)));
+    }
+    // Where d is needed and the tape does not tell it, this method has nothing to say.
+    if replay.has_no_offset() {
+        return Ok(Found::default());
     }
     // As an instrument is watched, where the tape is long enough.
     let settled = found.told.first().map(|first| first.at + WARM);

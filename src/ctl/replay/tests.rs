@@ -7,7 +7,7 @@ use crate::pins::sim::{Scene, SimPins};
 use crate::stream::tape::Reader;
 use crate::stream::wire::{StatusName, Unit};
 
-fn config(kind: &str, method: &str) -> Config {
+pub(super) fn config(kind: &str, method: &str) -> Config {
     let capacitors =
         if kind == "two-capacitor" { "c-a = \"2.2 uF\"\nc-b = \"680 nF\"" } else { "c = \"470 nF\"" };
     let text = format!(
@@ -54,10 +54,10 @@ fn measured(kind: &str, method: &str, cycles: u64) -> (Vec<(i64, StateLine)>, St
     (readings, tape.join("\n") + "\n")
 }
 
-fn replayed(tape: &str, method: Method) -> Vec<EstimateLine> {
+pub(super) fn replayed(tape: &str, method: Method) -> Vec<EstimateLine> {
     let tape = Reader::open(tape.as_bytes()).unwrap();
     let mut replay = Replay::new(tape.header(), method, None).unwrap();
-    tape.filter_map(|entry| replay.take(&entry.unwrap()).unwrap()).collect()
+    tape.filter_map(|entry| replay.take(&entry.unwrap())).collect()
 }
 
 /// By how much two numbers differ, relative; 0 if neither is there.
@@ -169,4 +169,40 @@ fn no_number_of_a_tape_is_longer_than_it_is_good_for() {
     {
         assert!(number.split('.').nth(1).unwrap().len() <= 5 && digits(number) <= 13, "{number}");
     }
+}
+
+/// As one that begins between the first rounds of the daemon and the offset.
+#[test]
+fn what_is_switched_before_the_offset_is_known_is_a_state_and_the_tape_goes_on() {
+    let (_, tape) = measured("two-capacitor", "method = \"cerm\"", 200);
+    let (header, lines) = tape.split_once('\n').unwrap();
+    let first = lines.lines().position(|line| line.contains("\"through\":\"x\",\"switch\"")).unwrap();
+    let rest = |skipped: usize| -> String {
+        let of = |line: &str| !line.contains("\"held\"") && !line.contains("\"through\":\"c1\",\"switch\"");
+        let (begin, end): (Vec<_>, Vec<_>) =
+            lines.lines().enumerate().partition(|(index, _)| *index < skipped);
+        let begin = begin.into_iter().map(|(_, line)| line).filter(|line| of(line));
+        let end = end.into_iter().map(|(_, line)| line);
+        [header].into_iter().chain(begin).chain(end).map(|line| format!("{line}\n")).collect()
+    };
+    let all = |tape: &str| {
+        let reader = Reader::open(tape.as_bytes()).unwrap();
+        let mut replay = Replay::new(reader.header(), Method::Cerm, None).unwrap();
+        let states: Vec<_> = reader.filter_map(|entry| replay.take(&entry.unwrap())).collect();
+        let (ok, none): (Vec<_>, Vec<_>) =
+            states.into_iter().map(|line| line.state).partition(|state| state.r_ohm.is_some());
+        let fault = |fault: &str| none.iter().filter(|state| state.fault.as_deref() == Some(fault)).count();
+        (ok.len(), fault("no-calibration"), replay.missed())
+    };
+    // Without any split discharge up to the tenth that was switched.
+    let (ok, lacking, missed) = all(&rest(first + 60));
+    assert!(ok > 50 && lacking > 5 && missed.is_none(), "{ok} {lacking} {missed:?}");
+    // Of those alone that are switched, there is no number at all.
+    let switched = |line: &&str| {
+        !line.contains("\"held\"") && (!line.contains("\"through\":\"x\"") || line.contains("switch"))
+    };
+    let none: String = rest(usize::MAX).lines().filter(switched).map(|line| format!("{line}\n")).collect();
+    let (ok, lacking, missed) = all(&none);
+    assert!(ok == 0 && lacking > 50, "{ok} {lacking}");
+    assert!(missed.is_some_and(|missed| missed.starts_with("cerm needs the latency offset")));
 }

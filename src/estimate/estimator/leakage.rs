@@ -32,6 +32,16 @@ impl Estimator {
         awake.add(resistor, longer_ns, 0.0, now);
     }
 
+    /// Whether nothing is said of leaks.
+    pub fn ignores_leaks(&self) -> bool {
+        self.leak.is_none()
+    }
+
+    /// Takes over what others have found of stamps after long waits.
+    pub fn set_awake(&mut self, awake: AwakeTest) {
+        *self.tracker.as_mut().map_or(&mut self.awake, Tracker::awake_mut) = awake;
+    }
+
     /// Whether stamps are later after long waits.
     pub fn awake(&self) -> &AwakeTest {
         self.tracker.as_ref().map_or(&self.awake, Tracker::awake)

@@ -258,3 +258,30 @@ fn nodes_that_cross_together_are_no_fault_before_the_noise_is_known() {
         }
     }
 }
+
+/// A tape that begins anywhere may have any of them first.
+#[test]
+fn a_discharge_in_which_the_program_woke_is_no_beginning_of_a_state() {
+    let bench = Bench { r: [2320.0, 12_700.0], r_o: 40.0, g: [600.0, 1100.0], d: 3000.0 };
+    let [r1, r2] = bench.r;
+    let split =
+        bench.switched(Through::C1, r1, 0.9 * bench.g[0] * r1, 0.9 * bench.g[0] * r1, r2, Through::C2);
+    let woken = |plain: Record| {
+        let (at_ns, earlier) = (plain.a_ns.unwrap() - 200e3, |ns: Option<f64>| ns.map(|ns| ns - 60e3));
+        let switch = Some(Switch { at_ns, on_ns: at_ns, to: plain.through });
+        Record { switch, a_ns: earlier(plain.a_ns), b_ns: earlier(plain.b_ns), ..plain }
+    };
+    let found = |wakes: bool| {
+        let mut estimator = Estimator::tracked(Method::Tracked, r1, r2, 2);
+        for round in 0..ROUNDS {
+            for plain in [bench.full(Through::C1, r1), bench.full(Through::C2, r2), split] {
+                let plain = Record { start: Nanos(10_000_000 * round), u_switch_ns: Some(100.0), ..plain };
+                let also = wakes && estimator.tracker().is_none() && plain.switch.is_none();
+                also.then(|| estimator.calibrate(&woken(plain)).unwrap());
+                estimator.calibrate(&plain).unwrap();
+            }
+        }
+        *estimator.tracker().unwrap().state()
+    };
+    assert_eq!(found(true), found(false));
+}

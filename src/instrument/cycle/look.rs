@@ -1,8 +1,11 @@
 //! Discharges beside the others, now and then, which look for what is wrong with the circuit.
 
 use super::{Cycle, Step};
-use crate::estimate::awake::resistor_of;
+use crate::estimate::absorption::AbsorptionTest;
+use crate::estimate::awake::{AwakeTest, resistor_of};
+use crate::estimate::leak::LeakTest;
 use crate::estimate::limits::UNKNOWN_JITTER_NS;
+use crate::estimate::look::Found;
 use crate::instrument::discharge::Outcome;
 use crate::record::{CalibrationKind, Record};
 use crate::units::Nanos;
@@ -24,14 +27,41 @@ impl Look {
     /// What a discharge that was one of them looked for.
     pub fn of(record: &Record, kind: Option<CalibrationKind>) -> Look {
         match record.switch {
-            Some(switch) if switch.on_ns > switch.at_ns => Look::Leak,
-            Some(_) => Look::Awake(kind.and_then(resistor_of).unwrap_or(1)),
+            Some(_) if record.is_woken() => Look::Awake(kind.and_then(resistor_of).unwrap_or(1)),
+            Some(_) => Look::Leak,
             None => Look::Absorption,
         }
     }
 }
 
 impl Cycle {
+    /// What looks have found so far.
+    pub fn found(&self) -> Found {
+        Found {
+            leak_siemens: self.leak.found(),
+            late_ns: self.estimator.awake().found(),
+            absorbed: self.absorption.share(),
+        }
+    }
+
+    /// Takes over what another one has [found](Self::found). Of leaks nothing is said where that tells nothing, until a look does.
+    pub fn know(&mut self, found: &Found) {
+        match found.leak_siemens.map(LeakTest::known) {
+            Some(leak) => {
+                self.leak = leak;
+                self.estimator.set_leak(&self.leak);
+            }
+            None => self.estimator.ignore_leaks(),
+        }
+        if let Some(awake) = found.late_ns.map(AwakeTest::known) {
+            self.estimator.set_awake(awake);
+        }
+        if let Some(absorption) = found.absorbed.map(AbsorptionTest::known) {
+            self.absorption = absorption;
+            self.estimator.set_absorption(&self.absorption);
+        }
+    }
+
     /// Another length than an ordinary discharge through R_2 has. One that came to nothing tells nothing.
     pub(super) fn held_done(&mut self, look: Look, outcome: &Outcome, now: Nanos) {
         let resistor = if let Look::Awake(resistor) = look { resistor } else { 1 };

@@ -32,6 +32,7 @@ impl Header {
             return Err(format!("a tape has 1 to {MAX_CHANNELS} channels"));
         }
         self.offset.check()?;
+        self.looks.check()?;
         for (index, channel) in self.channels.iter().enumerate() {
             if self.channels[..index].iter().any(|other| other.id == channel.id) {
                 return Err(format!("two channels have the id {:?}", channel.id));
@@ -71,13 +72,18 @@ impl TapeOffset {
             ("r_o_u_ohm", self.r_o_u_ohm, [0.0, r_ohm]),
         ] {
             if let Some(value) = value.filter(|value| !(least..=greatest).contains(value)) {
-                return Err(format!(
-                    "{name} = {value:e} is not between {least:e} and {greatest:e}: leave it away, it is not known then"
-                ));
+                return Err(beyond(name, value, [least, greatest]));
             }
         }
         Ok(())
     }
+}
+
+/// What is said of a number that is none that anybody has found.
+pub(super) fn beyond(name: &str, value: f64, [least, greatest]: [f64; 2]) -> String {
+    format!(
+        "{name} = {value:e} is not between {least:e} and {greatest:e}: leave it away, it is not known then"
+    )
 }
 
 fn check_channel(channel: &Channel) -> Result<(), String> {

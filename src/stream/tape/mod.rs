@@ -14,8 +14,10 @@
 //! ```
 
 mod check;
+mod looks;
 mod reader;
 
+pub use looks::TapeLooks;
 pub use reader::Reader;
 
 pub(crate) use super::limits::PROTO_MAJOR;
@@ -42,6 +44,9 @@ pub struct Header {
     /// The latency offset.
     #[serde(flatten)]
     pub offset: TapeOffset,
+    /// What looks had shown.
+    #[serde(flatten)]
+    pub looks: TapeLooks,
     /// The calibration was followed, not taken anew for each reading.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub tracked: bool,

@@ -1,6 +1,7 @@
 //! What goes onto a tape comes off it, and nothing else does.
 
 use super::*;
+use crate::estimate::look::Found;
 
 const HEADER: &str = r#"{"class":"TAPE","proto_major":1,"circuit":{"kind":"two-capacitor","r_c1_ohm":2320,"r_c2_ohm":12700},"offset_ns":8000,"channels":[{"id":"thumb","force":{"fc1_n":5.75,"fc2_n":1.05}}]}"#;
 const SWITCHED: &str = r#"{"class":"DISCHARGE","seq":3,"t_ns":81234567890,"channel":"thumb","through":"x","switch":{"at_ns":74700.5,"on_ns":74950,"to":"c2","u_ns":31.25},"a_ns":911000,"b_ns":1742000,"later_ns":40.5}"#;
@@ -14,6 +15,22 @@ fn lines_come_out_as_they_went_in() {
         serde_json::to_string(&header.discharge(entry.seq, &entry.record, entry.is_held)).unwrap(),
         SWITCHED
     );
+}
+
+#[test]
+fn what_looks_have_found_comes_off_it_too() {
+    let found = Found {
+        leak_siemens: Some([[1.25e-8, 2e-9], [-3e-7, 1e-9]]),
+        late_ns: Some([[-4000.0, 100.0], [0.0, 60.5]]),
+        absorbed: Some(0.0123),
+    };
+    let header = Header { looks: TapeLooks::of(&found), ..Header::parse(HEADER).unwrap() };
+    let text = serde_json::to_string(&header).unwrap();
+    assert!(
+        text.contains(r#""leak_siemens":[1.25e-8,-3e-7],"leak_u_siemens":[2e-9,1e-9],"late_ns":[-4000,0]"#),
+        "{text}"
+    );
+    assert_eq!(Header::parse(&text).unwrap().looks.found(), found);
 }
 
 #[test]
@@ -72,6 +89,20 @@ fn a_bad_header_is_refused_with_its_reason() {
         ("\"offset_ns\"", "\"r_o_ohm\":-1e12,\"offset_ns\"", "r_o_ohm = -1e12 is not between"),
         ("\"offset_ns\"", "\"r_o_u_ohm\":1e12,\"offset_ns\"", "r_o_u_ohm = 1e12 is not between"),
         ("\"id\":\"thumb\"", "\"id\":\"thumb\",\"scale\":0", "scale = 0e0 is not between 0.9 and 1.1"),
+        (
+            "\"offset_ns\"",
+            "\"leak_siemens\":[0,2],\"offset_ns\"",
+            "leak_siemens = 2e0 is not between -1e0 and 1e0",
+        ),
+        ("\"offset_ns\"", "\"leak_u_siemens\":[-1,0],\"offset_ns\"", "leak_u_siemens = -1e0 is not between"),
+        (
+            "\"offset_ns\"",
+            "\"leak_siemens\":[0,0],\"offset_ns\"",
+            "leak_siemens and leak_u_siemens belong together",
+        ),
+        ("\"offset_ns\"", "\"late_u_ns\":[0,0],\"offset_ns\"", "late_ns and late_u_ns belong together"),
+        ("\"offset_ns\"", "\"late_ns\":[0,1e13],\"offset_ns\"", "late_ns = 1e13 is not between"),
+        ("\"offset_ns\"", "\"absorbed\":1.5,\"offset_ns\"", "absorbed = 1.5e0 is not between 0e0 and 1e0"),
         ("[{", "[{\"id\":\"thumb\"},{", "two channels have the id \"thumb\""),
     ] {
         let message = message(from, to);

@@ -7,7 +7,7 @@ use std::collections::BTreeMap;
 use std::io::{BufRead, BufReader, Write};
 use std::process::Stdio;
 
-const TAPE: &str = r#"{"class":"TAPE","proto_major":1,"circuit":{"kind":"two-capacitor","r_c1_ohm":2320,"r_c2_ohm":12700},"offset_ns":8000,"channels":[{"id":"thumb","force":{"fc1_n":5.75,"fc2_n":1.05}}]}
+const TAPE: &str = r#"{"class":"TAPE","proto_major":1,"circuit":{"kind":"two-capacitor","r_c1_ohm":2320,"r_c2_ohm":12700},"offset_ns":8000,"leak_siemens":[0,0],"leak_u_siemens":[0,0],"channels":[{"id":"thumb","force":{"fc1_n":5.75,"fc2_n":1.05}}]}
 {"class":"DISCHARGE","seq":1,"through":"c1","a_ns":1440112,"b_ns":2598211}
 {"class":"DISCHARGE","seq":2,"through":"c2","a_ns":7756123,"b_ns":13987001}
 {"class":"DISCHARGE","seq":3,"channel":"thumb","through":"x","a_ns":650000,"b_ns":1170000}
@@ -149,7 +149,12 @@ fn the_offset_is_the_tapes_or_the_one_given() {
     assert_eq!(given, value(&[], TAPE));
     assert!((value(&["--offset", "0 s"], TAPE) - given).abs() > 1.0);
     let without = TAPE.replace("\"offset_ns\":8000,", "");
-    estimate("cerm", &[], &without).assert().code(1).stderr(
+    // What needs it is a state, and the tape goes on.
+    let lines = estimates("cerm", &[], &without);
+    assert_eq!((&lines[0]["status"], &lines[1]["fault"]), (&"ok".into(), &"no-calibration".into()));
+    let full = |line: &&str| !line.contains("\"seq\":3");
+    let switched: String = without.lines().filter(full).map(|line| format!("{line}\n")).collect();
+    estimate("cerm", &[], &switched).assert().code(1).stderr(
         "cermctl: standard input: cerm needs the latency offset, and the tape has neither offset_ns nor enough split \
          calibration discharges; give it with --offset, e.g. --offset \"8 us\"\n",
     );
@@ -159,6 +164,18 @@ fn the_offset_is_the_tapes_or_the_one_given() {
         "cermctl: standard input: the calibration of this tape is followed (tracked), and the latency offset with it: leave \
          --offset away\n",
     );
+}
+
+/// Of a tape of another origin: what nothing on it tells of is said, once, whatever is printed.
+#[test]
+fn a_tape_without_a_look_for_a_leak_says_so() {
+    let without = TAPE.replace("\"leak_siemens\":[0,0],\"leak_u_siemens\":[0,0],", "");
+    for more in [&[][..], &["--method", "tpcm", "--summary", "--json"]] {
+        estimate("cerm", more, &without).assert().success().stderr(
+            "cermctl: standard input: this tape shows no look for a leak: what one beside the sensor does is not in u \
+             (docs/tapes.md)\n",
+        );
+    }
 }
 
 #[test]

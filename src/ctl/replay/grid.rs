@@ -1,0 +1,156 @@
+//! The period of the clock of a tape, by its stamps: one that is coarse makes all of them multiples of its period, whether the header
+//! says so or not.
+
+use crate::record::{RESOLUTIONS, Record};
+
+/// Stamps that are remembered: so many that differ tell a period of 4 ns from chance.
+const REMEMBERED: usize = 16;
+/// Stamps of a fine clock are all multiples of a period by chance once in about period^(n - 1) for n of them: once in so many
+/// is not to be expected on any tape.
+const NOT_BY_CHANCE: f64 = 1e9;
+/// Below this a time has a tenth of a nanosecond on a tape, and is halved by the middle of a call; longer ones have fewer digits, and are
+/// left out, ns.
+const TENTHS_BELOW_NS: f64 = 1e9;
+
+/// The greatest period that all crossings so far are multiples of.
+#[derive(Debug, Clone, Copy)]
+pub struct Grid {
+    /// The period that the header tells, and the one in force, ns: the longer one.
+    said_ns: f64,
+    in_force_ns: f64,
+    /// In tenths of a nanosecond; 0 before the first.
+    tenths: u64,
+    /// The first ones that differ: the same one again tells nothing.
+    stamps: [u64; REMEMBERED],
+    count: usize,
+}
+
+impl Grid {
+    /// Of a tape whose header tells this period, ns.
+    pub fn new(said_ns: f64) -> Grid {
+        Grid { said_ns, in_force_ns: said_ns, tenths: 0, stamps: [0; REMEMBERED], count: 0 }
+    }
+
+    /// Takes a discharge; the period of the clock where it has turned out to be another one.
+    pub fn take(&mut self, record: &Record) -> Option<f64> {
+        self.add(record);
+        let found_ns = self.period_ns().unwrap_or(self.said_ns).max(self.said_ns);
+        let before_ns = std::mem::replace(&mut self.in_force_ns, found_ns);
+        (found_ns != before_ns).then_some(found_ns)
+    }
+
+    fn add(&mut self, record: &Record) {
+        for ns in record.crossings().into_iter().flatten().filter(|ns| *ns < TENTHS_BELOW_NS) {
+            let stamp = (10.0 * ns).round() as u64;
+            self.tenths = greatest_common_divisor(self.tenths, stamp);
+            if self.count < REMEMBERED && !self.stamps[..self.count].contains(&stamp) {
+                self.stamps[self.count] = stamp;
+                self.count += 1;
+            }
+        }
+    }
+
+    /// The period, ns, once that is no chance; never longer than a clock may have.
+    fn period_ns(&self) -> Option<f64> {
+        let period_ns = self.tenths as f64 / 10.0;
+        let others = self.count.saturating_sub(1) as i32;
+        let is_certain = period_ns > 1.0 && period_ns.powi(others) > NOT_BY_CHANCE;
+        (is_certain && period_ns <= RESOLUTIONS.end().as_ns()).then_some(period_ns)
+    }
+}
+
+fn greatest_common_divisor(a: u64, b: u64) -> u64 {
+    if b == 0 { a } else { greatest_common_divisor(b, a % b) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::ctl::replay::Replay;
+    use crate::reading::Method;
+    use crate::record::Through;
+    use crate::stream::tape::Reader;
+    use crate::units::Nanos;
+    use rand::RngExt;
+    use rand_distr::StandardNormal;
+    use std::fmt::Write;
+
+    fn record(a_ns: Option<f64>) -> Record {
+        Record {
+            through: Through::C1,
+            start: Nanos::ZERO,
+            second_ns: None,
+            switch: None,
+            a_ns,
+            b_ns: None,
+            u_switch_ns: None,
+            waited_ns: None,
+            later_ns: None,
+        }
+    }
+
+    fn of(stamps: &[f64]) -> Option<f64> {
+        let mut grid = Grid::new(1.0);
+        stamps.iter().for_each(|a_ns| grid.add(&record(Some(*a_ns))));
+        grid.period_ns()
+    }
+
+    #[test]
+    fn it_is_told_when_it_changes_and_never_finer_than_the_header_has_it() {
+        let (a_ns, b_ns) = (Some(1_440_000.0), Some(2_595_000.0));
+        let coarse = Record { b_ns, ..record(a_ns) };
+        let mut grid = Grid::new(20.0);
+        assert_eq!((grid.take(&coarse), grid.take(&record(Some(7_755_000.0)))), (None, Some(15_000.0)));
+        assert_eq!((grid.take(&coarse), grid.take(&record(Some(7_755_001.0)))), (None, Some(20.0)));
+    }
+
+    #[test]
+    fn a_period_shows_by_stamps_that_differ_and_each_can_only_make_it_finer() {
+        let coarse = [1_440_000.0, 2_595_000.0, 7_755_000.0, 650_000.0];
+        assert_eq!(of(&coarse), Some(5000.0));
+        assert_eq!(of(&coarse[..2]), None, "too few");
+        assert_eq!(of(&[1_440_000.0; 20]), None, "one and the same");
+        assert_eq!(of(&[&coarse[..], &[652_500.0]].concat()), Some(2500.0));
+        assert_eq!(of(&[&coarse[..], &[650_000.5]].concat()), None);
+        // Of a long time there are not enough digits.
+        assert_eq!(of(&[&coarse[..], &[1_234_567_891.0]].concat()), Some(5000.0));
+        let even: Vec<f64> = (1..40).map(|index| 1e6 + 2.0 * f64::from(index)).collect();
+        assert_eq!(of(&even), None, "nobody can tell");
+    }
+
+    /// A quiet board whose stamps are all at the edges of a clock of 5 us, of which the header says nothing.
+    fn tape(seed: u64, r_x: f64) -> String {
+        let mut rng = crate::seed::rng(seed);
+        let g = [600.0, 1100.0].map(|g: f64| g * (1.0 + 0.1 * rng.random::<f64>()));
+        let mut tape = r#"{"class":"TAPE","proto_major":1,"circuit":{"kind":"two-capacitor","r_c1_ohm":2320,"r_c2_ohm":12700},"channels":[{"id":"x","zero_ohm":0,"scale":1}]}"#.to_owned();
+        let ways = [("c1", 2320.0), ("c2", 12_700.0), ("x\",\"channel\":\"x", r_x)];
+        for (seq, (through, r)) in ways.iter().cycle().take(3 * 60).enumerate() {
+            let [a, b] = g.map(|g| {
+                let at_ns = g * (r + 40.0) + 8000.0 + 200.0 * rng.sample::<f64, _>(StandardNormal);
+                5000.0 * (at_ns / 5000.0).round()
+            });
+            let line = format!(
+                "{{\"class\":\"DISCHARGE\",\"seq\":{seq},\"through\":\"{through}\",\"a_ns\":{a},\"b_ns\":{b}}}"
+            );
+            write!(tape, "\n{line}").unwrap();
+        }
+        tape
+    }
+
+    #[test]
+    fn a_clock_that_is_coarse_without_a_word_is_in_the_uncertainty() {
+        let (mut within, mut count) = (0, 0);
+        for seed in 0..60 {
+            let r_x = 500.0 + 100.0 * seed as f64;
+            let tape = tape(seed, r_x);
+            let reader = Reader::open(tape.as_bytes()).unwrap();
+            let mut replay = Replay::new(reader.header(), Method::Tcdic, None).unwrap();
+            let states = reader.filter_map(|entry| replay.take(&entry.unwrap())).map(|line| line.state);
+            for (r_ohm, u) in states.skip(20).filter_map(|state| state.r_ohm.zip(state.r_u_ohm)) {
+                within += usize::from((r_ohm - r_x).abs() < 2.0 * u);
+                count += 1;
+            }
+        }
+        assert!(count > 2000 && 10 * within > 9 * count, "{within} of {count}");
+    }
+}

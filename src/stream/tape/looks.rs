@@ -1,0 +1,79 @@
+//! What looks had shown before a tape began: it has too few of them to find that again.
+
+use crate::estimate::look::Found;
+use crate::stream::limits::{LARGEST_LEAK_SIEMENS, LONGEST_NS};
+use crate::stream::line::{is_unknown, is_unknown_pair, pair, uncertainty};
+use serde::{Deserialize, Serialize};
+
+/// What was known of defects when a tape began; what is absent is not known, and not in the uncertainty.
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
+#[serde(default)]
+pub struct TapeLooks {
+    /// What leaks at node A in discharges that were held early and late on their way, siemens; what feeds it, negative.
+    #[serde(serialize_with = "pair", skip_serializing_if = "is_unknown_pair")]
+    pub leak_siemens: Option<[f64; 2]>,
+    /// 1 sigma of each, siemens.
+    #[serde(serialize_with = "pair", skip_serializing_if = "is_unknown_pair")]
+    pub leak_u_siemens: Option<[f64; 2]>,
+    /// By how much longer discharges through R_1 and R_2 are when the program wakes before their end, ns: stamps are later or
+    /// earlier by so much after waits as long.
+    #[serde(serialize_with = "pair", skip_serializing_if = "is_unknown_pair")]
+    pub late_ns: Option<[f64; 2]>,
+    /// 1 sigma of each, ns.
+    #[serde(serialize_with = "pair", skip_serializing_if = "is_unknown_pair")]
+    pub late_u_ns: Option<[f64; 2]>,
+    /// By which share of their time discharges are longer after a rest.
+    #[serde(serialize_with = "uncertainty", skip_serializing_if = "is_unknown")]
+    pub absorbed: Option<f64>,
+}
+
+/// Values and their uncertainties side by side, from values with theirs, or the other way round.
+fn turned([[a, b], [c, d]]: [[f64; 2]; 2]) -> [[f64; 2]; 2] {
+    [[a, c], [b, d]]
+}
+
+impl TapeLooks {
+    /// What a tape may have of it: where the circuit was another one meanwhile, there is no telling what a look has shown.
+    pub fn of(found: &Found) -> TapeLooks {
+        let [leak_siemens, leak_u_siemens] =
+            found.leak_siemens.map(turned).map_or([None; 2], |of| of.map(Some));
+        let [late_ns, late_u_ns] = found.late_ns.map(turned).map_or([None; 2], |of| of.map(Some));
+        let looks = TapeLooks { leak_siemens, leak_u_siemens, late_ns, late_u_ns, absorbed: found.absorbed };
+        if looks.check().is_ok() { looks } else { TapeLooks::default() }
+    }
+
+    /// The same for who reads it.
+    pub fn found(&self) -> Found {
+        let both = |value: Option<[f64; 2]>, u: Option<[f64; 2]>| Some(turned([value?, u?]));
+        Found {
+            leak_siemens: both(self.leak_siemens, self.leak_u_siemens),
+            late_ns: both(self.late_ns, self.late_u_ns),
+            absorbed: self.absorbed,
+        }
+    }
+
+    pub(super) fn check(&self) -> Result<(), String> {
+        let (leak, late) = (LARGEST_LEAK_SIEMENS, LONGEST_NS);
+        let absorbed = self.absorbed.map(|share| [share; 2]);
+        for (name, pair, [least, greatest]) in [
+            ("leak_siemens", self.leak_siemens, [-leak, leak]),
+            ("leak_u_siemens", self.leak_u_siemens, [0.0, leak]),
+            ("late_ns", self.late_ns, [-late, late]),
+            ("late_u_ns", self.late_u_ns, [0.0, late]),
+            ("absorbed", absorbed, [0.0, 1.0]),
+        ] {
+            let wrong = pair.into_iter().flatten().find(|value| !(least..=greatest).contains(value));
+            if let Some(value) = wrong {
+                return Err(super::check::beyond(name, value, [least, greatest]));
+            }
+        }
+        let halves = [
+            ("leak_siemens", "leak_u_siemens", self.leak_siemens.is_some(), self.leak_u_siemens.is_some()),
+            ("late_ns", "late_u_ns", self.late_ns.is_some(), self.late_u_ns.is_some()),
+        ];
+        match halves.into_iter().find(|(_, _, value, u)| value != u) {
+            Some((value, u, ..)) => Err(format!("{value} and {u} belong together: leave both away, or none")),
+            None => Ok(()),
+        }
+    }
+}
