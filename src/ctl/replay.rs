@@ -40,13 +40,17 @@ pub struct Replay {
     header: Header,
     method: Method,
     cycle: Cycle,
-    /// What the stamps tell of their clock, and the period that is in force, ns.
+    /// What the stamps tell of their clock.
     grid: Grid,
-    resolution_ns: f64,
     /// Whether the calibration is followed.
     tracked: bool,
     /// The offset is what the tape tells, from the first four split discharges on.
     is_auto: bool,
+    counts: Counts,
+}
+
+#[derive(Debug, Default)]
+struct Counts {
     /// How many estimates were numbers.
     numbers: u64,
     /// How many discharges of sensors ended before the last node that the method times.
@@ -82,46 +86,14 @@ impl Replay {
             _ if tracked || !method.needs_offset() => Some(Offset::default()),
             _ => None,
         };
-        let mut cycle = Cycle::new(Settings {
-            method,
-            kind,
-            r_c_ohm: [header.circuit.r_c1_ohm, header.circuit.r_c2_ohm],
-            offset_ns: offset.map(|offset| offset.d_ns),
-            resolution: Nanos(header.resolution_ns.unwrap_or(1.0) as i64),
-            tracked,
-            channels: header.channels.clone(),
-            // What is planned is on the tape already.
-            nominal: Nanos::ZERO,
-            drain: Nanos::ZERO,
-            charge: Charges::alike(Charge::alone(Nanos::ZERO)),
-            charge_ohm: None,
-            settle: Nanos::ZERO,
-            deadline: Nanos::MAX,
-            period: None,
-            average: None,
-            every: vec![1; header.channels.len()],
-            t_l: None,
-            switch_fraction: 1.0,
-        });
+        let mut cycle = Cycle::new(settings(&header, method, tracked, offset.map(|offset| offset.d_ns)));
         cycle.know(&header.looks.found());
         // That of a calibration which is followed is followed with it.
         if let Some(offset) = offset.filter(|_| !tracked) {
             cycle.set_offset(offset);
         }
-        let resolution_ns = header.resolution_ns.unwrap_or(1.0);
-        let replay = Replay {
-            header,
-            method,
-            cycle,
-            grid: Grid::default(),
-            resolution_ns,
-            tracked,
-            is_auto,
-            numbers: 0,
-            ended_early: 0,
-            without_offset: 0,
-        };
-        Ok(replay)
+        let grid = Grid::new(header.resolution_ns.unwrap_or(1.0));
+        Ok(Replay { header, method, cycle, grid, tracked, is_auto, counts: Counts::default() })
     }
 
     /// Takes the next discharge; the estimate, if it was a sensor's.
@@ -141,27 +113,23 @@ impl Replay {
         self.look_at_clock(record);
         let is_of_sensor = record.through.channel().is_some();
         let reading = if self.lacks_offset(record) {
-            self.without_offset += 1;
+            self.counts.without_offset += 1;
             self.cycle.replay_failed(record, *is_timed, Fault::NoCalibration)
         } else {
             let is_cut = record.a_ns.is_some() && record.b_ns.is_none() && record.waited_ns.is_none();
             let needs_b =
                 !self.method.is_tracked() && self.method.rules().last(self.header.circuit.kind) == Node::B;
-            self.ended_early += u64::from(is_of_sensor && is_cut && needs_b);
+            self.counts.ended_early += u64::from(is_of_sensor && is_cut && needs_b);
             self.cycle.replay(record, *is_timed, *is_held)
         };
         let is_number = reading.is_some_and(|reading| matches!(reading.status, Status::Ok { .. }));
-        self.numbers += u64::from(is_number);
+        self.counts.numbers += u64::from(is_number);
         reading
     }
 
     /// Stamps at the edges of a coarse clock have its uncertainty, though their scatter need not show it and the header not say it.
     fn look_at_clock(&mut self, record: &Record) {
-        self.grid.add(record);
-        let said_ns = self.header.resolution_ns.unwrap_or(1.0);
-        let resolution_ns = self.grid.period_ns().map_or(said_ns, |period_ns| period_ns.max(said_ns));
-        if resolution_ns != self.resolution_ns {
-            self.resolution_ns = resolution_ns;
+        if let Some(resolution_ns) = self.grid.take(record) {
             self.cycle.set_resolution(resolution_ns);
         }
     }
@@ -194,13 +162,13 @@ impl Replay {
 
     /// At the end of the tape: whether there is not a single number because nothing has told d.
     pub fn has_no_offset(&self) -> bool {
-        self.numbers == 0 && self.without_offset > 0
+        self.counts.numbers == 0 && self.counts.without_offset > 0
     }
 
     /// At the end of the tape: what was missing on it, if there is not a single number because of that.
     pub fn missed(&self) -> Option<String> {
         let method = self.method;
-        match self.numbers {
+        match self.counts.numbers {
             0 if self.tracked && !self.cycle.offset_is_known() => Some(format!(
                 "no number: the tape shows too few whole rounds of calibration discharges to follow the calibration of {method} by; \
                  record it again, all of it: `cermctl record --raw` begins with them",
@@ -209,7 +177,7 @@ impl Replay {
                 "{method} needs the latency offset, and the tape has neither offset_ns nor enough split calibration \
                  discharges; give it with --offset, e.g. --offset \"8 us\"",
             )),
-            0 if self.ended_early > 0 => Some(format!(
+            0 if self.counts.ended_early > 0 => Some(format!(
                 "no number: the discharges of this tape end at node A, and {method} needs node B, too; take --method tracked, or \
                  record a cermd with method = \"{method}\"",
             )),
@@ -220,6 +188,31 @@ impl Replay {
     /// What all discharges belong to.
     pub fn header(&self) -> &Header {
         &self.header
+    }
+}
+
+/// Of an instrument that only takes what is on the tape.
+fn settings(header: &Header, method: Method, tracked: bool, offset_ns: Option<f64>) -> Settings {
+    Settings {
+        method,
+        kind: header.circuit.kind,
+        r_c_ohm: [header.circuit.r_c1_ohm, header.circuit.r_c2_ohm],
+        offset_ns,
+        resolution: Nanos(header.resolution_ns.unwrap_or(1.0) as i64),
+        tracked,
+        channels: header.channels.clone(),
+        // What is planned is on the tape already.
+        nominal: Nanos::ZERO,
+        drain: Nanos::ZERO,
+        charge: Charges::alike(Charge::alone(Nanos::ZERO)),
+        charge_ohm: None,
+        settle: Nanos::ZERO,
+        deadline: Nanos::MAX,
+        period: None,
+        average: None,
+        every: vec![1; header.channels.len()],
+        t_l: None,
+        switch_fraction: 1.0,
     }
 }
 

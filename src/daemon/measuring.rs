@@ -10,6 +10,7 @@ use super::limits::{NAP, NAPS_TO_REOPEN, RING, STATS_EVERY, TAKEN_APART};
 use super::triggering::Tap;
 use crate::config::Config;
 use crate::config::backend::{self, AnyPins, OpenError};
+use crate::estimate::look::Found;
 use crate::instrument::settings::Settings;
 use crate::instrument::stats::Stats;
 use crate::instrument::{Instrument, Message};
@@ -35,6 +36,8 @@ pub enum Update {
     Lost(Lost),
     /// What became of the wishes of `[realtime]`. Comes first.
     Realtime(realtime::Rights),
+    /// What looks have found, for tapes that begin now; before the counters.
+    Found(Found),
     /// Counters, from time to time.
     Stats(Stats),
     /// The pins failed; they are opened again by and by.
@@ -229,7 +232,7 @@ impl Worker {
                 }
                 self.complain(error.to_string(), Update::Failed(error));
                 // The faults are counted, and it may be long until the next word.
-                self.send(Update::Stats(instrument.stats()));
+                self.tell_stats(&instrument);
                 self.reopen(&mut instrument);
                 cycles_before = instrument.stats().cycles;
             }
@@ -242,9 +245,14 @@ impl Worker {
             if now >= stats_due || offset_is_known != offset_was_known {
                 stats_due = now + STATS_EVERY;
                 offset_was_known = offset_is_known;
-                self.send(Update::Stats(instrument.stats()));
+                self.tell_stats(&instrument);
             }
         }
+    }
+
+    fn tell_stats(&mut self, instrument: &Instrument<Interruptible>) {
+        self.send(Update::Found(instrument.cycle().found()));
+        self.send(Update::Stats(instrument.stats()));
     }
 
     /// Opens the pins again until that works or the thread is to stop. What was learned stays.
@@ -268,7 +276,7 @@ impl Worker {
             }
             // Silence would look like a daemon that hangs.
             instrument.report_failure(&mut |message| self.tell(message));
-            self.send(Update::Stats(instrument.stats()));
+            self.tell_stats(instrument);
         }
     }
 

@@ -205,7 +205,7 @@ impl Daemon {
         let _ = self.threads.measuring.wake().read();
         // Of readings that are in the ring by now, and are told first.
         let events = self.threads.events();
-        let before = self.known.stats;
+        let (before, found_before) = (self.known.stats, self.known.found);
         let to_wall = clock(ClockId::CLOCK_REALTIME) - monotonic();
         let mut lost = Lost::default();
         while let Some(update) = self.threads.measuring.next() {
@@ -229,7 +229,7 @@ impl Daemon {
             publish::log_offset(&found);
         }
         // The offset is followed, and what looks show; a tape that is being recorded keeps what it began with.
-        let has_changed = found.offset != before.offset || found.found != before.found;
+        let has_changed = found.offset != before.offset || self.known.found != found_before;
         if is_found || (has_changed && !self.server.wants_raw()) {
             self.announce_tape_header();
         }
@@ -240,7 +240,7 @@ impl Daemon {
     fn announce_tape_header(&mut self) {
         let stats = &self.known.stats;
         let found = stats.offset_is_known.then_some(stats.offset);
-        let looks = TapeLooks::of(&stats.found);
+        let looks = TapeLooks::of(&self.known.found);
         let header = Header { looks, ..tape_header(&self.loaded.settings, found) };
         self.server.set_tape_header(&header);
     }

@@ -7,6 +7,7 @@ use super::rounds::Round;
 use super::triggering::ChannelEvent;
 use crate::config::Config;
 use crate::config::backend::OpenError;
+use crate::estimate::look::Found;
 use crate::instrument::Message;
 use crate::instrument::stats::Stats;
 use crate::pins::realtime::{self, Right};
@@ -34,6 +35,8 @@ pub fn channels(loaded: &Loaded) -> Vec<ChannelInfo> {
 pub struct Known {
     /// Its counters.
     pub stats: Stats,
+    /// What its looks have found.
+    pub found: Found,
     /// What became of the wishes of `[realtime]`; `None` before its first word.
     pub realtime: Option<realtime::Rights>,
     /// Of calibration discharges, as far as it has come.
@@ -169,6 +172,7 @@ pub fn publish(server: &mut Server, known: &mut Known, loaded: &Loaded, update: 
             }
         }
         Update::Lost(Lost { readings, discharges }) => server.miss(readings, discharges),
+        Update::Found(found) => known.found = found,
         Update::Stats(stats) => {
             known.log_leak(&stats);
             known.log_absorption(&stats);

@@ -240,6 +240,20 @@ mod tests {
     }
 
     #[test]
+    fn what_was_found_is_known_elsewhere_until_other_looks_replace_it() {
+        let found = tested(2 * LEAK_REMEMBERED, |_| 508_000.0);
+        let mut known = LeakTest::known(found.found().unwrap());
+        let [of_found, of_known] = [&found, &known].map(|test| [test.likely_siemens(), test.u_siemens()]);
+        assert!(of_found.iter().zip(of_known).all(|(found, known)| (found / known - 1.0).abs() < 1e-9));
+        assert!(known.siemens().is_some() && !known.has_changed() && !known.is_wanting());
+        for _ in 0..2 * LEAK_REMEMBERED {
+            known.add(Some((0.0, 1.8e7)), 12_700.0, Nanos::ZERO);
+        }
+        assert_eq!((known.siemens(), known.likely_siemens()), (None, 0.0));
+        assert_eq!(tested(1, |_| 508_000.0).found(), None);
+    }
+
+    #[test]
     fn a_defect_is_known_by_the_first_looks_and_one_spike_is_none() {
         // 40 ms / 50 kohm * 12.7 kohm.
         let defect = |count| tested(count, |_| 10.16e6);

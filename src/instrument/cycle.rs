@@ -170,7 +170,6 @@ impl Cycle {
         let mut stats = self.stats;
         stats.offset = self.estimator.offset();
         stats.offset_is_known = self.offset_is_known();
-        stats.found = self.found();
         stats.leak_siemens = self.leak.siemens();
         stats.absorbed = self.absorption.share();
         stats.late_after_waits_ns = self.estimator.awake().late_ns();

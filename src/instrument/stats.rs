@@ -1,6 +1,5 @@
 //! What the instrument has counted and learned: the numbers behind STATS.
 
-use crate::estimate::look::Found;
 use crate::estimate::offset::Offset;
 use crate::estimate::tracker::Counts;
 use crate::reading::Suspect;
@@ -30,8 +29,6 @@ pub struct Stats {
     pub offset: Offset,
     /// Whether it is given or found, not still being found.
     pub offset_is_known: bool,
-    /// What looks for defects have found, for tapes that begin now.
-    pub found: Found,
     /// What leaks beside the resistors, siemens, if it shows.
     pub leak_siemens: Option<f64>,
     /// By which share of their time discharges are longer after a rest, if that shows: what capacitors absorb.

@@ -13,8 +13,11 @@ const NOT_BY_CHANCE: f64 = 1e9;
 const TENTHS_BELOW_NS: f64 = 1e9;
 
 /// The greatest period that all crossings so far are multiples of.
-#[derive(Debug, Clone, Copy, Default)]
+#[derive(Debug, Clone, Copy)]
 pub struct Grid {
+    /// The period that the header tells, and the one in force, ns: the longer one.
+    said_ns: f64,
+    in_force_ns: f64,
     /// In tenths of a nanosecond; 0 before the first.
     tenths: u64,
     /// The first ones that differ: the same one again tells nothing.
@@ -23,8 +26,20 @@ pub struct Grid {
 }
 
 impl Grid {
-    /// Takes the crossings of a discharge.
-    pub fn add(&mut self, record: &Record) {
+    /// Of a tape whose header tells this period, ns.
+    pub fn new(said_ns: f64) -> Grid {
+        Grid { said_ns, in_force_ns: said_ns, tenths: 0, stamps: [0; REMEMBERED], count: 0 }
+    }
+
+    /// Takes a discharge; the period of the clock where it has turned out to be another one.
+    pub fn take(&mut self, record: &Record) -> Option<f64> {
+        self.add(record);
+        let found_ns = self.period_ns().unwrap_or(self.said_ns).max(self.said_ns);
+        let before_ns = std::mem::replace(&mut self.in_force_ns, found_ns);
+        (found_ns != before_ns).then_some(found_ns)
+    }
+
+    fn add(&mut self, record: &Record) {
         for ns in record.crossings().into_iter().flatten().filter(|ns| *ns < TENTHS_BELOW_NS) {
             let stamp = (10.0 * ns).round() as u64;
             self.tenths = greatest_common_divisor(self.tenths, stamp);
@@ -36,7 +51,7 @@ impl Grid {
     }
 
     /// The period, ns, once that is no chance; never longer than a clock may have.
-    pub fn period_ns(&self) -> Option<f64> {
+    fn period_ns(&self) -> Option<f64> {
         let period_ns = self.tenths as f64 / 10.0;
         let others = self.count.saturating_sub(1) as i32;
         let is_certain = period_ns > 1.0 && period_ns.powi(others) > NOT_BY_CHANCE;
@@ -60,22 +75,32 @@ mod tests {
     use rand_distr::StandardNormal;
     use std::fmt::Write;
 
-    fn of(stamps: &[f64]) -> Option<f64> {
-        let mut grid = Grid::default();
-        for a_ns in stamps {
-            grid.add(&Record {
-                through: Through::C1,
-                start: Nanos::ZERO,
-                second_ns: None,
-                switch: None,
-                a_ns: Some(*a_ns),
-                b_ns: None,
-                u_switch_ns: None,
-                waited_ns: None,
-                later_ns: None,
-            });
+    fn record(a_ns: Option<f64>) -> Record {
+        Record {
+            through: Through::C1,
+            start: Nanos::ZERO,
+            second_ns: None,
+            switch: None,
+            a_ns,
+            b_ns: None,
+            u_switch_ns: None,
+            waited_ns: None,
+            later_ns: None,
         }
+    }
+
+    fn of(stamps: &[f64]) -> Option<f64> {
+        let mut grid = Grid::new(1.0);
+        stamps.iter().for_each(|a_ns| grid.add(&record(Some(*a_ns))));
         grid.period_ns()
+    }
+
+    #[test]
+    fn it_is_told_when_it_changes_and_never_finer_than_the_header_has_it() {
+        let mut grid = Grid::new(20.0);
+        let stamps = [1_440_000.0, 2_595_000.0, 7_755_000.0, 650_000.0, 1_440_000.0, 650_001.0];
+        let told = stamps.map(|a_ns| grid.take(&record(Some(a_ns))));
+        assert_eq!(told, [None, None, None, Some(5000.0), None, Some(20.0)]);
     }
 
     #[test]

@@ -146,7 +146,7 @@ fn a_long_discharge_looks_alive_and_ends_when_it_is_to() {
     assert!(waits.load(Ordering::SeqCst) < 36_000, "the discharge went on to its deadline");
     assert_eq!(driving.load(Ordering::SeqCst), 0);
     while let Some(update) = measuring.next() {
-        assert!(matches!(update, Update::Realtime(_) | Update::Stats(_)), "{update:?}");
+        assert!(matches!(update, Update::Realtime(_) | Update::Found(_) | Update::Stats(_)), "{update:?}");
     }
 }
 
@@ -244,7 +244,7 @@ fn a_reason_is_told_once() {
                 assert_eq!(reading.status, crate::reading::Status::Fault(crate::reading::Fault::Pins));
                 faults += 1;
             }
-            Update::Realtime(_) | Update::Stats(_) => {}
+            Update::Realtime(_) | Update::Found(_) | Update::Stats(_) => {}
             other => panic!("{other:?}"),
         }
     }
