@@ -97,11 +97,10 @@ mod tests {
 
     #[test]
     fn it_is_told_when_it_changes_and_never_finer_than_the_header_has_it() {
-        let (a_ns, b_ns) = (Some(1_440_000.0), Some(2_595_000.0));
-        let coarse = Record { b_ns, ..record(a_ns) };
         let mut grid = Grid::new(20.0);
-        assert_eq!((grid.take(&coarse), grid.take(&record(Some(7_755_000.0)))), (None, Some(15_000.0)));
-        assert_eq!((grid.take(&coarse), grid.take(&record(Some(7_755_001.0)))), (None, Some(20.0)));
+        let stamps = [1_440_000.0, 2_595_000.0, 7_755_000.0, 650_000.0, 1_440_000.0, 650_001.0];
+        let told = stamps.map(|a_ns| grid.take(&record(Some(a_ns))));
+        assert_eq!(told, [None, None, None, Some(5000.0), None, Some(20.0)]);
     }
 
     #[test]
