@@ -1,6 +1,5 @@
 //! What looks had shown before a tape began: it has too few of them to find that again.
 
-use crate::estimate::look::Found;
 use crate::stream::limits::{LARGEST_LEAK_SIEMENS, LONGEST_NS};
 use crate::stream::line::{is_unknown, is_unknown_pair, pair, uncertainty};
 use serde::{Deserialize, Serialize};
@@ -27,31 +26,7 @@ pub struct TapeLooks {
     pub absorbed: Option<f64>,
 }
 
-/// Values and their uncertainties side by side, from values with theirs, or the other way round.
-fn turned([[a, b], [c, d]]: [[f64; 2]; 2]) -> [[f64; 2]; 2] {
-    [[a, c], [b, d]]
-}
-
 impl TapeLooks {
-    /// What a tape may have of it: where the circuit was another one meanwhile, there is no telling what a look has shown.
-    pub fn of(found: &Found) -> TapeLooks {
-        let [leak_siemens, leak_u_siemens] =
-            found.leak_siemens.map(turned).map_or([None; 2], |of| of.map(Some));
-        let [late_ns, late_u_ns] = found.late_ns.map(turned).map_or([None; 2], |of| of.map(Some));
-        let looks = TapeLooks { leak_siemens, leak_u_siemens, late_ns, late_u_ns, absorbed: found.absorbed };
-        if looks.check().is_ok() { looks } else { TapeLooks::default() }
-    }
-
-    /// The same for who reads it.
-    pub fn found(&self) -> Found {
-        let both = |value: Option<[f64; 2]>, u: Option<[f64; 2]>| Some(turned([value?, u?]));
-        Found {
-            leak_siemens: both(self.leak_siemens, self.leak_u_siemens),
-            late_ns: both(self.late_ns, self.late_u_ns),
-            absorbed: self.absorbed,
-        }
-    }
-
     pub(super) fn check(&self) -> Result<(), String> {
         let (leak, late) = (LARGEST_LEAK_SIEMENS, LONGEST_NS);
         let absorbed = self.absorbed.map(|share| [share; 2]);

@@ -14,6 +14,8 @@
 //! ```
 
 mod check;
+#[cfg(feature = "programs")]
+mod found;
 mod looks;
 mod reader;
 
