@@ -14,7 +14,7 @@ mod listening;
 mod measuring;
 pub(crate) mod publish;
 mod requested;
-mod rounds;
+pub(crate) mod rounds;
 mod signals;
 mod threads;
 mod triggering;

@@ -1,6 +1,7 @@
 //! The estimator: the calibration that is in force, uncertainty by propagation, and the states of a reading.
 
 use crate::circuit::Node;
+use crate::estimate::absorption::AbsorptionTest;
 use crate::estimate::awake::AwakeTest;
 use crate::estimate::leak::LeakTest;
 use crate::estimate::limits::{BEYOND_NOISE, UNTOLD_SWITCH_NS};
@@ -62,9 +63,8 @@ pub struct Estimator {
     c2: Option<Crossings>,
     /// What leaks, as far as looks have told; `None` where leaks are left out.
     leak: Option<LeakTest>,
-    /// By which share of their time discharges are longer after a rest, if that shows, and if it is likely.
-    absorbed: Option<f64>,
-    likely_absorbed: Option<f64>,
+    /// What capacitors absorb, as far as looks have told.
+    absorption: AbsorptionTest,
     /// Whether stamps are later after long waits, without a tracked calibration.
     awake: AwakeTest,
     /// With it, c1 and c2 are only used until it is ready.
@@ -86,8 +86,7 @@ impl Estimator {
             c1: None,
             c2: None,
             leak: None,
-            absorbed: None,
-            likely_absorbed: None,
+            absorption: AbsorptionTest::default(),
             awake: AwakeTest::default(),
             tracker: None,
         }

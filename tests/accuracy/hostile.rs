@@ -211,13 +211,15 @@ fn judge<R: FnOnce() -> Seen>(title: &str, trials: impl Iterator<Item = Trial<R>
     part.check(title);
 }
 
+/// What a row or a tape is read by, one at a time.
+fn each(cases: &'static [(Method, &'static [f64])]) -> impl Iterator<Item = (Method, f64)> {
+    cases.iter().flat_map(|(method, ohms)| ohms.iter().map(|r_ohm| (*method, *r_ohm)))
+}
+
 /// Runs the rows of a table.
 fn check(title: &str, rows: &'static [Row]) {
-    let cases = |row: &'static Row| {
-        row.cases.iter().flat_map(|(method, ohms)| ohms.iter().map(|r_ohm| (*method, *r_ohm)))
-    };
     let trials = rows.iter().flat_map(|row| {
-        cases(row).map(move |(method, r_ohm)| Trial {
+        each(row.cases).map(move |(method, r_ohm)| Trial {
             name: row.name,
             method,
             r_ohm,

@@ -3,12 +3,12 @@
 use super::tests::{config, replayed};
 use super::*;
 use crate::config::tape_header;
+use crate::daemon::rounds::Round;
 use crate::instrument::{Instrument, Message};
 use crate::pins::Pins;
 use crate::pins::sim::{Scene, Sensor, SimPins};
 use crate::stream::tape::{Reader, TapeLooks};
 use crate::units::{Ohm, Seconds};
-use std::collections::VecDeque;
 
 /// Resistances of the sensors, ohm.
 const TRUTHS: [f64; 2] = [1000.0, 5000.0];
@@ -16,24 +16,6 @@ const TRUTHS: [f64; 2] = [1000.0, 5000.0];
 const RECORDED_S: [f64; 2] = [40.0, 43.0];
 /// Rounds that the daemon keeps.
 const KEPT: usize = 40;
-
-/// A discharge with its number.
-type Numbered = (u64, Record);
-
-/// Keeps the last whole rounds of calibration discharges, as the daemon does.
-fn keep_round(rounds: &mut VecDeque<[Numbered; 3]>, round: &mut [Option<Numbered>; 3], next: Numbered) {
-    let kind = next.1.calibration_kind().filter(|_| next.1.complete(2).is_some() && !next.1.is_woken());
-    if let Some(kind) = kind {
-        round[kind as usize] = Some(next);
-    }
-    if let [Some(first), Some(second), Some(split)] = *round {
-        *round = [None; 3];
-        let mut whole = [first, second, split];
-        whole.sort_by_key(|(seq, _)| *seq);
-        rounds.push_back(whole);
-        rounds.drain(..rounds.len().saturating_sub(KEPT));
-    }
-}
 
 /// The tape of a board with a leak at node A, and how many readings were made meanwhile. `tells`: it has what looks had shown.
 fn recorded(method: &str, leak: Ohm, tells: bool) -> (String, usize) {
@@ -43,7 +25,7 @@ fn recorded(method: &str, leak: Ohm, tells: bool) -> (String, usize) {
     let mut scene = Scene::builtin("pi4").unwrap().with_sensors(sensors).unwrap();
     scene.circuit.node_a.leakage_resistance = Some(leak);
     let mut instrument = Instrument::new(SimPins::new(&scene, Some(crate::seed::seed(1))), settings.clone());
-    let (mut round, mut rounds, mut lines, mut readings) = ([None; 3], VecDeque::new(), Vec::new(), 0);
+    let (mut round, mut rounds, mut lines, mut readings) = (Round::default(), Vec::new(), Vec::new(), 0);
     let (mut header, [from, to]) = (None, RECORDED_S.map(|s| Nanos::from(Seconds(s))));
     let plain = tape_header(&settings, None);
     let began = instrument.pins().now();
@@ -65,18 +47,17 @@ fn recorded(method: &str, leak: Ohm, tells: bool) -> (String, usize) {
                     lines.push(plain.discharge(seq, &record, false));
                 }
                 Message::Discharge { seq, record, .. } => {
-                    if settings.tracked {
-                        keep_round(&mut rounds, &mut round, (seq, record));
-                    }
+                    rounds.extend(round.add(&settings, &plain, (seq, &record)));
                 }
                 Message::Reading(_) => readings += usize::from(header.is_some()),
             })
             .unwrap();
     }
+    let forgotten = rounds.len().saturating_sub(KEPT);
     let lines = rounds
         .into_iter()
+        .skip(forgotten)
         .flatten()
-        .map(|(seq, record)| plain.discharge(seq, &record, false))
         .chain(lines)
         .map(|line| serde_json::to_string(&line).unwrap() + "\n");
     (serde_json::to_string(&header).unwrap() + "\n" + &lines.collect::<String>(), readings)

@@ -58,7 +58,7 @@ impl Estimator {
 
     /// Takes over what capacitors absorb.
     pub fn set_absorption(&mut self, absorption: &AbsorptionTest) {
-        (self.absorbed, self.likely_absorbed) = (absorption.share(), absorption.likely_share());
+        self.absorption = *absorption;
     }
 
     /// Whether a discharge through 0 ohm would take the time that a pin explains: Ro if d is known, Ro + d/g if not. A path
@@ -97,37 +97,30 @@ impl Estimator {
     }
 
     /// What a leak makes of a reading; `None` if no resistance is too high for it.
-    fn leaked(&self, r_ohm: f64, record: &Record) -> Option<Leaked> {
+    pub(super) fn leaked(&self, r_ohm: f64, record: &Record) -> Option<Leaked> {
         let Some(leak) = &self.leak else { return Some(Leaked::default()) };
         let (r, beside) = ([self.r1_ohm, self.r2_ohm], self.method.rules().sinks_beside);
         let error_ohm = leak::error_ohm(leak.likely_siemens(), r, r_ohm, beside)?;
         let course = Course::of(record, r_ohm, self.nodes);
         let bent_ohm = course.bent_ohm(leak, r);
-        let known_ohm = if leak.siemens().is_some() { error_ohm } else { 0.0 };
+        let shows = leak.siemens().is_some();
         // A dielectric looks like a leak, and is none.
-        let left_ohm = match leak.siemens().filter(|_| self.absorbed.is_none()) {
-            Some(_) => course.left_ohm(leak, error_ohm, r),
-            None => error_ohm,
-        };
-        Some(Leaked { error_ohm, known_ohm, left_ohm, bent_ohm })
-    }
-
-    /// By how much a leak that shows may make the crossings of a reading disagree, 1 sigma, ohm: they have it for a part of the way
-    /// each, and what is left of it in one need not be in the other.
-    pub(super) fn disagree_ohm(&self, r_ohm: f64, record: &Record) -> f64 {
-        let shows = self.leak.as_ref().is_some_and(|leak| leak.siemens().is_some());
-        let leaked = self.leaked(r_ohm, record).filter(|_| shows);
-        leaked.map_or(0.0, |leaked| leaked.left_ohm.hypot(leaked.bent_ohm))
+        let is_corrected = shows && self.absorption.share().is_none();
+        let left_ohm = if is_corrected { course.left_ohm(leak, error_ohm, r) } else { error_ohm };
+        Some(Leaked { error_ohm, shows, left_ohm, bent_ohm })
     }
 
     /// The same estimate less what a leak that shows has made of it; that, or what one that does not show may have made of it,
     /// is in its uncertainty, and what dielectrics and stamps do. `None` if the sensor may have any higher resistance.
-    pub(super) fn with_defects(&self, r_ohm: Measured, record: &Record, stamps_ohm: f64) -> Option<Measured> {
-        let Leaked { error_ohm, known_ohm, left_ohm, bent_ohm } = self.leaked(r_ohm.value, record)?;
+    pub(super) fn with_defects(&self, r_ohm: Measured, leaked: &Leaked, stamps_ohm: f64) -> Option<Measured> {
+        let Leaked { error_ohm, shows, left_ohm, bent_ohm } = *leaked;
         let is_bounded = r_ohm.value < self.r2_ohm || r_ohm.value > COVERAGE * error_ohm.abs();
         let path_ohm = r_ohm.value + self.offset().r_o().unwrap_or(0.0);
-        let absorption_ohm =
-            self.likely_absorbed.map_or(0.0, |share| absorption::u_ohm(share, self.r1_ohm, path_ohm));
+        let absorption_ohm = self
+            .absorption
+            .likely_share()
+            .map_or(0.0, |share| absorption::u_ohm(share, self.r1_ohm, path_ohm));
+        let known_ohm = if shows { error_ohm } else { 0.0 };
         let left_out_ohm = self.state().map_or(0.0, |tracker| tracker.left_out_ohm(r_ohm.value));
         let defects = [left_ohm, bent_ohm, absorption_ohm, left_out_ohm, stamps_ohm];
         let u = r_ohm.u.map(|u| defects.into_iter().fold(u, f64::hypot));
@@ -137,11 +130,19 @@ impl Estimator {
 
 /// What a leak makes of a reading, ohm.
 #[derive(Default)]
-struct Leaked {
-    /// By how much it is too high, as far as that is likely, and as far as it shows.
+pub(super) struct Leaked {
+    /// By how much it is likely too high, and whether that shows.
     error_ohm: f64,
-    known_ohm: f64,
+    shows: bool,
     /// What of it is left, and what one that need not be to ground does beside that, 1 sigma.
     left_ohm: f64,
     bent_ohm: f64,
+}
+
+impl Leaked {
+    /// By how much a leak that shows may make the crossings disagree, 1 sigma, ohm: they have it for a part of the way each, and what
+    /// is left of it in one need not be in the other.
+    pub(super) fn disagree_ohm(&self) -> f64 {
+        if self.shows { self.left_ohm.hypot(self.bent_ohm) } else { 0.0 }
+    }
 }

@@ -1,6 +1,7 @@
 //! What is known about a sensor: a number, or a state with its reason.
 
 use super::Estimator;
+use super::leakage::Leaked;
 use crate::estimate::limits::{BEYOND_NOISE, COVERAGE, RESOLVED};
 use crate::estimate::mean::Basis;
 use crate::estimate::method::tracked;
@@ -92,7 +93,8 @@ impl Estimator {
         }
         let (estimate, evidence) = self.solve(record)?;
         let Measured { value, u } = estimate.r_ohm;
-        let evidence = evidence.beside(self.disagree_ohm(value, record));
+        let leaked = self.leaked(value, record);
+        let evidence = evidence.beside(leaked.as_ref().map_or(0.0, Leaked::disagree_ohm));
         let by_prior = self.is_settling(record, &estimate);
         // Whose conductance may be none is no number, as where the state tells it; a prior is wide enough already.
         let sigmas = if by_prior { COVERAGE } else { RESOLVED };
@@ -106,7 +108,8 @@ impl Estimator {
         let moved =
             u.map(|u| motion.judge(record.start, [value, u], r_o_ohm, &evidence, late)).transpose()?;
         let measured = Measured { value, u: u.map(|u| u.hypot(moved.map_or(0.0, |moved| moved.u_ohm))) };
-        let Some(as_read) = self.with_defects(measured, record, estimate.stamps_ohm) else {
+        let with_leak = |leaked| self.with_defects(measured, leaked, estimate.stamps_ohm);
+        let Some(as_read) = leaked.as_ref().and_then(with_leak) else {
             // The leak only ever makes it read lower; so far up it is the reciprocal that is known.
             let u = measured.u.ok_or(Fault::Implausible)?;
             return Ok(self.open_above(sensor, measured.value, u));

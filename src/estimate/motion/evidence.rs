@@ -36,6 +36,11 @@ impl Pair {
         self.r_ohm[1] - self.r_ohm[0]
     }
 
+    /// Whether they differ by no more than so many sigma.
+    fn agrees(self, sigmas: f64) -> bool {
+        self.difference().abs() <= sigmas * self.u_ohm
+    }
+
     /// Whether they tell a slope.
     pub(super) fn is_apart(self) -> bool {
         self.apart_s.is_some()
@@ -84,13 +89,12 @@ impl Evidence {
     pub fn beside(self, defect_ohm: f64) -> Evidence {
         let Some(pair) = self.pair.filter(|_| defect_ohm > 0.0) else { return self };
         let pair = Pair { u_ohm: pair.u_ohm.hypot(defect_ohm), ..pair };
-        let agrees = pair.difference().abs() <= BEYOND_NOISE * pair.u_ohm;
-        Evidence { pair: Some(pair), ..self.contradicting(self.contradicts && !agrees) }
+        Evidence { pair: Some(pair), ..self.contradicting(self.contradicts && !pair.agrees(BEYOND_NOISE)) }
     }
 
     /// Whether a second crossing says the same where stamps are often late: none is late that agrees by chance.
     pub fn is_confirmed(&self) -> bool {
-        !self.contradicts && self.pair.is_some_and(|pair| pair.difference().abs() <= STATED * pair.u_ohm)
+        !self.contradicts && self.pair.is_some_and(|pair| pair.agrees(STATED))
     }
 
     /// The same, with another word on whether the crossings disagree.

@@ -8,7 +8,7 @@ mod board;
 mod network;
 mod variants;
 
-use super::{Seen, Trial, judge};
+use super::{Seen, Trial, each, judge};
 use board::{Board, DEADLINE_S, Path, R_C2, SECOND_S, Then, Timed, Way, Wiring};
 use cermd::ctl::replay::Replay;
 use cermd::reading::Method;
@@ -316,11 +316,8 @@ fn name_of(line: &Value) -> &'static str {
 
 #[test]
 fn hostile_tapes() {
-    let cases = |variant: &'static Variant| {
-        variant.cases.iter().flat_map(|(method, ohms)| ohms.iter().map(|r_ohm| (*method, *r_ohm)))
-    };
     let trials = VARIANTS.iter().flat_map(|variant| {
-        cases(variant).map(move |(method, r_ohm)| Trial {
+        each(variant.cases).map(move |(method, r_ohm)| Trial {
             name: variant.name,
             method,
             r_ohm,

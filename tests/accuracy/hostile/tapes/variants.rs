@@ -149,6 +149,14 @@ const ONE: Cases = &[(Tracked, &[30.0, 100.0, 1000.0, 5000.0]), (Tpcm, &[100.0, 
 const DIELECTRIC: Cases =
     &[(Tracked, &[100.0, 1000.0, 5000.0]), (Cerm, &[100.0]), (Tcdic, &[100.0, 5000.0]), (Qerm, &[1000.0])];
 
+/// All that waits for a sensor is late, and only wakes show it.
+const TO_END: Variant = Variant {
+    asleep: Some(Asleep { after: 2e-3, late: 5e-6 }),
+    to_end: true,
+    cases: &[(Tracked, &[5000.0, 16_200.0])],
+    ..DAEMON
+};
+
 pub static VARIANTS: [Variant; 44] = [
     Variant { name: "tape: plain", ..BARE },
     Variant { name: "tape: from its first estimate on", from_first: true, least_numbers: 0.4, ..BARE },
@@ -313,37 +321,21 @@ pub static VARIANTS: [Variant; 44] = [
     // The state follows wakes before pairs show what they are there for.
     Variant {
         name: "tape of a daemon: the same, two nodes, each sensor to its end",
-        asleep: Some(Asleep { after: 2e-3, late: 5e-6 }),
-        to_end: true,
-        cases: &[(Tracked, &[5000.0, 16_200.0])],
         fails: &[(Tracked, 5000.0)],
-        ..DAEMON
+        ..TO_END
     },
     Variant {
         name: "tape of a daemon: the same, one node, each sensor to its end",
         wiring: Wiring::One,
-        asleep: Some(Asleep { after: 2e-3, late: 5e-6 }),
-        to_end: true,
-        cases: &[(Tracked, &[5000.0, 16_200.0])],
         fails: &[(Tracked, 5000.0)],
-        ..DAEMON
+        ..TO_END
     },
     // By now pairs have shown it.
-    Variant {
-        name: "tape of a daemon: the same, two nodes, after 180 cycles",
-        asleep: Some(Asleep { after: 2e-3, late: 5e-6 }),
-        to_end: true,
-        cycles: 200,
-        cases: &[(Tracked, &[5000.0, 16_200.0])],
-        ..DAEMON
-    },
+    Variant { name: "tape of a daemon: the same, two nodes, after 180 cycles", cycles: 200, ..TO_END },
     Variant {
         name: "tape of a daemon: the same, one node, after 180 cycles",
         wiring: Wiring::One,
-        asleep: Some(Asleep { after: 2e-3, late: 5e-6 }),
-        to_end: true,
         cycles: 200,
-        cases: &[(Tracked, &[5000.0, 16_200.0])],
-        ..DAEMON
+        ..TO_END
     },
 ];
