@@ -1,8 +1,6 @@
 //! Estimating from a tape: the discharges go through the instrument's own order of things, so that a tape is read as the
 //! daemon has read it.
 
-mod grid;
-
 use crate::circuit::Node;
 use crate::estimate::estimator::Estimate;
 use crate::estimate::offset::Offset;
@@ -15,7 +13,6 @@ use crate::record::Record;
 use crate::stream::tape::{Entry, Header, TapeOffset};
 use crate::stream::wire::{StateLine, Unit};
 use crate::units::Nanos;
-use grid::Grid;
 use serde::Serialize;
 
 /// What is said about one x discharge.
@@ -40,8 +37,6 @@ pub struct Replay {
     header: Header,
     method: Method,
     cycle: Cycle,
-    /// What the stamps tell of their clock.
-    grid: Grid,
     /// Whether the calibration is followed.
     tracked: bool,
     /// The offset is what the tape tells, from the first four split discharges on.
@@ -92,8 +87,7 @@ impl Replay {
         if let Some(offset) = offset.filter(|_| !tracked) {
             cycle.set_offset(offset);
         }
-        let grid = Grid::new(header.resolution_ns.unwrap_or(1.0));
-        Ok(Replay { header, method, cycle, grid, tracked, is_auto, counts: Counts::default() })
+        Ok(Replay { header, method, cycle, tracked, is_auto, counts: Counts::default() })
     }
 
     /// Takes the next discharge; the estimate, if it was a sensor's.
@@ -110,7 +104,6 @@ impl Replay {
     /// The same as the instrument has it.
     pub fn read(&mut self, entry: &Entry) -> Option<Reading> {
         let Entry { is_timed, is_held, record, .. } = entry;
-        self.look_at_clock(record);
         let is_of_sensor = record.through.channel().is_some();
         let reading = if self.lacks_offset(record) {
             self.counts.without_offset += 1;
@@ -127,13 +120,6 @@ impl Replay {
         reading
     }
 
-    /// Stamps at the edges of a coarse clock have its uncertainty, though their scatter need not show it and the header not say it.
-    fn look_at_clock(&mut self, record: &Record) {
-        if let Some(resolution_ns) = self.grid.take(record) {
-            self.cycle.set_resolution(resolution_ns);
-        }
-    }
-
     /// Whether this discharge needs d, and nothing has told it yet. Of a calibration that is followed, readings say that there is none
     /// yet; full ones are read as the daemon reads them before it has found the offset, unless the tape is to tell it.
     fn lacks_offset(&mut self, record: &Record) -> bool {
@@ -146,7 +132,6 @@ impl Replay {
     /// Takes the next discharge; the estimate as it is, ohm, if it was a sensor's and there is a calibration: no zero taken
     /// off, and below 0 too, where a reading says `short`; with 1 sigma of what other readings share with it.
     pub fn signed_ohm(&mut self, entry: &Entry) -> Option<Result<Measured, Fault>> {
-        self.look_at_clock(&entry.record);
         let (record, estimator) = (&entry.record, self.cycle.estimator());
         let is_known = record.through.channel().is_some() && estimator.calibration().is_some();
         let shared = |estimate: Estimate| estimate.basis.shared(estimate.r_ohm);
@@ -228,6 +213,8 @@ fn of_header(d_ns: f64, known: &TapeOffset) -> Offset {
     }
 }
 
+#[cfg(test)]
+mod coarse;
 #[cfg(test)]
 mod later;
 #[cfg(test)]

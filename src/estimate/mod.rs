@@ -7,6 +7,7 @@ pub mod absorption;
 pub mod awake;
 pub mod estimator;
 pub mod fit;
+pub mod grid;
 pub mod law;
 pub mod leak;
 pub mod limits;

@@ -28,6 +28,7 @@ use crate::circuit::Node;
 use crate::estimate::Estimator;
 use crate::estimate::absorption::AbsorptionTest;
 use crate::estimate::estimator::Judged;
+use crate::estimate::grid::Grid;
 use crate::estimate::leak::LeakTest;
 use crate::estimate::offset::{Offset, SplitCalibration};
 use crate::instrument::diagnosis::Diagnosis;
@@ -80,6 +81,8 @@ pub struct Cycle {
     split: Option<SplitCalibration>,
     memory: Vec<Memory>,
     calls: CallGate,
+    /// What stamps tell of their clock.
+    grid: Grid,
     leak: LeakTest,
     absorption: AbsorptionTest,
     diagnosis: Diagnosis,
@@ -137,6 +140,7 @@ impl Cycle {
             split,
             memory: vec![Memory::default(); settings.channels.len()],
             calls: CallGate::default(),
+            grid: Grid::new(settings.resolution.as_ns()),
             leak,
             absorption: AbsorptionTest::default(),
             diagnosis: Diagnosis::new(settings.board()),
@@ -280,11 +284,6 @@ impl Cycle {
         self.done(&Outcome { result, calls: [None; 3], charged: None }, record.start)
     }
 
-    /// The clock that stamps crossings has turned out to have another period.
-    pub fn set_resolution(&mut self, resolution_ns: f64) {
-        self.estimator.set_resolution(resolution_ns);
-    }
-
     /// Puts another offset in force, one that is known from elsewhere.
     pub fn set_offset(&mut self, offset: Offset) {
         self.estimator.set_offset(offset);
@@ -328,6 +327,9 @@ impl Cycle {
     /// it was a sensor's.
     pub fn done(&mut self, outcome: &Outcome, now: Nanos) -> Option<Reading> {
         self.learn_overhead(outcome, now);
+        if let Some(resolution_ns) = outcome.result.as_ref().ok().and_then(|record| self.grid.take(record)) {
+            self.estimator.set_resolution(resolution_ns);
+        }
         self.as_read_ohm = None;
         self.ended_early = outcome.result.map_or(true, |record| record.waited_ns.is_some());
         self.calls.add(&outcome.calls);

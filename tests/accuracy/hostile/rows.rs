@@ -239,9 +239,9 @@ const FIRST: Row = Row {
     ..ROW
 };
 const LATER: Row = Row { seconds: [15.0, f64::INFINITY], readings: 20, ..FIRST };
-/// A fault is the answer to a defect.
-const DEFECT_FIRST: Row = Row { least_numbers: 0.0, ..FIRST };
-const DEFECT_LATER: Row = Row { least_numbers: 0.0, ..LATER };
+/// A fault is the answer to a defect, of each board alike.
+const DEFECT_FIRST: Row = Row { boards: 20, least_numbers: 0.0, ..FIRST };
+const DEFECT_LATER: Row = Row { boards: 20, least_numbers: 0.0, ..LATER };
 
 const A_100_KOHM: &str = "[circuit.node-a]\nleakage-resistance = '100 kohm'";
 const A_1_MOHM: &str = "[circuit.node-a]\nleakage-resistance = '1 Mohm'";

@@ -1,12 +1,12 @@
-//! The period of the clock of a tape, by its stamps: one that is coarse makes all of them multiples of its period, whether the header
-//! says so or not.
+//! The period of the clock that stamps crossings, by the stamps: one that is coarse makes all of them multiples of its period, whether
+//! anybody has said so or not.
 
 use crate::record::{RESOLUTIONS, Record};
 
 /// Stamps that are remembered: so many that differ tell a period of 4 ns from chance.
 const REMEMBERED: usize = 16;
 /// Stamps of a fine clock are all multiples of a period by chance once in about period^(n - 1) for n of them: once in so many
-/// is not to be expected on any tape.
+/// is not to be expected of any board.
 const NOT_BY_CHANCE: f64 = 1e9;
 /// Below this a time has a tenth of a nanosecond on a tape, and is halved by the middle of a call; longer ones have fewer digits, and are
 /// left out, ns.
@@ -15,7 +15,7 @@ const TENTHS_BELOW_NS: f64 = 1e9;
 /// The greatest period that all crossings so far are multiples of.
 #[derive(Debug, Clone, Copy)]
 pub struct Grid {
-    /// The period that the header tells, and the one in force, ns: the longer one.
+    /// The period that was told, and the one in force, ns: the longer one.
     said_ns: f64,
     in_force_ns: f64,
     /// In tenths of a nanosecond; 0 before the first.
@@ -26,7 +26,7 @@ pub struct Grid {
 }
 
 impl Grid {
-    /// Of a tape whose header tells this period, ns.
+    /// Of a clock of which this period is told, ns.
     pub fn new(said_ns: f64) -> Grid {
         Grid { said_ns, in_force_ns: said_ns, tenths: 0, stamps: [0; REMEMBERED], count: 0 }
     }
@@ -66,14 +66,8 @@ fn greatest_common_divisor(a: u64, b: u64) -> u64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::ctl::replay::Replay;
-    use crate::reading::Method;
     use crate::record::Through;
-    use crate::stream::tape::Reader;
     use crate::units::Nanos;
-    use rand::RngExt;
-    use rand_distr::StandardNormal;
-    use std::fmt::Write;
 
     fn record(a_ns: Option<f64>) -> Record {
         Record {
@@ -96,7 +90,7 @@ mod tests {
     }
 
     #[test]
-    fn it_is_told_when_it_changes_and_never_finer_than_the_header_has_it() {
+    fn it_is_told_when_it_changes_and_never_finer_than_was_said() {
         let mut grid = Grid::new(20.0);
         let stamps = [1_440_000.0, 2_595_000.0, 7_755_000.0, 650_000.0, 1_440_000.0, 650_001.0];
         let told = stamps.map(|a_ns| grid.take(&record(Some(a_ns))));
@@ -115,41 +109,5 @@ mod tests {
         assert_eq!(of(&[&coarse[..], &[1_234_567_891.0]].concat()), Some(5000.0));
         let even: Vec<f64> = (1..40).map(|index| 1e6 + 2.0 * f64::from(index)).collect();
         assert_eq!(of(&even), None, "nobody can tell");
-    }
-
-    /// A quiet board whose stamps are all at the edges of a clock of 5 us, of which the header says nothing.
-    fn tape(seed: u64, r_x: f64) -> String {
-        let mut rng = crate::seed::rng(seed);
-        let g = [600.0, 1100.0].map(|g: f64| g * (1.0 + 0.1 * rng.random::<f64>()));
-        let mut tape = r#"{"class":"TAPE","proto_major":1,"circuit":{"kind":"two-capacitor","r_c1_ohm":2320,"r_c2_ohm":12700},"channels":[{"id":"x","zero_ohm":0,"scale":1}]}"#.to_owned();
-        let ways = [("c1", 2320.0), ("c2", 12_700.0), ("x\",\"channel\":\"x", r_x)];
-        for (seq, (through, r)) in ways.iter().cycle().take(3 * 60).enumerate() {
-            let [a, b] = g.map(|g| {
-                let at_ns = g * (r + 40.0) + 8000.0 + 200.0 * rng.sample::<f64, _>(StandardNormal);
-                5000.0 * (at_ns / 5000.0).round()
-            });
-            let line = format!(
-                "{{\"class\":\"DISCHARGE\",\"seq\":{seq},\"through\":\"{through}\",\"a_ns\":{a},\"b_ns\":{b}}}"
-            );
-            write!(tape, "\n{line}").unwrap();
-        }
-        tape
-    }
-
-    #[test]
-    fn a_clock_that_is_coarse_without_a_word_is_in_the_uncertainty() {
-        let (mut within, mut count) = (0, 0);
-        for seed in 0..60 {
-            let r_x = 500.0 + 100.0 * seed as f64;
-            let tape = tape(seed, r_x);
-            let reader = Reader::open(tape.as_bytes()).unwrap();
-            let mut replay = Replay::new(reader.header(), Method::Tcdic, None).unwrap();
-            let states = reader.filter_map(|entry| replay.take(&entry.unwrap())).map(|line| line.state);
-            for (r_ohm, u) in states.skip(20).filter_map(|state| state.r_ohm.zip(state.r_u_ohm)) {
-                within += usize::from((r_ohm - r_x).abs() < 2.0 * u);
-                count += 1;
-            }
-        }
-        assert!(count > 2000 && 10 * within > 9 * count, "{within} of {count}");
     }
 }
