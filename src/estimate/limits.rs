@@ -207,6 +207,8 @@ pub const NO_RESIDUAL: f64 = 1e-9;
 pub const STEPS_OF_A_MEAN: f64 = 16.0;
 /// Readings scatter by more than they say when their steps show it with so many sigma.
 pub const STEPS_SHOW: f64 = 4.0;
+/// Below this part of the variance that they state, what their steps do not show is alike in all of them.
+pub const STEPS_LACK: f64 = 0.3;
 
 // Split calibration.
 /// The split comes after this part of node A's time through R_1: late, since the difference grows with it, and before any

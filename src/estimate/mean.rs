@@ -12,7 +12,7 @@
 //! so that the variance of the mean is what the filter itself says of it, whatever the time.
 
 use crate::estimate::law::{State, UNKNOWNS};
-use crate::estimate::limits::{STEPS_OF_A_MEAN, STEPS_SHOW};
+use crate::estimate::limits::{STEPS_LACK, STEPS_OF_A_MEAN, STEPS_SHOW};
 use crate::estimate::tracker::Tracker;
 use crate::reading::Measured;
 use crate::units::Nanos;
@@ -106,19 +106,26 @@ impl Mean {
         }
         let misfit = tracker.map_or(1.0, Tracker::misfit);
         let shared = misfit * self.shared.max(0.0) / self.count.powi(2);
-        let u = (self.own() / self.count + shared + (self.alike_ohm / self.count).powi(2)).sqrt();
+        let (own, rounded) = self.own();
+        let u = (own / self.count + rounded + shared + (self.alike_ohm / self.count).powi(2)).sqrt();
         Some(Measured { value: self.first_ohm + self.sum / self.count, u: (!self.is_unknown).then_some(u) })
     }
 
-    /// The variance of a reading for itself: as it is stated, or by their steps where those show that it is more.
-    fn own(&self) -> f64 {
+    /// The variance of a reading for itself, as it is stated or by their steps where those show that it is more; and what of it is
+    /// alike in all of them: a coarse clock that starts go by rounds the same time to the same count.
+    fn own(&self) -> (f64, f64) {
         let (stated, steps) = (self.own / self.count, self.count - 1.0);
         if steps < STEPS_OF_A_MEAN {
-            return stated;
+            return (stated, 0.0);
         }
         let shown = self.steps / (2.0 * steps);
         // Half the mean square of successive differences has two degrees of freedom for three of them.
-        if shown > stated * (1.0 + STEPS_SHOW * (3.0 / steps).sqrt()) { shown } else { stated }
+        let chance = STEPS_SHOW * (3.0 / steps).sqrt();
+        match shown / stated {
+            ratio if ratio > 1.0 + chance => (shown, 0.0),
+            ratio if ratio < STEPS_LACK.min(1.0 - chance) => (shown, stated - shown),
+            _ => (stated, 0.0),
+        }
     }
 }
 
@@ -153,5 +160,21 @@ mod tests {
         // Steps of 2 are a scatter of 1.4.
         let u = mean.result(None).unwrap().u.unwrap();
         assert!((u - 2f64.sqrt() / 10.0).abs() < 1e-9, "{u}");
+    }
+
+    #[test]
+    fn what_steps_do_not_show_does_not_average_out() {
+        let of = |count: usize, step: f64| {
+            let mut mean = Mean::default();
+            for index in 0..count {
+                let value = if index % 2 == 0 { 1000.0 } else { 1000.0 + step };
+                mean.add(Measured { value, u: Some(0.3) }, &Basis { own: 0.09, ..Basis::default() }, None);
+            }
+            mean.result(None).unwrap().u.unwrap()
+        };
+        assert!((of(400, 0.0) - 0.3).abs() < 1e-9, "the same count each time: {}", of(400, 0.0));
+        assert!((of(10, 0.0) - 0.3 / 10f64.sqrt()).abs() < 1e-9, "few steps tell nothing: {}", of(10, 0.0));
+        // Steps of 0.3 are a variance of half of what is stated: no more than it is often overstated.
+        assert!((of(400, 0.3) - 0.3 / 20.0).abs() < 1e-9, "{}", of(400, 0.3));
     }
 }

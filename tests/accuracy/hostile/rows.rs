@@ -24,6 +24,12 @@ pub const ROW: Row = Row {
     fails: &[],
 };
 
+/// Rounded alike each time, what each is off by is its own: many.
+const COARSE: &[(Method, &[f64])] = &[
+    (Tracked, &[100.0, 130.0, 170.0, 300.0, 1000.0, 1300.0, 3000.0, 5000.0, 16_200.0]),
+    (Cerm, &[100.0, 130.0, 1000.0, 5000.0]),
+    (Tcdic, &[300.0, 1000.0, 5000.0]),
+];
 /// What switches while a sensor is read.
 const BOTH: &[(Method, &[f64])] = &[(Tracked, &[100.0, 1000.0]), (Cerm, &[100.0, 1000.0])];
 const ALL: &[(Method, &[f64])] = &[
@@ -150,7 +156,7 @@ const SLEEPY_ONE: Row = Row {
 const LATER_BY_60: &str = "[events]\ndeep-sleep-after = '200 us'\ndeep-sleep-late = '60 us'";
 const LATER_BY_60_AFTER_500: &str = "[events]\ndeep-sleep-after = '500 us'\ndeep-sleep-late = '60 us'";
 
-pub static STAMPS: [Row; 12] = [
+pub static STAMPS: [Row; 14] = [
     Row { name: "B is stamped 3 us later than A", scene: "[events]\nb-later = '3 us'", cases: ALL, ..ROW },
     Row {
         name: "2 us later after waits of 4 ms",
@@ -215,6 +221,19 @@ pub static STAMPS: [Row; 12] = [
             (Cerm, &[100.0, 1000.0, 5000.0]),
             (Tcdic, &[100.0, 16_200.0]),
         ],
+        ..ROW
+    },
+    // What locks lines to the clock rounds each crossing alike, time after time.
+    Row {
+        name: "all at the edges of a clock of 1 us, untold, stamps by 2 us",
+        scene: "clock-period = '1 us'\n[stamps]\njitter = '2 us'",
+        cases: ALL,
+        ..ROW
+    },
+    Row {
+        name: "all at the edges of a clock of 1 us, untold, stamps by 50 ns",
+        scene: "clock-period = '1 us'\n[stamps]\njitter = '50 ns'\ntail-probability = 0.0\n[noise]\nvoltage = '0.1 mV'",
+        cases: COARSE,
         ..ROW
     },
     Row { name: "stamps jitter by 5 us", scene: "[stamps]\njitter = '5 us'\nmean = '20 us'", ..ROW },
