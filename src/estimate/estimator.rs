@@ -3,7 +3,7 @@
 use crate::circuit::Node;
 use crate::estimate::absorption::AbsorptionTest;
 use crate::estimate::awake::AwakeTest;
-use crate::estimate::leak::LeakTest;
+use crate::estimate::leak::{Beside, LeakTest};
 use crate::estimate::limits::{BEYOND_NOISE, UNTOLD_SWITCH_NS};
 use crate::estimate::mean::Basis;
 use crate::estimate::method::tracked::{self, Observed};
@@ -63,6 +63,8 @@ pub struct Estimator {
     c2: Option<Crossings>,
     /// What leaks, as far as looks have told; `None` where leaks are left out.
     leak: Option<LeakTest>,
+    /// What of them was undone last.
+    beside: Option<Beside>,
     /// What capacitors absorb, as far as looks have told.
     absorption: AbsorptionTest,
     /// Whether stamps are later after long waits, without a tracked calibration.
@@ -86,6 +88,7 @@ impl Estimator {
             c1: None,
             c2: None,
             leak: None,
+            beside: None,
             absorption: AbsorptionTest::default(),
             awake: AwakeTest::default(),
             tracker: None,

@@ -52,13 +52,25 @@ pub const LEAK_GROSS_FIRST: usize = 2;
 pub const LOOK_SHOWS: f64 = 4.0;
 /// Beyond so many sigma from the others a single one may be news: another look does no harm.
 pub const LOOK_SURPRISE: f64 = 2.5;
+/// 1 sigma of what the median deviation of n normal values tells of their own sigma, as a part of it, times the root of n.
+pub const OF_DEVIATION: f64 = 1.17;
 /// A leak through less than this is a defect, not an imperfection: capacitors insulate more than 1 Gohm, pulls of
 /// processors are 30 to 100 kohm.
 pub const GROSS_LEAK_SIEMENS: f64 = 1.0 / 200e3;
-/// What is left of the error that a known leak of G to ground has made, 1 sigma, with one node and with two: as a part of it, of
-/// G R_1 R_2, since the calibration is off, and of G R_x R_2. Looks do not tell at which of two nodes it is, and one at B moves what B
-/// starts from.
-pub const LEAK_LEFT: [[f64; 3]; 2] = [[0.1, 0.0, 0.0], [1.0, 1.0, 0.2]];
+/// V_DD in parts of the threshold of usual inputs, 1.1 V of 3.3 V. What flows beside the resistors is known at two places of a discharge:
+/// between them it depends little on this, until B crosses more.
+pub const FALLS: f64 = 3.0;
+/// A discharge of the sensor of which a greater part went beside it tells a bound alone.
+pub const MOST_BESIDE: f64 = 0.5;
+/// What is left of the error that a leak of G to ground has made where it is undone, 1 sigma, with one node and with two: as a part of it,
+/// of G R_1 R_2, since the calibration is off, and of G R_x R_2.
+pub const LEAK_LEFT: [[f64; 3]; 2] = [[0.01, 0.0, 0.0], [0.01, 0.01, 0.003]];
+/// The same of what B loses more than A and is not undone.
+pub const LEAK_AT_B: [f64; 3] = [1.0, 1.0, 0.2];
+/// By which part of what late levels show more than early ones that may be more or less as B crosses.
+pub const BEYOND_LATE: f64 = 0.15;
+/// What B does to readings that only A ends, in parts of that.
+pub const BY_CALIBRATION: f64 = 0.15;
 /// What a leak that is none to ground leaves beside that, 1 sigma, where both levels differ by K siemens: as a part of the error that K
 /// to ground would make; of K R_1 R_2 and of K R_x R_2, since the calibration is off; and of K R_x^2 t_2/t_1 for a discharge that goes on for
 /// t_2 after t_1 through the sensor, up to A and up to B, since K does more to its end than to its beginning. Found with

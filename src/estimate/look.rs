@@ -1,7 +1,7 @@
 //! What rare discharges beside the usual ones have shown: the median of those that are remembered, and how much of it may be noise.
 
-use crate::estimate::limits::{LOOK_SHOWS, LOOK_SURPRISE};
-use crate::estimate::scatter::median;
+use crate::estimate::limits::{COVERAGE, LOOK_SHOWS, LOOK_SURPRISE, OF_DEVIATION};
+use crate::estimate::scatter::Usual;
 use crate::units::Nanos;
 use std::f64::consts::FRAC_PI_2;
 
@@ -15,6 +15,8 @@ pub fn beyond(shown: f64, chance: f64) -> f64 {
 pub struct Found {
     /// What leaks [early and late](crate::estimate::leak) in a discharge, whether it shows or not, siemens, with 1 sigma.
     pub leak_siemens: Option<[[f64; 2]; 2]>,
+    /// The same of what node B loses more.
+    pub leak_more_at_b: Option<[[f64; 2]; 2]>,
     /// By how much later stamps are after [waits](crate::estimate::awake) as long as through R_1 and R_2, ns, with 1 sigma.
     pub late_ns: Option<[[f64; 2]; 2]>,
     /// By which share of their time discharges are longer [after a rest](crate::estimate::absorption).
@@ -29,8 +31,8 @@ pub struct Looks<const N: usize> {
     /// Those that came to nothing, and those since the last one that did not.
     failed: usize,
     failed_in_row: usize,
-    median: f64,
-    /// Of the last one alone.
+    usual: Usual,
+    /// Of the last one alone, as far as it is known without the others.
     variance: f64,
     /// The last one disagrees with those before it: a spike, or news.
     is_surprised: bool,
@@ -44,7 +46,7 @@ impl<const N: usize> Default for Looks<N> {
             taken: 0,
             failed: 0,
             failed_in_row: 0,
-            median: 0.0,
+            usual: Usual::NONE,
             variance: 0.0,
             is_surprised: false,
             last: None,
@@ -56,7 +58,8 @@ impl<const N: usize> Looks<N> {
     /// As if so many as are remembered had shown this, with 1 sigma of it: later ones replace them one by one.
     pub fn known([shown, noise]: [f64; 2]) -> Looks<N> {
         let variance = noise.powi(2) * N as f64 / FRAC_PI_2;
-        Looks { shown: [shown; N], taken: N, median: shown, variance, ..Looks::default() }
+        let usual = Usual::of(&mut [shown]);
+        Looks { shown: [shown; N], taken: N, usual, variance, ..Looks::default() }
     }
 
     /// Whether another one is due: `first` of them follow each other, and then there is one in every so long.
@@ -81,8 +84,8 @@ impl<const N: usize> Looks<N> {
         self.taken += 1;
         // A spike is none, so it is not the mean.
         let mut remembered = self.shown;
-        self.median = median(&mut remembered[..self.taken.min(N)]);
-        self.is_surprised = (shown - self.median).abs() > LOOK_SURPRISE * variance.sqrt();
+        self.usual = Usual::of(&mut remembered[..self.taken.min(N)]);
+        self.is_surprised = (shown - self.median()).abs() > LOOK_SURPRISE * variance.sqrt();
     }
 
     /// How many have told something.
@@ -102,16 +105,28 @@ impl<const N: usize> Looks<N> {
 
     /// What they show, 0 before the first.
     pub fn median(&self) -> f64 {
-        self.median
+        self.usual.place
     }
 
     /// The noise of that, 1 sigma; 0 before the first.
     pub fn noise(&self) -> f64 {
-        if self.taken == 0 {
-            return 0.0;
-        }
-        // The variance of a median is pi/2 times that of the mean.
-        (self.variance * FRAC_PI_2 / self.taken.min(N) as f64).sqrt()
+        if self.taken == 0 { 0.0 } else { self.of_median(self.variance.sqrt()) }
+    }
+
+    /// The same, or more where they differ by more than that makes them: many of them may be late.
+    pub fn noise_among(&self) -> f64 {
+        let [own, among] = [self.noise(), self.of_median(self.usual.sigma())];
+        let by_chance = own * (1.0 + COVERAGE * OF_DEVIATION / self.count().sqrt());
+        if among > by_chance { among } else { own }
+    }
+
+    /// The variance of a median is pi/2 times that of the mean.
+    fn of_median(&self, sigma: f64) -> f64 {
+        sigma * (FRAC_PI_2 / self.count()).sqrt()
+    }
+
+    fn count(&self) -> f64 {
+        self.taken.clamp(1, N) as f64
     }
 
     /// What shows beyond it.

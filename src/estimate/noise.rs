@@ -164,6 +164,15 @@ impl Noise {
         judged
     }
 
+    /// From now on, crossings of this kind come so much later, ns.
+    pub fn expect_later(&mut self, kind: CalibrationKind, ns: [f64; 2]) {
+        match kind {
+            CalibrationKind::First => self.c1.expect_later(ns),
+            CalibrationKind::Second => self.c2.expect_later(ns),
+            CalibrationKind::Split => {}
+        }
+    }
+
     /// From now on, `expected` is what the crossings are on average.
     pub fn expect_what_comes(&mut self) {
         self.c1.expect_what_comes();

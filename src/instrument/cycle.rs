@@ -130,7 +130,7 @@ impl Cycle {
             let offset = settings.offset_ns.map_or_else(Offset::unknown, Offset::given);
             Estimator::new(method, r1, r2, nodes, offset)
         };
-        let leak = LeakTest::default();
+        let leak = LeakTest::new(nodes);
         estimator.set_resolution(settings.resolution.as_ns());
         estimator.set_leak(&leak);
         let finds_offset = !settings.tracked && settings.offset_ns.is_none();
@@ -330,6 +330,7 @@ impl Cycle {
         if let Some(resolution_ns) = outcome.result.as_ref().ok().and_then(|record| self.grid.take(record)) {
             self.estimator.set_resolution(resolution_ns);
         }
+        let outcome = &self.without_leak(outcome);
         self.as_read_ohm = None;
         self.ended_early = outcome.result.map_or(true, |record| record.waited_ns.is_some());
         self.calls.add(&outcome.calls);
@@ -346,6 +347,15 @@ impl Cycle {
             Step::Start => {}
         }
         None
+    }
+
+    /// What has become of a discharge, without what a leak that shows has done to it; looks for leaks have to see that.
+    fn without_leak(&mut self, outcome: &Outcome) -> Outcome {
+        let result = match self.step {
+            Step::Hold(Look::Leak | Look::First) => outcome.result,
+            _ => outcome.result.map(|record| self.estimator.without_leak(&record)),
+        };
+        Outcome { result, ..*outcome }
     }
 
     /// What a discharge takes beside what is planned of it: calls, waking, and the charge's own delays.

@@ -251,6 +251,8 @@ fn header() -> Header {
         looks: TapeLooks {
             leak_siemens: Some([0.1; 2]),
             leak_u_siemens: Some([0.1; 2]),
+            leak_b_siemens: Some([0.1; 2]),
+            leak_b_u_siemens: Some([0.1; 2]),
             late_ns: Some([0.1; 2]),
             late_u_ns: Some([0.1; 2]),
             absorbed: u,

@@ -7,7 +7,7 @@ use crate::circuit::{Kind, Node};
 use crate::config::{Config, Findings, Severity};
 use crate::ctl::check::full_plan;
 use crate::ctl::limits::{NO_PULL, PATIENCE, PLAUSIBLE, PLAUSIBLE_RATIO, SMALLEST_LEAK};
-use crate::estimate::leak::LeakTest;
+use crate::estimate::leak::{LeakTest, Lost};
 use crate::estimate::limits::{LEAK_FIRST, LEAK_HOLD};
 use crate::estimate::scatter;
 use crate::instrument::diagnosis::Nominal;
@@ -148,9 +148,10 @@ impl Inspection<'_> {
         let mut seen_ns: Vec<[f64; 2]> = Vec::with_capacity(LEAK_FIRST);
         let in_turn = |seen_ns: &[[f64; 2]], variance: f64| {
             let mut test = LeakTest::default();
-            seen_ns
-                .iter()
-                .for_each(|[usual, left]| test.add(Some((usual - left, variance)), r2_ohm, Nanos::ZERO));
+            for [usual, left] in seen_ns {
+                let to_a = [usual - left, variance];
+                test.add(Some(Lost { to_a, more_to_b: None, r_ohm: r2_ohm }), Nanos::ZERO);
+            }
             test
         };
         // Some may come to nothing.

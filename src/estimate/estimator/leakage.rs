@@ -2,9 +2,10 @@
 //! does not hold, a wider one where it nearly does.
 
 use super::Estimator;
+use crate::circuit::NOMINAL_R_O;
 use crate::estimate::absorption::{self, AbsorptionTest};
-use crate::estimate::awake::{AwakeTest, of_stamp_ns};
-use crate::estimate::leak::{self, Course, LeakTest};
+use crate::estimate::awake::{AwakeTest, of_stamp_ns, resistor_of};
+use crate::estimate::leak::{Beside, Course, LeakTest, Ways};
 use crate::estimate::limits::{
     BEYOND_NOISE, COVERAGE, GROSS_LEAK_SIEMENS, HIGHEST_R_O_OHM, LATEST_STAMP_NS, RESISTOR_TOLERANCE,
     UNKNOWN_JITTER_NS,
@@ -12,7 +13,7 @@ use crate::estimate::limits::{
 use crate::estimate::method::dual::Gradient;
 use crate::estimate::tracker::Tracker;
 use crate::reading::{Fault, Measured};
-use crate::record::Record;
+use crate::record::{CalibrationKind, Crossings, Record};
 use crate::units::Nanos;
 
 impl Estimator {
@@ -24,6 +25,28 @@ impl Estimator {
     /// Takes over what looks have told of leaks.
     pub fn set_leak(&mut self, leak: &LeakTest) {
         self.leak = Some(*leak);
+    }
+
+    /// The same where something else is [undone](LeakTest::undone) from now on: the calibration in force is as if it had been before, and one
+    /// that is followed is found anew.
+    pub fn undo_leak(&mut self, leak: &LeakTest) {
+        let known = [self.c1, self.c2];
+        let longer = |estimator: &Estimator, resistor: usize| {
+            estimator.undoing().map_or([1.0; 2], |(beside, ways)| beside.times(resistor, &ways))
+        };
+        let of = |estimator: &Estimator| [0, 1].map(|resistor| longer(estimator, resistor));
+        let before = of(self);
+        self.set_leak(leak);
+        let now = of(self);
+        for (index, kind) in [CalibrationKind::First, CalibrationKind::Second].into_iter().enumerate() {
+            let Some(ns) = known[index] else { continue };
+            let times = [0, 1].map(|node| now[index][node] / before[index][node]);
+            let more_ns = [0, 1].map(|node| ns[node].map_or(0.0, |ns| ns * (times[node] - 1.0)));
+            self.noise.expect_later(kind, more_ns);
+            let moved = [0, 1].map(|node| ns[node].map(|ns| ns + more_ns[node]));
+            *(if index == 0 { &mut self.c1 } else { &mut self.c2 }) = Some(moved);
+        }
+        self.begin_anew();
     }
 
     /// Takes a discharge in which the program woke, beside those of calibration: as [`AwakeTest::add`].
@@ -96,45 +119,66 @@ impl Estimator {
         Some(((c1_ns - self.offset.d_ns) / per_ohm - self.r1_ohm, u_ns / per_ohm, unknown_ns / per_ohm))
     }
 
-    /// What a leak makes of a reading; `None` if no resistance is too high for it.
+    /// What a leak may make of a reading; `None` if no resistance is too high for it.
     pub(super) fn leaked(&self, r_ohm: f64, record: &Record) -> Option<Leaked> {
         let Some(leak) = &self.leak else { return Some(Leaked::default()) };
         let (r, beside) = ([self.r1_ohm, self.r2_ohm], self.method.rules().sinks_beside);
-        let error_ohm = leak::error_ohm(leak.likely_siemens(), r, r_ohm, beside)?;
-        let course = Course::of(record, r_ohm, self.nodes);
-        let bent_ohm = course.bent_ohm(leak, r);
-        let shows = leak.siemens().is_some();
-        // A dielectric looks like a leak, and is none.
-        let is_corrected = shows && self.absorption.share().is_none();
-        let left_ohm = if is_corrected { course.left_ohm(leak, error_ohm, r) } else { error_ohm };
-        Some(Leaked { error_ohm, shows, left_ohm, bent_ohm })
+        let (course, left) = (Course::of(record, r_ohm, self.nodes), leak.left(self.nodes));
+        let shows = leak.siemens().is_some() || leak.undone().is_any();
+        Some(Leaked {
+            shows,
+            left_ohm: course.left_ohm(&left, r, beside)?,
+            bent_ohm: course.bent_ohm(&left, r),
+        })
     }
 
-    /// The same estimate less what a leak that shows has made of it; that, or what one that does not show may have made of it,
-    /// is in its uncertainty, and what dielectrics and stamps do. `None` if the sensor may have any higher resistance.
+    /// The same estimate with what leaks, dielectrics and stamps may have made of it in its uncertainty. `None` if the sensor may have
+    /// any higher resistance.
     pub(super) fn with_defects(&self, r_ohm: Measured, leaked: &Leaked, stamps_ohm: f64) -> Option<Measured> {
-        let Leaked { error_ohm, shows, left_ohm, bent_ohm } = *leaked;
-        let is_bounded = r_ohm.value < self.r2_ohm || r_ohm.value > COVERAGE * error_ohm.abs();
+        let Leaked { left_ohm, bent_ohm, .. } = *leaked;
+        let is_bounded = r_ohm.value < self.r2_ohm || r_ohm.value > COVERAGE * left_ohm;
         let path_ohm = r_ohm.value + self.offset().r_o().unwrap_or(0.0);
         let absorption_ohm = self
             .absorption
             .likely_share()
             .map_or(0.0, |share| absorption::u_ohm(share, self.r1_ohm, path_ohm));
-        let known_ohm = if shows { error_ohm } else { 0.0 };
         let left_out_ohm = self.state().map_or(0.0, |tracker| tracker.left_out_ohm(r_ohm.value));
         let defects = [left_ohm, bent_ohm, absorption_ohm, left_out_ohm, stamps_ohm];
         let u = r_ohm.u.map(|u| defects.into_iter().fold(u, f64::hypot));
-        is_bounded.then_some(Measured { value: r_ohm.value - known_ohm, u })
+        is_bounded.then_some(Measured { value: r_ohm.value, u })
+    }
+
+    /// What is undone of leaks in times, and by what. `None`: nothing.
+    fn undoing(&self) -> Option<(Beside, Ways)> {
+        let undone = self.leak.as_ref().map(LeakTest::undone).filter(|undone| undone.is_any())?;
+        let r_o_ohm = self.r_o_ohm().unwrap_or(NOMINAL_R_O.0);
+        let r_ohm = [self.r1_ohm + r_o_ohm, self.r2_ohm + r_o_ohm];
+        let ns = self.calibration().map(|(c1, c2)| [c1, c2]);
+        let ways = Ways { r_ohm, ns, d_ns: self.offset().d_ns };
+        let known = self.beside.filter(|beside| beside.is_of(&undone.lost(), &ways));
+        Some((known.unwrap_or_else(|| Beside::of(undone.lost(), &ways)), ways))
+    }
+
+    /// A discharge as it would have been without the leak that shows.
+    pub fn without_leak(&mut self, record: &Record) -> Record {
+        let Some((beside, ways)) = self.undoing() else { return *record };
+        self.beside = Some(beside);
+        beside.left_out_of(record, &ways)
+    }
+
+    /// When the nodes cross on the board, in plain discharges of a kind that would cross then without, ns.
+    pub fn with_leak_ns(&self, ns: Crossings, kind: CalibrationKind) -> Crossings {
+        let Some((resistor, (beside, ways))) = resistor_of(kind).zip(self.undoing()) else { return ns };
+        let times = beside.times(resistor, &ways);
+        [0, 1].map(|node| ns[node].map(|ns| ns / times[node]))
     }
 }
 
 /// What a leak makes of a reading, ohm.
 #[derive(Default)]
 pub(super) struct Leaked {
-    /// By how much it is likely too high, and whether that shows.
-    error_ohm: f64,
     shows: bool,
-    /// What of it is left, and what one that need not be to ground does beside that, 1 sigma.
+    /// What is not undone, and what one that need not be to ground does beside that, 1 sigma.
     left_ohm: f64,
     bent_ohm: f64,
 }

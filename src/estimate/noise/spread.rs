@@ -100,6 +100,17 @@ impl Spread {
         Ok(())
     }
 
+    /// What comes is so much later from now on, ns.
+    pub fn expect_later(&mut self, ns: [f64; 2]) {
+        self.warm_up[..self.seen].iter_mut().for_each(|away| (0..2).for_each(|node| away[node] += ns[node]));
+        for node in 0..2 {
+            for away in [&mut self.time, &mut self.mean, &mut self.last, &mut self.refused] {
+                away[node] += ns[node];
+            }
+            self.usual[node].place += ns[node];
+        }
+    }
+
     pub fn tell_far(&mut self, is_far: bool) {
         self.far += (f64::from(u8::from(is_far)) - self.far) / FAR_OF;
     }

@@ -1,14 +1,23 @@
 //! Discharges beside the others, now and then, which look for what is wrong with the circuit.
 
 use super::{Cycle, Step};
+use crate::circuit::NOMINAL_R_O;
 use crate::estimate::absorption::AbsorptionTest;
 use crate::estimate::awake::{AwakeTest, resistor_of};
-use crate::estimate::leak::LeakTest;
+use crate::estimate::leak::{LeakTest, Lost};
 use crate::estimate::limits::UNKNOWN_JITTER_NS;
 use crate::estimate::look::Found;
+use crate::estimate::noise::Covariance;
 use crate::instrument::discharge::Outcome;
 use crate::record::{CalibrationKind, Record};
 use crate::units::Nanos;
+
+/// The noise of crossings before it is known, ns².
+const UNKNOWN: Covariance = Covariance {
+    aa: UNKNOWN_JITTER_NS * UNKNOWN_JITTER_NS,
+    bb: UNKNOWN_JITTER_NS * UNKNOWN_JITTER_NS,
+    ab: 0.0,
+};
 
 /// What a discharge beside the others looks for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -39,6 +48,7 @@ impl Cycle {
     pub fn found(&self) -> Found {
         Found {
             leak_siemens: self.leak.found(),
+            leak_more_at_b: self.leak.found_at_b(),
             late_ns: self.estimator.awake().found(),
             absorbed: self.absorption.share(),
         }
@@ -46,13 +56,6 @@ impl Cycle {
 
     /// Takes over what another one has [found](Self::found). Of leaks nothing is said where that tells nothing, until a look does.
     pub fn know(&mut self, found: &Found) {
-        match found.leak_siemens.map(LeakTest::known) {
-            Some(leak) => {
-                self.leak = leak;
-                self.estimator.set_leak(&self.leak);
-            }
-            None => self.estimator.ignore_leaks(),
-        }
         if let Some(awake) = found.late_ns.map(AwakeTest::known) {
             self.estimator.set_awake(awake);
         }
@@ -60,6 +63,13 @@ impl Cycle {
             self.absorption = absorption;
             self.estimator.set_absorption(&self.absorption);
         }
+        let Some(at_a) = found.leak_siemens else {
+            self.estimator.ignore_leaks();
+            return;
+        };
+        let is_dielectric = self.absorption.share().is_some();
+        self.leak = LeakTest::new(self.settings.nodes()).knows(at_a, found.leak_more_at_b, is_dielectric);
+        self.estimator.set_leak(&self.leak);
     }
 
     /// Another length than an ordinary discharge through R_2 has. One that came to nothing tells nothing.
@@ -72,17 +82,9 @@ impl Cycle {
         let found = outcome.result.ok().zip(usual.and_then(|[a_ns, _]| a_ns));
         match look {
             Look::Leak | Look::First => {
-                let lost = found.and_then(|(record, usual)| {
-                    let (a_ns, switch) = (record.a_ns?, record.switch?);
-                    // Held too late, it has ended as usual: that is no leak.
-                    let is_held = switch.at_ns < usual;
-                    is_held.then_some((usual + (switch.on_ns - switch.at_ns) - a_ns, variance))
-                });
-                self.leak.add(lost, self.settings.r_ohm()[1], now);
-                self.estimator.set_leak(&self.leak);
-                if self.leak.has_changed() {
-                    self.estimator.begin_anew();
-                }
+                let lost = outcome.result.ok().and_then(|record| self.lost(&record));
+                self.leak.add(lost, now);
+                self.leak_done();
             }
             Look::Awake(_) => {
                 let longer = found.and_then(|(record, usual)| {
@@ -97,6 +99,7 @@ impl Cycle {
                 });
                 self.absorption.add(longer, now);
                 self.estimator.set_absorption(&self.absorption);
+                self.leak_done();
             }
         }
         self.step = match look {
@@ -106,5 +109,35 @@ impl Cycle {
             Look::Leak | Look::Absorption => self.before_start(now),
             Look::Awake(_) => Step::Start,
         };
+    }
+
+    /// Takes over what held discharges have shown so far.
+    fn leak_done(&mut self) {
+        self.leak.set_dielectric(self.absorption.share().is_some());
+        if !self.leak.has_changed() {
+            self.estimator.set_leak(&self.leak);
+            return;
+        }
+        self.estimator.undo_leak(&self.leak);
+        if let Some(split) = &mut self.split {
+            split.clear();
+        }
+    }
+
+    /// By how much a held discharge was shorter than one that is not.
+    fn lost(&self, record: &Record) -> Option<Lost> {
+        let (_, usual) = self.estimator.calibration()?;
+        let (usual, switch) = (self.estimator.with_leak_ns(usual, CalibrationKind::Second), record.switch?);
+        // Held too late, it has ended as usual: that is no leak.
+        if switch.at_ns >= usual[0]? {
+            return None;
+        }
+        let held_ns = switch.on_ns - switch.at_ns;
+        let lost = [0, 1].map(|node| Some(usual[node]? + held_ns - record.crossings()[node]?));
+        // The two discharges have their own noise each.
+        let noise = self.estimator.noise().covariance(usual).unwrap_or(UNKNOWN);
+        let more_to_b = lost[0].zip(lost[1]).map(|(a_ns, b_ns)| [b_ns - a_ns, 2.0 * noise.of(-1.0, 1.0)]);
+        let r_o_ohm = self.estimator.r_o_ohm().unwrap_or(NOMINAL_R_O.0);
+        Some(Lost { to_a: [lost[0]?, 2.0 * noise.aa], more_to_b, r_ohm: self.settings.r_ohm()[1] + r_o_ohm })
     }
 }

@@ -113,8 +113,9 @@ impl Memory {
 impl Cycle {
     pub(super) fn calibration_plan(&self, kind: CalibrationKind, last: Node) -> Plan {
         let second = self.settings.second();
-        let wakes =
-            self.estimator.tracker().and_then(|tracker| tracker.wake_ns(kind)).map(|ns| Nanos(ns as i64));
+        let wakes_ns = self.estimator.tracker().and_then(|tracker| tracker.wake_ns(kind));
+        let [wakes_ns, _] = self.estimator.with_leak_ns([wakes_ns, None], kind);
+        let wakes = wakes_ns.map(|ns| Nanos(ns as i64));
         let (through, to, after) = match kind {
             CalibrationKind::First => (Through::C1, Through::C1, wakes),
             CalibrationKind::Second => (second, second, wakes),
@@ -132,7 +133,7 @@ impl Cycle {
             CalibrationKind::Split => None,
         };
         let crossings: [Option<f64>; 2] = self.estimator.calibration().and_then(of_kind).unwrap_or_default();
-        crossings.map(|ns| ns.map(|ns| Nanos(ns as i64)))
+        self.estimator.with_leak_ns(crossings, kind).map(|ns| ns.map(|ns| Nanos(ns as i64)))
     }
 
     /// R_2 with a pause on the way, in which a leak would show, or with a longer charge before it, which fills dielectrics; R_1 or R_2
@@ -147,15 +148,20 @@ impl Cycle {
         let usual = self.estimator.calibration();
         if let Look::Awake(resistor) = look {
             let through = [Through::C1, second][resistor];
-            let wakes = usual.and_then(|(c1, c2)| {
+            let kind = [CalibrationKind::First, CalibrationKind::Second][resistor];
+            let wakes_ns = usual.and_then(|(c1, c2)| {
                 let due = [c1, c2][resistor];
                 let noise = self.estimator.noise().covariance(due);
                 awake::wake_ns(due[0]?, noise.map_or(UNKNOWN_JITTER_NS, |noise| noise.aa.sqrt()))
             });
-            return self.plan(through, wakes.map(|ns| (Nanos(ns as i64), through)), Node::A);
+            let [wakes_ns, _] = self.estimator.with_leak_ns([wakes_ns, None], kind);
+            return self.plan(through, wakes_ns.map(|ns| (Nanos(ns as i64), through)), Node::A);
         }
-        let at = usual.and_then(|(_, c2)| Some(Nanos((self.leak.held_at() * c2[0]?) as i64)));
-        Plan { hold: LEAK_HOLD, ..self.plan(second, at.map(|at| (at, second)), Node::A) }
+        let [a_ns, _] =
+            usual.map_or([None; 2], |(_, c2)| self.estimator.with_leak_ns(c2, CalibrationKind::Second));
+        let at = a_ns.map(|a_ns| Nanos((self.leak.held_at() * a_ns) as i64));
+        let last = if self.leak.waits_for_b() { Node::B } else { Node::A };
+        Plan { hold: LEAK_HOLD, ..self.plan(second, at.map(|at| (at, second)), last) }
     }
 
     pub(super) fn sensor_plan(&mut self, channel: usize) -> Plan {
@@ -209,7 +215,8 @@ impl Cycle {
         let is_within = |time: Nanos| self.b_charged.is_some_and(|at| self.asked - at < time);
         match is_wanted {
             _ if self.settings.kind.last() == Node::A => to_a,
-            true if self.b_is_kept && is_within(B_FORGOTTEN) => to_b,
+            // Beside what leaks at B it would begin where the discharge before it has left it.
+            true if self.b_is_kept && is_within(B_FORGOTTEN) && !self.leak.is_at_b() => to_b,
             false if is_within(B_LEFT_ALONE) => to_a,
             _ => anew,
         }

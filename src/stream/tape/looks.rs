@@ -14,6 +14,12 @@ pub struct TapeLooks {
     /// 1 sigma of each, siemens.
     #[serde(serialize_with = "pair", skip_serializing_if = "is_unknown_pair")]
     pub leak_u_siemens: Option<[f64; 2]>,
+    /// What node B loses more than A meanwhile, siemens; absent where nobody waited for it.
+    #[serde(serialize_with = "pair", skip_serializing_if = "is_unknown_pair")]
+    pub leak_b_siemens: Option<[f64; 2]>,
+    /// 1 sigma of each, siemens.
+    #[serde(serialize_with = "pair", skip_serializing_if = "is_unknown_pair")]
+    pub leak_b_u_siemens: Option<[f64; 2]>,
     /// By how much longer discharges through R_1 and R_2 are when the program wakes before their end, ns: stamps are later or
     /// earlier by so much after waits as long.
     #[serde(serialize_with = "pair", skip_serializing_if = "is_unknown_pair")]
@@ -33,6 +39,8 @@ impl TapeLooks {
         for (name, pair, [least, greatest]) in [
             ("leak_siemens", self.leak_siemens, [-leak, leak]),
             ("leak_u_siemens", self.leak_u_siemens, [0.0, leak]),
+            ("leak_b_siemens", self.leak_b_siemens, [-leak, leak]),
+            ("leak_b_u_siemens", self.leak_b_u_siemens, [0.0, leak]),
             ("late_ns", self.late_ns, [-late, late]),
             ("late_u_ns", self.late_u_ns, [0.0, late]),
             ("absorbed", absorbed, [0.0, 1.0]),
@@ -43,10 +51,11 @@ impl TapeLooks {
             }
         }
         let halves = [
-            ("leak_siemens", "leak_u_siemens", self.leak_siemens.is_some(), self.leak_u_siemens.is_some()),
-            ("late_ns", "late_u_ns", self.late_ns.is_some(), self.late_u_ns.is_some()),
+            ("leak_siemens", "leak_u_siemens", self.leak_siemens, self.leak_u_siemens),
+            ("leak_b_siemens", "leak_b_u_siemens", self.leak_b_siemens, self.leak_b_u_siemens),
+            ("late_ns", "late_u_ns", self.late_ns, self.late_u_ns),
         ];
-        match halves.into_iter().find(|(_, _, value, u)| value != u) {
+        match halves.into_iter().find(|(_, _, value, u)| value.is_some() != u.is_some()) {
             Some((value, u, ..)) => Err(format!("{value} and {u} belong together: leave both away, or none")),
             None => Ok(()),
         }

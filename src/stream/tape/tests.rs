@@ -21,13 +21,14 @@ fn lines_come_out_as_they_went_in() {
 fn what_looks_have_found_comes_off_it_too() {
     let found = Found {
         leak_siemens: Some([[1.25e-8, 2e-9], [-3e-7, 1e-9]]),
+        leak_more_at_b: Some([[2e-8, 1e-9], [3e-8, 1e-9]]),
         late_ns: Some([[-4000.0, 100.0], [0.0, 60.5]]),
         absorbed: Some(0.0123),
     };
     let header = Header { looks: TapeLooks::of(&found), ..Header::parse(HEADER).unwrap() };
     let text = serde_json::to_string(&header).unwrap();
     assert!(
-        text.contains(r#""leak_siemens":[1.25e-8,-3e-7],"leak_u_siemens":[2e-9,1e-9],"late_ns":[-4000,0]"#),
+        text.contains(r#""leak_siemens":[1.25e-8,-3e-7],"leak_u_siemens":[2e-9,1e-9],"leak_b_siemens":[2e-8,3e-8],"leak_b_u_siemens":[1e-9,1e-9],"late_ns":[-4000,0]"#),
         "{text}"
     );
     assert_eq!(Header::parse(&text).unwrap().looks.found(), found);

@@ -13,6 +13,7 @@ use board::{Board, DEADLINE_S, Path, R_C2, SECOND_S, Then, Timed, Way, Wiring};
 use cermd::ctl::replay::Replay;
 use cermd::reading::Method;
 use cermd::tape::Reader;
+use network::Load;
 use serde_json::{Value, json};
 use variants::{VARIANTS, Variant};
 
@@ -37,6 +38,8 @@ const FINISHED_ABOVE: f64 = 20_000.0;
 /// Looks for leaks: after which parts of Rc2's time they are held, in their order, and for how long.
 const LEAK_HELD_AT: [f64; 8] = [0.6, 0.6, 0.1, 0.1, 0.6, 0.1, 0.6, 0.1];
 const LEAK_HOLD_S: f64 = 40e-3;
+/// Those that wait for node B, too, once the first ones have shown a leak: as many.
+const LEAK_HELD_TO_B_AT: [f64; 8] = [0.6, 0.1, 0.6, 0.1, 0.6, 0.1, 0.6, 0.1];
 /// Looks for absorption: how many after those for leaks, and the rest before them.
 const ABSORPTION_LOOKS: usize = 16;
 const ABSORPTION_REST_S: f64 = 20e-3;
@@ -188,7 +191,7 @@ impl<'a> Tape<'a> {
 
     /// What the daemon does where no reading waits for it.
     fn look(&mut self, cycle: usize) {
-        if self.leak_looks < LEAK_HELD_AT.len() {
+        if self.leak_looks < self.due_looks() {
             self.look_for_leak();
         } else if self.absorption_looks < ABSORPTION_LOOKS {
             self.absorption_looks += 1;
@@ -202,11 +205,23 @@ impl<'a> Tape<'a> {
         }
     }
 
+    /// How many held discharges the daemon wants at once.
+    fn due_looks(&self) -> usize {
+        let Variant { beside, .. } = self.board.variant;
+        let asks_for_b = self.last(0) == 1 && beside.iter().any(|load| *load != Load::NONE);
+        LEAK_HELD_AT.len() + if asks_for_b { LEAK_HELD_TO_B_AT.len() } else { 0 }
+    }
+
     fn look_for_leak(&mut self) {
-        let at = to_ns(LEAK_HELD_AT[self.leak_looks] * self.usual[1]);
+        let held_at = LEAK_HELD_AT.iter().chain(&LEAK_HELD_TO_B_AT).nth(self.leak_looks);
+        let at = to_ns(held_at.unwrap() * self.usual[1]);
+        let last = usize::from(self.leak_looks >= LEAK_HELD_AT.len());
         self.leak_looks += 1;
         let then = Some(Then { at, on: at + LEAK_HOLD_S, to: Path::C2 });
-        self.add(&Way { first: Path::C2, then, last: 0, rest: 0.0 }, true);
+        self.add(&Way { first: Path::C2, then, last, rest: 0.0 }, true);
+        // What leaks at B is nothing that a charge may remember.
+        let [_, at_b] = self.board.variant.beside;
+        self.board.charges_anew |= last == 1 && self.leak_looks == self.due_looks() && at_b != Load::NONE;
     }
 
     /// The program wakes before a plain discharge ends.

@@ -86,6 +86,8 @@ pub struct Board<'a> {
     jitter: f64,
     noise: f64,
     now: f64,
+    /// Both chargers drive for so long that nothing is remembered.
+    pub charges_anew: bool,
     state: State,
     rng: ChaCha8Rng,
 }
@@ -114,6 +116,7 @@ impl<'a> Board<'a> {
             jitter: loud * within(1e-6, 2e-6),
             noise: variant.bandwidth_hz.map_or(loud * noise, |_| 0.5e-3),
             now: within(1.0, 2.0),
+            charges_anew: false,
             state: network.at_rest(V_DD),
             network,
             rng,
@@ -146,11 +149,13 @@ impl<'a> Board<'a> {
         }
     }
 
-    /// By A's charger alone, nine and a half of its time constants long, and by both for half a time constant of theirs, as daemons do.
+    /// By A's charger alone, nine and a half of its time constants long, and by both for half a time constant of theirs, as daemons do; by
+    /// both for seven and a half where it is to remember nothing.
     fn charge(&mut self, rest: f64) {
         let Network { c_a, c_b, .. } = self.network;
         let c_t = c_b.map_or(c_a, |c_b| c_a * c_b / (c_a + c_b));
-        let (alone, together) = (9.5 * R_CHARGE * c_t, c_b.map_or(0.0, |c_b| 0.5 * R_CHARGE * (c_a + c_b)));
+        let taus = if self.charges_anew { 7.5 } else { 0.5 };
+        let (alone, together) = (9.5 * R_CHARGE * c_t, c_b.map_or(0.0, |c_b| taus * R_CHARGE * (c_a + c_b)));
         let charger = Load::to(V_DD, R_P + self.r_o);
         let mut course = Course::from(self.state);
         for (time, connected) in [

@@ -18,7 +18,7 @@ const TERMS: usize = 15;
 const HALVINGS: usize = 50;
 
 /// What is connected to a node: the current into it is `amperes - siemens v`.
-#[derive(Debug, Clone, Copy, Default)]
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct Load {
     pub amperes: f64,
     pub siemens: f64,
