@@ -49,6 +49,18 @@ pub struct LeakTest {
     is_dielectric: bool,
     /// There is a node B, for which others wait, too.
     has_b: bool,
+    /// What all of them tell: found once for each of them, since every reading asks.
+    told: Told,
+    left: Left,
+}
+
+#[derive(Debug, Clone, Copy, Default)]
+struct Told {
+    is_known: bool,
+    at_a: Shown,
+    more_at_b: Shown,
+    /// Beside what is undone.
+    rest: [Shown; 2],
 }
 
 impl LeakTest {
@@ -67,7 +79,9 @@ impl LeakTest {
         let (at_a, more_at_b) = (at_a.map(Looks::known), more_at_b.map(|levels| levels.map(Looks::known)));
         let more_at_b = more_at_b.unwrap_or_default();
         let mut test = LeakTest { at_a, more_at_b, is_dielectric, ..self };
+        test.tell();
         test.undone = test.undoable();
+        test.tell();
         test
     }
 
@@ -91,7 +105,7 @@ impl LeakTest {
 
     /// Whether it goes on to B: once something shows at A, at which node it is.
     pub fn waits_for_b(&self) -> bool {
-        self.has_b && self.is_known() && (self.undone.is_any() || Shown::of(&self.at_a, [0.0; 2]).is_any())
+        self.has_b && self.is_known() && (self.undone.is_any() || self.told.at_a.is_any())
     }
 
     /// After which part of it the next one is to be held.
@@ -113,6 +127,18 @@ impl LeakTest {
             self.more_at_b[next].add(more, now);
         }
         self.at_a[next].add(lost.map(|Lost { to_a, r_ohm, .. }| siemens_of(to_a, r_ohm)), now);
+        self.tell();
+    }
+
+    fn tell(&mut self) {
+        let [of_a, of_b] = self.undone.lost();
+        self.told = Told {
+            is_known: self.are_enough(),
+            at_a: Shown::of(&self.at_a, [0.0; 2]),
+            more_at_b: Shown::of(&self.more_at_b, [0.0; 2]),
+            rest: [Shown::of(&self.at_a, of_a), Shown::of(&self.more_at_b, of_b)],
+        };
+        self.left = self.what_is_left();
     }
 
     /// The leak, siemens, if there is one that shows; negative for what feeds the node.
@@ -123,18 +149,18 @@ impl LeakTest {
 
     /// 1 sigma of that, siemens.
     pub fn u_siemens(&self) -> f64 {
-        average(&self.at_a)[1]
+        self.told.at_a.average[1]
     }
 
     /// The likely leak, siemens, whether it shows or not: nobody has seen that there is none. Before there has been a look, one
     /// that could be.
     pub fn likely_siemens(&self) -> f64 {
-        if self.is_known() { average(&self.at_a)[0] } else { LIKELY_LEAK_SIEMENS }
+        if self.is_known() { self.told.at_a.average[0] } else { LIKELY_LEAK_SIEMENS }
     }
 
     /// Whether what shows is at B.
     pub fn is_at_b(&self) -> bool {
-        self.is_known() && Shown::of(&self.more_at_b, [0.0; 2]).is_any()
+        self.is_known() && self.told.more_at_b.is_any()
     }
 
     /// What is taken out of times.
@@ -165,10 +191,11 @@ impl LeakTest {
         let was_defect = std::mem::replace(&mut self.was_defect, is_defect);
         let tried: usize = self.more_at_b.iter().map(Looks::tried).sum();
         let is_ready = self.is_known() && (tried >= LEAK_FIRST || !self.waits_for_b());
-        let is_other = self.rest().iter().any(Shown::is_any) || !undoable.is_any();
+        let is_other = self.told.rest.iter().any(Shown::is_any) || !undoable.is_any();
         let has_changed = is_defect != was_defect || is_ready && is_other && undoable != self.undone;
         if has_changed {
             self.undone = undoable;
+            self.tell();
         }
         has_changed
     }
@@ -178,31 +205,26 @@ impl LeakTest {
         if self.is_dielectric || self.is_defect() {
             return Undone::default();
         }
-        Undone::of([&self.at_a, &self.more_at_b].map(|looks| Shown::of(looks, [0.0; 2]).levels()))
+        Undone::of([self.told.at_a.levels(), self.told.more_at_b.levels()])
     }
 
-    /// What looks show at A and at B beside what is undone.
-    fn rest(&self) -> [Shown; 2] {
-        let [at_a, at_b] = self.undone.lost();
-        [Shown::of(&self.at_a, at_a), Shown::of(&self.more_at_b, at_b)]
+    /// What is left in times that it is [undone](Self::undone) in.
+    pub fn left(&self) -> Left {
+        if self.is_known() { self.left } else { Left { likely: LIKELY_LEAK_SIEMENS, ..Left::default() } }
     }
 
-    /// What is left in times that it is [undone](Self::undone) in, in a circuit with so many nodes.
-    pub fn left(&self, nodes: usize) -> Left {
-        if !self.is_known() {
-            return Left { likely: LIKELY_LEAK_SIEMENS, ..Left::default() };
-        }
-        let ([at_a, at_b], [of_a, of_b]) = (self.rest(), self.undone.lost());
+    fn what_is_left(&self) -> Left {
+        let ([at_a, at_b], [of_a, of_b]) = (self.told.rest, self.undone.lost());
         let (is_undone, undone) = (self.undone.is_any(), middle(of_a));
         let noise = |shown: [f64; 2]| if is_undone { shown[1] } else { 0.0 };
         // Where nobody has waited for B, it may all be there.
         let alone = match self.more_at_b.iter().all(|looks| looks.taken() == 0) {
-            true => average(&self.at_a)[0],
+            true => self.told.at_a.average[0],
             false => at_b.average[0].hypot(2.0 * at_b.average[1]).hypot(at_b.bent()),
         };
         let [early, late] = [0, 1].map(|level| of_a[level] + of_b[level]);
         let alone = alone.hypot(BEYOND_LATE * (late - early));
-        let is_at_b = nodes == 2 && (is_undone || self.siemens().is_some());
+        let is_at_b = self.has_b && (is_undone || self.siemens().is_some());
         Left {
             likely: at_a.average[0],
             noise: noise(at_a.average),
@@ -218,8 +240,13 @@ impl LeakTest {
         tried == 0 || tried < LEAK_GROSS_FIRST && self.is_gross()
     }
 
-    /// Whether there have been looks enough: for a defect a few that agree, since nothing else is so large.
+    /// Whether there have been looks enough.
     pub fn is_known(&self) -> bool {
+        self.told.is_known
+    }
+
+    /// For a defect a few that agree, since nothing else is so large.
+    fn are_enough(&self) -> bool {
         let taken: usize = self.at_a.iter().map(Looks::taken).sum();
         taken >= if self.is_gross() { LEAK_GROSS_FIRST } else { LEAK_FIRST }
     }
@@ -233,6 +260,7 @@ impl LeakTest {
 
 /// What looks show beside something that is known already, siemens: on average over a discharge, and by how much more late in it than
 /// early, each with 1 sigma.
+#[derive(Debug, Clone, Copy, Default)]
 struct Shown {
     average: [f64; 2],
     bend: [f64; 2],

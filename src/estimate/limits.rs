@@ -200,6 +200,8 @@ pub const MOTION_POINTS: usize = 6;
 pub const FAST: f64 = 0.01;
 /// A predicted error below so many sigma may be noise.
 pub const STATED: f64 = 3.0;
+/// A reading that is above the way of those before it by more sigma may have a late stamp.
+pub const LATE_ON_ITS_WAY: f64 = 4.0;
 /// What is so many times faster than everything before it was not to be expected.
 pub const SUDDEN: f64 = 3.0;
 /// Where the square of the slopes inside of discharges is no more than so many times that of the speed from reading to reading,

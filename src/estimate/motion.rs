@@ -25,7 +25,7 @@ use crate::estimate::limits::{
 };
 use crate::reading::Fault;
 use crate::units::Nanos;
-use drift::{Drift, above_its_way, bend, second_greatest};
+use drift::{Drift, above_all, above_its_way, bend, second_greatest};
 pub use evidence::Evidence;
 use evidence::Pair;
 use point::{Point, Trust};
@@ -160,10 +160,11 @@ impl Motion {
         self.points().iter().filter(|point| matches!(point.trust, Trust::Sound | Trust::Sudden))
     }
 
-    /// Where it was last, or what it was below.
+    /// Where it was last, or what it was below; a mean over its way, if there is nothing else.
     fn last(&self) -> Option<&Point> {
-        let last = self.points().last().filter(|point| point.trust == Trust::Below);
-        last.or_else(|| self.sound().next_back())
+        let last = self.points().last();
+        let below = last.filter(|point| point.trust == Trust::Below);
+        below.or_else(|| self.sound().next_back()).or(last.filter(|point| point.trust == Trust::Mixed))
     }
 
     /// Slopes inside of discharges, each with 1 sigma.
@@ -251,6 +252,9 @@ impl Motion {
         if last.trust == Trust::Below {
             return point.z - last.z > BEYOND_NOISE * point.u;
         }
+        if last.trust == Trust::Mixed {
+            return (point.z - last.z).abs() > last.noise_to(point);
+        }
         if last.is_open() {
             // Anywhere above its bound, and how it came below nobody has seen.
             let mut bounds = self.sound().filter(|point| point.is_open());
@@ -267,13 +271,15 @@ impl Motion {
         is_faster(last, point) || self.sound().filter(knows_better).any(|from| is_faster(from, point))
     }
 
-    /// What of a point may be a late stamp while the sensor moves, relative: all that it is above its way, but no more than it is
-    /// from where the drift and the last point together let it be, or nothing.
+    /// What of a point may be a late stamp while the sensor moves, relative: all that it is above its way, but of a way that three points
+    /// tell no more than it is from where the drift and the last point together let it be, or nothing.
     fn late_on_its_way(&self, point: &Point) -> f64 {
         let Some(last) = self.sound().next_back() else { return 0.0 };
         let most = Drift::of(self.sound()).step(last, point).abs() + (point.z - last.z).abs();
         let above = above_its_way(self.sound(), point).map_or(0.0, |above| above.min(most));
-        point::late_by(above)
+        // One that was late, or may have an error of its own, is no part of the way.
+        let way = self.points().iter().filter(|point| point.trust == Trust::Sound);
+        point::late_by(above.max(above_all(way, point).unwrap_or(0.0)))
     }
 
     /// What a rise may hide that only the reading before has shown, where there is one stretch and no more: it takes a third one to

@@ -21,6 +21,8 @@ use std::fmt::{self, Write};
 use std::path::Path;
 use toml::{Table, Value};
 
+/// An uncertainty is too wide if a greater share is.
+const WIDE: f64 = 0.97;
 /// The share within two sigma that is promised of the readings that are numbers.
 const PROMISED: f64 = 0.93;
 /// A share below this is marked, however small its sample.

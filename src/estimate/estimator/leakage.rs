@@ -123,7 +123,7 @@ impl Estimator {
     pub(super) fn leaked(&self, r_ohm: f64, record: &Record) -> Option<Leaked> {
         let Some(leak) = &self.leak else { return Some(Leaked::default()) };
         let (r, beside) = ([self.r1_ohm, self.r2_ohm], self.method.rules().sinks_beside);
-        let (course, left) = (Course::of(record, r_ohm, self.nodes), leak.left(self.nodes));
+        let (course, left) = (Course::of(record, r_ohm, self.nodes), leak.left());
         let shows = leak.siemens().is_some() || leak.undone().is_any();
         Some(Leaked {
             shows,

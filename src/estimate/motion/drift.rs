@@ -1,7 +1,7 @@
 //! How a sensor has gone on from reading to reading, and what goes beyond that.
 
 use super::Point;
-use crate::estimate::limits::{BEYOND_NOISE, MOTION_POINTS, STATED, SUDDEN};
+use crate::estimate::limits::{BEYOND_NOISE, LATE_ON_ITS_WAY, MOTION_POINTS, STATED, SUDDEN};
 use crate::units::Nanos;
 
 /// How fast it went in both halves of what is remembered, in one direction and as far as that is more than noise: no single change,
@@ -60,6 +60,56 @@ pub(super) fn bend<'a>(points: impl Iterator<Item = &'a Point> + Clone) -> Optio
         2.0 * (second.speed_to(third) - first.speed_to(second)).abs() / first.seconds_to(third)
     });
     bends.reduce(f64::max)
+}
+
+/// By how much a point is above the parabola nearest to those before it, which says more than the last three where those are noisy;
+/// `None` where that may be noise, or what others are beside it.
+pub(super) fn above_all<'a>(points: impl Iterator<Item = &'a Point>, next: &Point) -> Option<f64> {
+    let parabola = Parabola::nearest(points, next)?;
+    let above = -parabola.at_next;
+    (above > LATE_ON_ITS_WAY * parabola.noise.hypot(next.u)).then_some(above)
+}
+
+/// A parabola through points with noise, from the next one on.
+struct Parabola {
+    /// Where it is at the next one, relative to that.
+    at_next: f64,
+    /// 1 sigma of that; more where the points are beside the parabola by more than their noise.
+    noise: f64,
+}
+
+impl Parabola {
+    /// By weighted least squares; `None` of fewer than five points, or of points that are at one time.
+    fn nearest<'a>(points: impl Iterator<Item = &'a Point>, next: &Point) -> Option<Parabola> {
+        let mut rows = [[0.0; 3]; MOTION_POINTS];
+        let count =
+            points.zip(&mut rows).map(|(p, row)| *row = [p.seconds_to(next), p.z - next.z, p.u]).count();
+        let rows = &rows[..count];
+        let span = rows.first()?[0];
+        let ([mut s0, mut s1, mut s2, mut s3, mut s4], [mut t0, mut t1, mut t2]) = ([0.0; 5], [0.0; 3]);
+        for [seconds, z, u] in rows {
+            let (x, weight) = (seconds / span, 1.0 / (u * u));
+            let [w1, w2] = [x * weight, x * x * weight];
+            (s0, s1, s2, s3, s4) = (s0 + weight, s1 + w1, s2 + w2, s3 + x * w2, s4 + x * x * w2);
+            (t0, t1, t2) = (t0 + weight * z, t1 + w1 * z, t2 + w2 * z);
+        }
+        // The inverse of the normal equations' matrix, by cofactors.
+        let [c00, c01, c02] = [s2 * s4 - s3 * s3, s2 * s3 - s1 * s4, s1 * s3 - s2 * s2];
+        let [c11, c12, c22] = [s0 * s4 - s2 * s2, s1 * s2 - s0 * s3, s0 * s2 - s1 * s1];
+        let det = s0 * c00 + s1 * c01 + s2 * c02;
+        if count < 5 || det <= 1e-12 * s0 * s2 * s4 {
+            return None;
+        }
+        let [a, b, c] =
+            [c00 * t0 + c01 * t1 + c02 * t2, c01 * t0 + c11 * t1 + c12 * t2, c02 * t0 + c12 * t1 + c22 * t2]
+                .map(|sum| sum / det);
+        let beside = |[seconds, z, u]: &[f64; 3]| {
+            let x = seconds / span;
+            ((z - a - b * x - c * x * x) / u).powi(2)
+        };
+        let excess = rows.iter().map(beside).sum::<f64>() / (count - 3) as f64;
+        Some(Parabola { at_next: a, noise: (c00 / det * excess.max(1.0)).sqrt() })
+    }
 }
 
 /// By how much a point is above the parabola that the last three went; `None` where that may be noise, or others were beside

@@ -137,6 +137,22 @@ fn a_late_stamp_is_told_on_a_way_that_bends() {
     }
 }
 
+/// The last three tell where it would be now with 4.4 times their noise, all of them with 1.9 times that.
+#[test]
+fn a_late_stamp_of_ten_sigma_is_told_where_the_way_is_long() {
+    let noise = [1.5, -2.0, 0.5, 1.0, -1.5, 2.0];
+    for (speed, bend) in [(0.0, 0.0), (-30.0, 0.0), (25.0, -4.0), (10.0, 1.0)] {
+        let way = |index: f64| 5000.0 + speed * index + bend * index * index;
+        let before = [0, 1, 2, 3, 4, 5].map(|index| way(f64::from(index)) + noise[index as usize]);
+        for (beside, is_told) in [(0.0, false), (22.0, true)] {
+            let mut motion = Motion::default();
+            judge_alone(&mut motion, 0, &before);
+            let u_ohm = told(&judge_alone(&mut motion, 6, &[way(6.0) + beside])[0]).1;
+            assert_eq!(2.0 * u_ohm > 20.0, is_told, "{speed}, {bend}, {beside}: {u_ohm}");
+        }
+    }
+}
+
 #[test]
 fn a_late_stamp_that_is_over_does_not_hide_the_next() {
     let mut motion = Motion::default();
@@ -188,6 +204,22 @@ fn one_stretch_alone_that_is_far_off_costs_one_reading_if_it_is_over_at_once() {
     let most = 1.0 / (2.0 / (5300.0 + R_O) - 1.0 / (5000.0 + R_O)) - R_O - 5300.0;
     let moved = judged[0].unwrap();
     assert!(moved.is_moving && (moved.u_ohm * 3f64.sqrt() / most - 1.0).abs() < 1e-3, "{judged:?}");
+}
+
+/// A finger that lets go: of the last readings only the way was seen, and nothing before them is remembered.
+#[test]
+fn what_follows_readings_that_were_all_on_their_way_is_not_at_rest() {
+    for (next, fault) in [(2e6, Some(Fault::Unsettled)), (30e3, None)] {
+        let mut motion = Motion::default();
+        for index in 0..MOTION_POINTS {
+            let (at, r_ohm) = (Nanos(index as i64 * 20_000_000), 5000.0 * 1.5f64.powi(index as i32));
+            motion.push(Point { at, z: r_ohm.ln(), u: 1e-4, slope: Some([20.0, 0.1]), trust: Trust::Mixed });
+        }
+        let judged = judge_alone(&mut motion, MOTION_POINTS, &[next, next, next]);
+        assert_eq!(judged[0].err(), fault, "{judged:?}");
+        assert!(told(&judged[0]).0 && told(&judged[0]).1 > 0.1 * next, "{judged:?}");
+        assert!(judged[2].is_ok(), "{judged:?}");
+    }
 }
 
 /// A reading that is less certain than the others hides no late stamp of the next one.

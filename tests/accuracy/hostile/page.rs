@@ -1,6 +1,6 @@
 //! `docs/coverage.md`, a part for each table of this test; `UPDATE_DOCS=1 cargo test --test accuracy hostile` writes it.
 
-use super::{RARE, Seen};
+use super::{RARE, Seen, WIDE};
 use crate::common::check_page;
 use cermd::reading::Method;
 use std::fmt::Write;
@@ -22,12 +22,16 @@ impl Part {
             self.lines.push((name, Default::default()));
         }
         let cell = &mut self.lines.last_mut().expect("just added").1[method as usize];
-        let within = match seen.numbers() >= RARE {
-            true => format!("{:.1}", 100.0 * seen.errors.within_2u().value),
-            false => "no number".to_owned(),
+        let share = (seen.numbers() >= RARE).then(|| seen.errors.within_2u());
+        let within =
+            share.map_or_else(|| "no number".to_owned(), |share| format!("{:.1}", 100.0 * share.value));
+        let mark = match share {
+            _ if fails => " ✘",
+            Some(share) if share.value - share.margin > WIDE => " +",
+            _ => "",
         };
         let separator = if cell.is_empty() { "" } else { "<br>" };
-        write!(cell, "{separator}{r_ohm}: {within}{}", if fails { " ✘" } else { "" }).unwrap();
+        write!(cell, "{separator}{r_ohm}: {within}{mark}").unwrap();
     }
 
     /// Held against the page below the heading `title`, or written there.
