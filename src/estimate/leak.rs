@@ -173,11 +173,6 @@ impl LeakTest {
         self.is_known() && self.likely_siemens().abs() > GROSS_LEAK_SIEMENS
     }
 
-    /// Whether nothing is undone.
-    pub fn is_dielectric(&self) -> bool {
-        self.is_dielectric
-    }
-
     /// Capacitors absorb, or do not.
     pub fn set_dielectric(&mut self, is_dielectric: bool) {
         self.is_dielectric = is_dielectric;

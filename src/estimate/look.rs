@@ -110,7 +110,7 @@ impl<const N: usize> Looks<N> {
 
     /// The noise of that, 1 sigma; 0 before the first.
     pub fn noise(&self) -> f64 {
-        if self.taken == 0 { 0.0 } else { self.of_median(self.variance.sqrt()) }
+        self.of_median(self.variance.sqrt())
     }
 
     /// The same, or more where they differ by more than that makes them: many of them may be late.

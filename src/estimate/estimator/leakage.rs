@@ -30,21 +30,16 @@ impl Estimator {
     /// The same where something else is [undone](LeakTest::undone) from now on: the calibration in force is as if it had been before, and one
     /// that is followed is found anew.
     pub fn undo_leak(&mut self, leak: &LeakTest) {
-        let known = [self.c1, self.c2];
-        let longer = |estimator: &Estimator, resistor: usize| {
-            estimator.undoing().map_or([1.0; 2], |(beside, ways)| beside.times(resistor, &ways))
-        };
-        let of = |estimator: &Estimator| [0, 1].map(|resistor| longer(estimator, resistor));
-        let before = of(self);
+        let before = self.undone_times();
         self.set_leak(leak);
-        let now = of(self);
-        for (index, kind) in [CalibrationKind::First, CalibrationKind::Second].into_iter().enumerate() {
-            let Some(ns) = known[index] else { continue };
+        let now = self.undone_times();
+        let known = [(&mut self.c1, CalibrationKind::First), (&mut self.c2, CalibrationKind::Second)];
+        for (index, (calibration, kind)) in known.into_iter().enumerate() {
+            let Some(ns) = calibration else { continue };
             let times = [0, 1].map(|node| now[index][node] / before[index][node]);
             let more_ns = [0, 1].map(|node| ns[node].map_or(0.0, |ns| ns * (times[node] - 1.0)));
             self.noise.expect_later(kind, more_ns);
-            let moved = [0, 1].map(|node| ns[node].map(|ns| ns + more_ns[node]));
-            *(if index == 0 { &mut self.c1 } else { &mut self.c2 }) = Some(moved);
+            *ns = [0, 1].map(|node| ns[node].map(|ns| ns + more_ns[node]));
         }
         self.begin_anew();
     }
@@ -151,12 +146,23 @@ impl Estimator {
     /// What is undone of leaks in times, and by what. `None`: nothing.
     fn undoing(&self) -> Option<(Beside, Ways)> {
         let undone = self.leak.as_ref().map(LeakTest::undone).filter(|undone| undone.is_any())?;
-        let r_o_ohm = self.r_o_ohm().unwrap_or(NOMINAL_R_O.0);
-        let r_ohm = [self.r1_ohm + r_o_ohm, self.r2_ohm + r_o_ohm];
         let ns = self.calibration().map(|(c1, c2)| [c1, c2]);
-        let ways = Ways { r_ohm, ns, d_ns: self.offset().d_ns };
+        let ways = Ways { r_ohm: self.paths_ohm(), ns, d_ns: self.offset().d_ns };
         let known = self.beside.filter(|beside| beside.is_of(&undone.lost(), &ways));
         Some((known.unwrap_or_else(|| Beside::of(undone.lost(), &ways)), ways))
+    }
+
+    /// How many times as long plain discharges through R_1 and R_2 would take without what is undone, until A crosses and until B does.
+    fn undone_times(&self) -> [[f64; 2]; 2] {
+        let undoing = self.undoing();
+        let times = |resistor| undoing.map_or([1.0; 2], |(beside, ways)| beside.times(resistor, &ways));
+        [0, 1].map(times)
+    }
+
+    /// R_1 and R_2 with Ro, as it usually is as long as it is not known, ohm.
+    pub fn paths_ohm(&self) -> [f64; 2] {
+        let r_o_ohm = self.r_o_ohm().unwrap_or(NOMINAL_R_O.0);
+        [self.r1_ohm + r_o_ohm, self.r2_ohm + r_o_ohm]
     }
 
     /// A discharge as it would have been without the leak that shows.

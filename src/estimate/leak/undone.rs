@@ -38,9 +38,9 @@ impl Beside {
     /// A discharge as it would have been without. Of a sensor's that went [mostly](MOST_BESIDE) beside it, all that is left is that it
     /// has not ended by then.
     pub fn left_out_of(&self, record: &Record, ways: &Ways) -> Record {
-        let course = Course { beside: self, record, ways };
+        let discharge = Discharge { beside: self, record, ways };
         let without = [0, 1].map(|node| {
-            record.crossings()[node].map(|ns| course.without(ns, node).filter(|ns| ns.is_finite()))
+            record.crossings()[node].map(|ns| discharge.without(ns, node).filter(|ns| ns.is_finite()))
         });
         match without {
             [Some(None), _] | [_, Some(None)] => {
@@ -48,7 +48,7 @@ impl Beside {
                 Record { a_ns: None, b_ns: None, waited_ns: last, ..*record }
             }
             [a, b] => {
-                let waited_ns = record.waited_ns.map(|ns| course.waited(ns));
+                let waited_ns = record.waited_ns.map(|ns| discharge.waited(ns));
                 Record { a_ns: a.flatten(), b_ns: b.flatten(), waited_ns, ..*record }
             }
         }
@@ -56,13 +56,13 @@ impl Beside {
 }
 
 /// One discharge.
-struct Course<'a> {
+struct Discharge<'a> {
     beside: &'a Beside,
     record: &'a Record,
     ways: &'a Ways,
 }
 
-impl Course<'_> {
+impl Discharge<'_> {
     /// When a node would have crossed, ns; `None`: nearly all went beside the sensor.
     fn without(&self, ns: f64, node: usize) -> Option<f64> {
         let t_ns = ns - self.ways.d_ns;

@@ -1,7 +1,6 @@
 //! Discharges beside the others, now and then, which look for what is wrong with the circuit.
 
 use super::{Cycle, Step};
-use crate::circuit::NOMINAL_R_O;
 use crate::estimate::absorption::AbsorptionTest;
 use crate::estimate::awake::{AwakeTest, resistor_of};
 use crate::estimate::leak::{LeakTest, Lost};
@@ -78,7 +77,7 @@ impl Cycle {
         let usual = self.estimator.calibration().map(|(c1, c2)| [c1, c2][resistor]);
         // The two discharges have their own noise each.
         let noise = usual.and_then(|usual| self.estimator.noise().covariance(usual));
-        let variance = 2.0 * noise.map_or(UNKNOWN_JITTER_NS * UNKNOWN_JITTER_NS, |noise| noise.aa);
+        let variance = 2.0 * noise.unwrap_or(UNKNOWN).aa;
         let found = outcome.result.ok().zip(usual.and_then(|[a_ns, _]| a_ns));
         match look {
             Look::Leak | Look::First => {
@@ -137,7 +136,7 @@ impl Cycle {
         // The two discharges have their own noise each.
         let noise = self.estimator.noise().covariance(usual).unwrap_or(UNKNOWN);
         let more_to_b = lost[0].zip(lost[1]).map(|(a_ns, b_ns)| [b_ns - a_ns, 2.0 * noise.of(-1.0, 1.0)]);
-        let r_o_ohm = self.estimator.r_o_ohm().unwrap_or(NOMINAL_R_O.0);
-        Some(Lost { to_a: [lost[0]?, 2.0 * noise.aa], more_to_b, r_ohm: self.settings.r_ohm()[1] + r_o_ohm })
+        let [_, r_ohm] = self.estimator.paths_ohm();
+        Some(Lost { to_a: [lost[0]?, 2.0 * noise.aa], more_to_b, r_ohm })
     }
 }
