@@ -19,6 +19,7 @@
 mod calibration;
 mod calls;
 mod choice;
+mod falls;
 mod look;
 mod plan;
 mod publish;

@@ -10,6 +10,7 @@
 
 mod action;
 mod calls;
+mod clear;
 mod lead;
 mod plan;
 mod run;
@@ -24,6 +25,7 @@ use crate::record::{Record, Switch, Through};
 use crate::units::Nanos;
 pub use action::{Action, Event};
 pub use calls::{Call, Calls, UsualCall};
+use clear::clear_start;
 pub use lead::Lead;
 pub use plan::{Charge, Plan};
 pub use run::{Outcome, run, run_on};
@@ -74,6 +76,8 @@ pub struct Discharge {
     plan: Plan,
     /// How long before a timed call levels are read.
     lead: Nanos,
+    /// How often the kernel interrupts whatever runs, if that is known.
+    tick: Option<Nanos>,
     phase: Phase,
     /// When the chargers let go.
     floating: Nanos,
@@ -94,10 +98,11 @@ pub struct Discharge {
 
 impl Discharge {
     /// A discharge to be done; the first action is to drain or to charge.
-    pub fn new(plan: Plan, lead: Nanos) -> (Discharge, Action) {
+    pub fn new(plan: Plan, lead: Nanos, tick: Option<Nanos>) -> (Discharge, Action) {
         let mut discharge = Discharge {
             plan,
             lead,
+            tick,
             phase: Phase::Draining,
             floating: Nanos::ZERO,
             start: Bracket::default(),
@@ -155,7 +160,7 @@ impl Discharge {
                 Action::Drive(Drives::NONE)
             }
             (Phase::Floating, Event::Drove(bracket)) => self.floating(bracket),
-            (Phase::Arming(settled), Event::Armed(armed)) => self.armed(armed, settled),
+            (Phase::Arming(settled), Event::Armed(armed, now)) => self.armed(armed, now, settled),
             (Phase::Napping(at, call), Event::Slept) => {
                 self.phase = Phase::Waking(at, call);
                 Action::ReadLevels
@@ -207,15 +212,18 @@ impl Discharge {
         Action::Arm
     }
 
-    fn armed(&mut self, armed: Armed, settled: Nanos) -> Action {
+    fn armed(&mut self, armed: Armed, now: Option<Nanos>, settled: Nanos) -> Action {
         self.charged = Some(armed.levels);
         if !self.is_charged(armed.levels) {
             return self.stop(Some(Fault::NoCharge));
         }
         (self.armed_seqno, self.highest_seqno) = (armed.seqno, armed.seqno);
         self.line_seqno = armed.line_seqno;
+        let soon = now.map_or(settled, |now| settled.max(now));
+        let clear = clear_start(&self.plan, soon, self.tick);
         // Arming has read the levels just now.
-        if self.plan.settle <= Nanos::ZERO { self.start() } else { self.time(settled, Timed::Start) }
+        let is_at_once = self.plan.settle <= Nanos::ZERO && clear == soon;
+        if is_at_once { self.start() } else { self.time(clear, Timed::Start) }
     }
 
     fn is_charged(&self, levels: Levels) -> bool {

@@ -16,6 +16,11 @@ pub const READ_STEP: Nanos = Nanos(200);
 pub const AWAKE: Nanos = Nanos(2_000);
 /// Nobody spins for longer than this before a call.
 pub const MOST_LEAD: Nanos = Nanos(50_000);
+/// What falls or is switched so shortly before a tick may still meet it: a call takes a microsecond or some, as an interrupt does until
+/// it is stamped.
+pub const TICK_SOON: Nanos = Nanos(10_000);
+/// How long a tick lasts: 9 us of most of them where clocks count instructions (tests/vm), 30 us where it has more to do.
+pub const TICK_LASTS: Nanos = Nanos(40_000);
 
 // The order of discharges.
 /// The longest sleep of one step while waiting for the next cycle, so that the caller can tell its counters in between.

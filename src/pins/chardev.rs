@@ -7,7 +7,7 @@
 //! `arm` reads the levels last. Unread events survive a change of direction, so `arm` drains them.
 
 use self::error::{hint, is_gone};
-use self::wait::{SpinMargin, readable};
+use self::wait::{SpinMargin, aligned_tick, readable};
 use super::limits::MOST_STALE_EDGES;
 use super::{Armed, Bracket, Drives, Edge, Levels, Particulars, Pins, PinsError, later, monotonic};
 use crate::units::Nanos;
@@ -61,6 +61,8 @@ pub struct Chardev {
     line_seqno: [u32; 2],
     margin: SpinMargin,
     renewed: u64,
+    /// Where the kernel keeps to multiples of it.
+    tick: Option<Nanos>,
     blind_spots: Vec<&'static str>,
 }
 
@@ -72,8 +74,18 @@ impl Chardev {
         wired: Drives,
         blind_spots: Vec<&'static str>,
     ) -> Chardev {
-        let (driving, margin) = (Some(Drives::NONE), SpinMargin::default());
-        Chardev { held, chip, wired, driving, seqno: 0, line_seqno: [0; 2], margin, renewed: 0, blind_spots }
+        Chardev {
+            held,
+            chip,
+            wired,
+            driving: Some(Drives::NONE),
+            seqno: 0,
+            line_seqno: [0; 2],
+            margin: SpinMargin::default(),
+            renewed: 0,
+            tick: aligned_tick(),
+            blind_spots,
+        }
     }
 
     fn next_edge(&mut self) -> Result<Option<Edge>, PinsError> {
@@ -179,7 +191,7 @@ impl Pins for Chardev {
 
     fn particulars(&self) -> Particulars<'_> {
         let (spin_margin, renewed) = (Some(self.margin.0), self.renewed);
-        Particulars { spin_margin, renewed, blind_spots: &self.blind_spots }
+        Particulars { spin_margin, renewed, tick: self.tick, blind_spots: &self.blind_spots }
     }
 }
 

@@ -24,6 +24,8 @@ pub(super) const MOST_SPIN_MARGIN: Nanos = Nanos(500_000);
 pub(crate) const FIRST_SPIN_MARGIN: Nanos = Nanos(100_000);
 /// The resolution of the coarse clocks where the kernel does not tell it: CONFIG_HZ = 1000, the fastest there is.
 pub(super) const SHORTEST_TICK: Nanos = Nanos(1_000_000);
+/// The first Linux whose ticks are at whole multiples of their period.
+pub(super) const ALIGNED_TICKS: (u32, u32) = (6, 4);
 
 /// How many changes of lines the truth of one discharge keeps: a start, a switch and an end, of two lines each.
 pub(super) const CHANGES_KEPT: usize = 16;

@@ -245,6 +245,8 @@ pub struct Particulars<'a> {
     pub spin_margin: Option<Nanos>,
     /// How often lines had to be configured anew, because somebody else had made the kernel take them for inputs.
     pub renewed: u64,
+    /// The kernel's tick interrupts whatever runs at whole multiples of this period; `None`: nobody knows when.
+    pub tick: Option<Nanos>,
     /// What it cannot notice, in sentences.
     pub blind_spots: &'a [&'static str],
 }

@@ -124,7 +124,13 @@ impl SimPins {
     /// When a wait ends that was to end at an instant.
     fn late_ns(&mut self, at_ns: i64, late: Option<DelayScene>) -> i64 {
         let late_ns = late.map_or(0.0, |late| late.draw_ns(&mut self.rng));
-        at_ns.saturating_add(late_ns.round() as i64)
+        let at_ns = at_ns.saturating_add(late_ns.round() as i64);
+        at_ns.saturating_add(self.tick_goes_on_ns(at_ns))
+    }
+
+    /// For how long a tick keeps the processor from what comes at an instant, ns.
+    fn tick_goes_on_ns(&self, at_ns: i64) -> i64 {
+        self.scene.ticks.map_or(0, |ticks| ticks.remaining_ns(at_ns.saturating_add(self.epoch.0)))
     }
 
     /// Takes account of every fall and every move up to an instant.
@@ -158,7 +164,9 @@ impl SimPins {
         self.truth.crossed(fall.node, fall.since_ns, fall.crossed);
         if self.armed {
             // Time goes on when a wait is over: until then it is the instant at which the wait began.
-            self.events.fell(fall.node, fall.since_ns, fall.seen, self.now_ns);
+            let seen_ns = fall.since_ns.saturating_add((fall.seen * 1e9) as i64);
+            let taken = fall.seen + self.tick_goes_on_ns(seen_ns) as f64 * 1e-9;
+            self.events.fell(fall.node, fall.since_ns, taken, self.now_ns);
         }
     }
 
@@ -177,6 +185,7 @@ impl SimPins {
         let lines = (releases.count() + drives.count()) as usize;
         let begin_ns = self.now_ns;
         let call = calls.begin(lines, begin_ns - self.touched_ns, &mut self.rng);
+        let call = call.beside(self.scene.ticks, begin_ns.saturating_add(self.epoch.0));
         let mut state = old;
         let moves = releases.lines().map(|line| (line, false)).chain(drives.lines().map(|line| (line, true)));
         for (position, (line, driven)) in moves.enumerate() {
@@ -281,7 +290,8 @@ impl Pins for SimPins {
     }
 
     fn particulars(&self) -> Particulars<'_> {
-        Particulars::default()
+        let tick = self.scene.ticks.map(|ticks| Nanos(whole_ns(ticks.every)));
+        Particulars { tick, ..Particulars::default() }
     }
 }
 

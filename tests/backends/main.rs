@@ -9,3 +9,4 @@ mod faults;
 mod flaws;
 mod injections;
 mod sleeping;
+mod ticks;

@@ -122,18 +122,10 @@ impl Cycle {
             CalibrationKind::Split => (Through::C1, second, self.split_time()),
         };
         let switch = after.map(|after| (after, to));
-        Plan { expected: self.expected(kind), ..self.plan(through, switch, last) }
-    }
-
-    /// When a plain calibration discharge crosses: as the last one did.
-    fn expected(&self, kind: CalibrationKind) -> [Option<Nanos>; 2] {
-        let of_kind = |(c1, c2)| match kind {
-            CalibrationKind::First => Some(c1),
-            CalibrationKind::Second => Some(c2),
-            CalibrationKind::Split => None,
-        };
-        let crossings: [Option<f64>; 2] = self.estimator.calibration().and_then(of_kind).unwrap_or_default();
-        self.estimator.with_leak_ns(crossings, kind).map(|ns| ns.map(|ns| Nanos(ns as i64)))
+        let [r1, r2] = self.settings.r_ohm();
+        let r_ohm = if kind == CalibrationKind::Second { r2 } else { r1 };
+        let falls = self.falls(r_ohm, switch);
+        Plan { expected: self.expected(kind), falls, ..self.plan(through, switch, last) }
     }
 
     /// R_2 with a pause on the way, in which a leak would show, or with a longer charge before it, which fills dielectrics; R_1 or R_2
@@ -184,8 +176,8 @@ impl Cycle {
         let switch = switch.map(|(after, to)| (Nanos((earlier * after.as_ns()) as i64), to));
         // A switch must not make a discharge longer than the deadline does.
         let switch = switch.filter(|(after, _)| *after < settings.deadline);
-        let plan = self.plan(rules.sensor(channel), switch, last);
-        Plan { limit, ..plan }
+        let falls = self.memory[channel].r_ohm.map_or([None; 2], |r_ohm| self.falls(r_ohm, switch));
+        Plan { limit, falls, ..self.plan(rules.sensor(channel), switch, last) }
     }
 
     fn plan(&self, through: Through, switch: Option<(Nanos, Through)>, last: Node) -> Plan {
@@ -201,6 +193,7 @@ impl Cycle {
             charge: self.charge(last),
             settle: settings.settle,
             expected: [None; 2],
+            falls: [None; 2],
             timeout: settings.deadline,
             widest_bracket: self.calls.widest(through.drives().count()),
             calls: self.calls.usual(),

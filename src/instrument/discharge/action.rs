@@ -38,8 +38,8 @@ pub enum Event {
     Drove(Bracket),
     /// The instant has come.
     Slept,
-    /// Edges are watched.
-    Armed(Armed),
+    /// Edges are watched; and what time it is, if that is asked for.
+    Armed(Armed, Option<Nanos>),
     /// An edge, or none until the instant.
     Edge(Option<Edge>),
     /// The levels.

@@ -60,6 +60,9 @@ pub struct Plan {
     /// When each node crosses, since the start, where that is known before: the system may rest until then. `None`: it is
     /// waited for all the time.
     pub expected: [Option<Nanos>; 2],
+    /// When each node falls through its threshold, since the start, as far as that can be told before, and give or take how much: what
+    /// the kernel's tick should not meet.
+    pub falls: [Option<[Nanos; 2]>; 2],
     /// The longest wait for the last crossing, from the start (or from the switch to `limit`).
     pub timeout: Nanos,
     /// What finishes a discharge that was not switched and has not ended by then; `None`: nothing.
@@ -83,6 +86,7 @@ impl Plan {
             charge,
             settle: Nanos::ZERO,
             expected: [None; 2],
+            falls: [None; 2],
             timeout,
             limit: None,
             widest_bracket: Nanos::MAX,

@@ -45,7 +45,8 @@ pub fn run<P: Pins + ?Sized>(pins: &mut P, plan: Plan) -> Result<Outcome, PinsEr
 /// # Errors
 /// As [`run`]; all lines are inputs then.
 pub fn run_on<P: Pins + ?Sized>(pins: &mut P, plan: Plan, lead: &mut Lead) -> Result<Outcome, PinsError> {
-    let (mut discharge, mut action) = Discharge::new(plan, lead.get());
+    let tick = pins.particulars().tick;
+    let (mut discharge, mut action) = Discharge::new(plan, lead.get(), tick);
     let pins = Release(pins);
     loop {
         let event = match action {
@@ -58,7 +59,10 @@ pub fn run_on<P: Pins + ?Sized>(pins: &mut P, plan: Plan, lead: &mut Lead) -> Re
                 pins.0.rest_until(at)?;
                 Event::Slept
             }
-            Action::Arm => Event::Armed(pins.0.arm()?),
+            Action::Arm => {
+                let armed = pins.0.arm()?;
+                Event::Armed(armed, tick.map(|_| pins.0.now()))
+            }
             Action::WaitEdge { expected, until } => {
                 if let Some(at) = expected {
                     pins.0.rest_before_edge(at)?;

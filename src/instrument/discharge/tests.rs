@@ -164,10 +164,10 @@ fn a_switch_to_what_sinks_already_wakes_the_program_and_touches_no_line() {
 
 #[test]
 fn a_charge_that_is_gone_before_the_start_is_no_charge() {
-    let (mut discharge, _) = Discharge::new(plan(None), Nanos(LEAD));
+    let (mut discharge, _) = Discharge::new(plan(None), Nanos(LEAD), None);
     let drove = |at: i64| Event::Drove(Bracket { before: Nanos(at), after: Nanos(at + 1000) });
     let (high, low) = (Levels { a: true, b: true }, Levels { a: true, b: false });
-    let armed = Event::Armed(Armed { levels: high, seqno: 10, line_seqno: [4, u32::MAX] });
+    let armed = Event::Armed(Armed { levels: high, seqno: 10, line_seqno: [4, u32::MAX] }, None);
     for event in [drove(0), Event::Slept, drove(1_000_000), armed, Event::Slept] {
         discharge.handle(event);
     }
@@ -180,14 +180,13 @@ fn what_is_lost_has_a_name() {
     let result = |edges: &[_], levels| {
         let mut pins = Script { levels, ..Script::new(edges) };
         // Armed with both nodes high, whatever is read after the time-out.
-        let (mut discharge, mut action) = Discharge::new(plan(None), Nanos(LEAD));
+        let (mut discharge, mut action) = Discharge::new(plan(None), Nanos(LEAD), None);
         while action != Action::Done {
             action = discharge.handle(match action {
-                Action::Arm => Event::Armed(Armed {
-                    levels: Levels { a: true, b: true },
-                    seqno: 10,
-                    line_seqno: [4, u32::MAX],
-                }),
+                Action::Arm => {
+                    let levels = Levels { a: true, b: true };
+                    Event::Armed(Armed { levels, seqno: 10, line_seqno: [4, u32::MAX] }, None)
+                }
                 Action::Drive(on) => Event::Drove(pins.drive(on).unwrap()),
                 Action::Sleep(at) | Action::Rest(at) => {
                     pins.sleep_until(at).unwrap();
@@ -279,13 +278,13 @@ fn a_crossing_that_is_known_before_is_rested_for() {
 #[test]
 fn a_charge_that_was_left_alone_for_too_long_is_not_used() {
     let start = |late: i64| {
-        let (mut discharge, _) = Discharge::new(plan(None), Nanos(LEAD));
+        let (mut discharge, _) = Discharge::new(plan(None), Nanos(LEAD), None);
         let drove = |at: i64| Event::Drove(Bracket { before: Nanos(at), after: Nanos(at + 1000) });
         discharge.handle(drove(0));
         discharge.handle(Event::Slept);
         discharge.handle(drove(1_000_000));
         let levels = Levels { a: true, b: true };
-        discharge.handle(Event::Armed(Armed { levels, seqno: 10, line_seqno: [4, u32::MAX] }));
+        discharge.handle(Event::Armed(Armed { levels, seqno: 10, line_seqno: [4, u32::MAX] }, None));
         discharge.handle(Event::Slept);
         discharge.handle(Event::Levels(levels));
         discharge.handle(Event::Slept);
@@ -336,11 +335,11 @@ fn a_discharge_that_does_not_end_is_finished_through_another_resistor() {
     let mut pins = Script::new(&[]);
     pins.levels = Levels { a: true, b: true };
     let limited = Plan { limit: Some(Through::C1), ..plan(None) };
-    let (mut discharge, mut action) = Discharge::new(limited, Nanos(LEAD));
+    let (mut discharge, mut action) = Discharge::new(limited, Nanos(LEAD), None);
     let mut waits = 0;
     while action != Action::Done {
         action = discharge.handle(match action {
-            Action::Arm => Event::Armed(pins.arm().unwrap()),
+            Action::Arm => Event::Armed(pins.arm().unwrap(), None),
             Action::Drive(on) => Event::Drove(pins.drive(on).unwrap()),
             Action::Sleep(at) | Action::Rest(at) => {
                 pins.sleep_until(at).unwrap();
@@ -367,7 +366,8 @@ fn a_discharge_that_does_not_end_is_finished_through_another_resistor() {
 #[test]
 fn what_ended_early_is_drained_before_the_charge() {
     let mut pins = Script::new(&[A, B]);
-    let (mut discharge, action) = Discharge::new(Plan { drain: Nanos(700_000), ..plan(None) }, Nanos(LEAD));
+    let (mut discharge, action) =
+        Discharge::new(Plan { drain: Nanos(700_000), ..plan(None) }, Nanos(LEAD), None);
     assert_eq!(action, Action::Drive(Drives::C1));
     let drained = discharge.handle(Event::Drove(pins.drive(Drives::C1).unwrap()));
     assert_eq!(drained, Action::Rest(Nanos(1000 + 700_000)));

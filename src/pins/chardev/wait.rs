@@ -1,7 +1,9 @@
 //! Waiting for edges, and how late wake-ups come.
 
-use crate::pins::limits::{FIRST_SPIN_MARGIN, LEAST_SPIN_MARGIN, MOST_SPIN_MARGIN, SHORTEST_TICK};
-use crate::pins::monotonic;
+use crate::pins::limits::{
+    ALIGNED_TICKS, FIRST_SPIN_MARGIN, LEAST_SPIN_MARGIN, MOST_SPIN_MARGIN, SHORTEST_TICK,
+};
+use crate::pins::{kernel, monotonic};
 use crate::units::Nanos;
 use nix::errno::Errno;
 use nix::poll::{PollFd, PollFlags, ppoll};
@@ -14,8 +16,19 @@ use nix::time::{ClockId, ClockNanosleepFlags, clock_getres, clock_nanosleep};
 /// that ends the wait is handled and stamped (`tick_nohz_irq_enter`, kernel/time/tick-sched.c): stamps would be late by
 /// some microseconds after long waits and not after short ones.
 fn longest_wait() -> Nanos {
-    let tick = clock_getres(ClockId::CLOCK_MONOTONIC_COARSE);
-    Nanos(tick.map_or(SHORTEST_TICK.0, |tick| tick.num_nanoseconds()) / 4 * 3)
+    Nanos(tick().unwrap_or(SHORTEST_TICK).0 / 4 * 3)
+}
+
+/// The period of the kernel's tick.
+fn tick() -> Option<Nanos> {
+    let resolution = clock_getres(ClockId::CLOCK_MONOTONIC_COARSE).ok()?;
+    Some(Nanos(resolution.num_nanoseconds()))
+}
+
+/// The same where ticks are at whole multiples of it: since "tick/common: Align tick period during sched_timer setup" (kernel/time/tick-sched.c),
+/// in Linux 6.4 and later.
+pub(super) fn aligned_tick() -> Option<Nanos> {
+    kernel().1.filter(|version| *version >= ALIGNED_TICKS).and_then(|_| tick())
 }
 
 /// Waits until one of the descriptors can be read, at most until an instant; whether one can. Returns early after a long

@@ -1,6 +1,6 @@
 //! How long things take on a computer that does other things as well, drawn in ns.
 
-use super::scene::{CallsScene, DelayScene};
+use super::scene::{CallsScene, DelayScene, TicksScene};
 use crate::pins::limits::{MIDDLE_OF_SLOT, SHORTEST_CALL};
 use crate::units::Seconds;
 use rand::{Rng, RngExt};
@@ -37,6 +37,20 @@ impl DelayScene {
     }
 }
 
+impl TicksScene {
+    /// How long the tick goes on that there is at an instant, ns; 0: there is none.
+    pub(super) fn remaining_ns(&self, at_ns: i64) -> i64 {
+        let since_ns = at_ns.rem_euclid(whole_ns(self.every).max(1));
+        (whole_ns(self.takes) - since_ns).max(0)
+    }
+
+    /// When the next one begins, ns after an instant at which there is none.
+    fn next_ns(&self, at_ns: i64) -> i64 {
+        let every_ns = whole_ns(self.every).max(1);
+        every_ns - at_ns.rem_euclid(every_ns)
+    }
+}
+
 /// The timing of one call that switches lines.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct CallTiming {
@@ -49,6 +63,8 @@ pub(super) struct CallTiming {
     pause_before: usize,
     lines: usize,
     wakes_ns: f64,
+    /// When a tick interrupts it, and for how long.
+    tick_ns: Option<[f64; 2]>,
 }
 
 impl CallsScene {
@@ -64,21 +80,35 @@ impl CallsScene {
         let moves_at = self.moves_at.unwrap_or(MIDDLE_OF_SLOT);
         let is_asleep = self.asleep_after.is_some_and(|after| idle_ns > whole_ns(after));
         let wakes_ns = if is_asleep { ns(self.wakes_in) } else { 0.0 };
-        CallTiming { fixed_ns, slot_ns, moves_at, scale, pause_ns, pause_before, lines, wakes_ns }
+        let tick_ns = None;
+        CallTiming { fixed_ns, slot_ns, moves_at, scale, pause_ns, pause_before, lines, wakes_ns, tick_ns }
     }
 }
 
 impl CallTiming {
+    /// The same call, beginning at this instant of a processor that ticks.
+    pub fn beside(self, ticks: Option<TicksScene>, begins_ns: i64) -> CallTiming {
+        let tick_ns = ticks.map(|ticks| [ticks.next_ns(begins_ns) as f64, ns(ticks.takes)]);
+        CallTiming { tick_ns, ..self }
+    }
+
+    /// Later by a tick that comes before.
+    fn interrupted(&self, after_ns: f64) -> f64 {
+        let tick = self.tick_ns.filter(|[begins_ns, _]| *begins_ns <= after_ns);
+        after_ns + tick.map_or(0.0, |[_, lasts_ns]| lasts_ns)
+    }
+
     /// When the line at `position` moves, ns since the call began; it may be over by then.
     pub fn moves_ns(&self, position: usize, rng: &mut impl Rng) -> f64 {
         let [low, high] = self.moves_at;
         let within = if low == high { low } else { low + (high - low) * rng.random::<f64>() };
         let pause = if position >= self.pause_before { self.pause_ns } else { 0.0 };
-        (self.fixed_ns / 2.0 + (position as f64 + within) * self.slot_ns) * self.scale + pause + self.wakes_ns
+        let moves_ns = (self.fixed_ns / 2.0 + (position as f64 + within) * self.slot_ns) * self.scale;
+        self.interrupted(moves_ns + pause + self.wakes_ns)
     }
 
     /// How long the call takes, ns.
     pub fn duration_ns(&self) -> f64 {
-        (self.fixed_ns + self.lines as f64 * self.slot_ns) * self.scale + self.pause_ns
+        self.interrupted((self.fixed_ns + self.lines as f64 * self.slot_ns) * self.scale + self.pause_ns)
     }
 }

@@ -58,6 +58,8 @@ pub struct Scene {
     /// Cost of other calls.
     #[serde(default)]
     pub reads: ReadsScene,
+    /// The kernel's tick.
+    pub ticks: Option<TicksScene>,
     /// What happens to edges on their way.
     pub events: Option<EventsScene>,
     /// Voltage noise at the sense inputs.
@@ -215,6 +217,17 @@ pub struct ReadsScene {
     pub levels: Option<Seconds>,
     /// Arming.
     pub arm: Option<Seconds>,
+}
+
+/// A tick interrupts whatever runs, at whole multiples of its period on the clock that stamps: calls go on when it is over, edges are
+/// stamped and sleepers woken then.
+#[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
+#[serde(rename_all = "kebab-case", deny_unknown_fields)]
+pub struct TicksScene {
+    /// Its period.
+    pub every: Seconds,
+    /// How long it takes.
+    pub takes: Seconds,
 }
 
 /// What happens to edges between the pin and the program.

@@ -2,7 +2,7 @@
 
 use super::{
     AbsorptionScene, BranchScene, CircuitScene, Kind, NodeScene, NoiseScene, ReadsScene, Scene, Threshold,
-    line_named,
+    TicksScene, line_named,
 };
 use crate::pins::MAX_CHANNELS;
 use crate::pins::limits::{LATEST, LATEST_MOVE, MOST_BRANCHES, MOST_EVENTS};
@@ -205,6 +205,11 @@ impl Scene {
                 calls.moves_at.is_none_or(|[from, to]| 0.0 <= from && from <= to && to <= LATEST_MOVE);
             let otherwise = format!("is [from, to] in slots, with 0 <= from <= to <= {LATEST_MOVE}");
             demand(is_ordered, "calls.moves-at", otherwise)?;
+        }
+        if let Some(TicksScene { every, takes }) = &self.ticks {
+            all(POSITIVE, "ticks", &[("every", every), ("takes", takes)])?;
+            all(LATE, "ticks", &[("every", every)])?;
+            demand(every.0 >= 2.0 * takes.0, "ticks.takes", "has to be at most half of every")?;
         }
         let ReadsScene { clock, levels, arm } = &self.reads;
         all(LATE, "reads", &[("clock", clock), ("levels", levels), ("arm", arm)])

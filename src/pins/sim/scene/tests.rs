@@ -90,6 +90,8 @@ fn errors_name_the_key_and_the_remedy() {
             "[events]\ndeep-sleep-late = \"1 us\"",
             "events: deep-sleep-after and deep-sleep-late belong together",
         ),
+        ("[ticks]\nevery = \"0 s\"\ntakes = \"1 us\"", "ticks.every: has to be above 0"),
+        ("[ticks]\nevery = \"1 ms\"\ntakes = \"0.6 ms\"", "ticks.takes: has to be at most half of every"),
         ("[walk]\nr-o = \"-1 ohm\"", "walk.r-o: has to be above 0"),
         ("[noise]\nvoltage = \"0 V\"", "noise.voltage: has to be above 0"),
         (

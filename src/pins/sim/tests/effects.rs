@@ -203,3 +203,37 @@ fn absorption_remembers_the_discharge_before() {
     // The branch is 0.45 V lower, and takes 0.25 % of C for 1.1 ms of its 100 ms: 12 uV of 1.3 V.
     assert!((5e-6..2e-5).contains(&(1.0 - long / short)), "{short} {long}");
 }
+
+#[test]
+fn a_tick_holds_up_calls_stamps_and_sleepers() {
+    let scene =
+        with("[ticks]\nevery = \"1 ms\"\ntakes = \"30 us\"\n[calls]\nfixed = \"0 s\"\nper-line = \"1 us\"");
+    let mut pins = SimPins::new(&scene, None);
+    assert_eq!(pins.particulars().tick, Some(Nanos(MS)));
+    let mut call_at = |at: i64| {
+        pins.sleep_until(Nanos(at)).unwrap();
+        let other = if pins.driving() == Drives::C1 { Drives::NONE } else { Drives::C1 };
+        pins.drive(other).unwrap()
+    };
+    let took = |bracket: Bracket| (bracket.before.0, bracket.width().0);
+    assert_eq!(took(call_at(MS - 2000)), (MS - 2000, 1000), "over before");
+    assert_eq!(took(call_at(2 * MS - 200)), (2 * MS - 200, 31_000), "in the middle of it");
+    assert_eq!(took(call_at(3 * MS + 10_000)), (3 * MS + 30_000, 1000), "woken when it is over");
+    // The line is switched in the middle of its call, before the tick or after it.
+    let moved = |before_ns: i64| {
+        let mut pins = SimPins::new(&scene, None);
+        pins.drive(Drives::CHARGE).unwrap();
+        pins.sleep_until(Nanos(20 * MS)).unwrap();
+        pins.drive(Drives::NONE).unwrap();
+        pins.arm().unwrap();
+        pins.sleep_until(Nanos(21 * MS - before_ns)).unwrap();
+        let start = pins.drive(Drives::C1).unwrap().before;
+        let edge = pins.edge(Nanos::MAX).unwrap().unwrap();
+        (edge.at - start).0
+    };
+    let usual = moved(500_000);
+    assert_eq!(moved(700), usual);
+    assert_eq!(moved(300), usual + 30_000);
+    // It falls 200 ns after the tick has begun, and is stamped when that is over.
+    assert_eq!(moved(usual - 200), usual + 29_800);
+}
