@@ -50,6 +50,7 @@ pub struct Known {
     /// The same of what capacitors absorb.
     absorbs: bool,
     sleeps: bool,
+    unlike: bool,
 }
 
 impl Known {
@@ -99,6 +100,20 @@ impl Known {
                 "crossings are stamped {:.1} us later after long waits, and readings are less certain by what that does to them: \
                  processors sleep deeply; dma-latency in [realtime] keeps them from it",
                 late_ns / 1e3
+            );
+        }
+    }
+
+    fn log_unlike_calls(&mut self, stats: &Stats) {
+        if let (Some(longer_ns), false) = (stats.unlike_calls_ns, self.unlike) {
+            self.unlike = true;
+            log::warn!(
+                "calls that switch a line in the middle of a discharge take {:.1} us {} than those that start it: something sleeps \
+                 between them, the chip, the way to it or the processor; switched readings may be off by what the line moves {} in \
+                 its call, so compare one with a resistor that you know; dma-latency in [realtime] keeps processors awake",
+                longer_ns.abs() / 1e3,
+                if longer_ns > 0.0 { "longer" } else { "less" },
+                if longer_ns > 0.0 { "later" } else { "earlier" },
             );
         }
     }
@@ -177,6 +192,7 @@ pub fn publish(server: &mut Server, known: &mut Known, loaded: &Loaded, update: 
             known.log_leak(&stats);
             known.log_absorption(&stats);
             known.log_sleep(&stats);
+            known.log_unlike_calls(&stats);
             known.stats = stats;
         }
         Update::Realtime(report) => {

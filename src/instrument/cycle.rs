@@ -178,6 +178,7 @@ impl Cycle {
         stats.leak_siemens = self.leak.siemens();
         stats.absorbed = self.absorption.share();
         stats.late_after_waits_ns = self.estimator.awake().late_ns();
+        stats.unlike_calls_ns = self.calls.unlike_ns();
         stats.tracking = self.estimator.tracker().map(|tracker| tracker.counts());
         stats
     }

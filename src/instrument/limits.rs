@@ -22,6 +22,10 @@ pub const TICK_SOON: Nanos = Nanos(10_000);
 /// How long a tick lasts: 9 us of most of them where clocks count instructions (tests/vm), 30 us where it has more to do.
 pub const TICK_LASTS: Nanos = Nanos(40_000);
 
+/// Calls in the middle of a discharge are no more like that which starts it if they differ by more than this share of it: where in its
+/// call a line moves nobody knows to better than 0.4 of it.
+pub const UNLIKE: f64 = 0.3;
+
 // The order of discharges.
 /// The longest sleep of one step while waiting for the next cycle, so that the caller can tell its counters in between.
 pub const NAP: Nanos = Nanos(100_000_000);

@@ -35,6 +35,8 @@ pub struct Stats {
     pub absorbed: Option<f64>,
     /// By how much later stamps are after long waits, ns, if that shows.
     pub late_after_waits_ns: Option<f64>,
+    /// How much longer calls that switch take than those that start a discharge, ns, if that shows; negative: shorter.
+    pub unlike_calls_ns: Option<f64>,
     /// What the last fault looked like, until a reading is none.
     pub suspect: Option<Suspect>,
     /// What a tracked calibration has counted.

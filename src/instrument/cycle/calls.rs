@@ -3,7 +3,7 @@
 use crate::estimate::noise::Gate;
 use crate::estimate::scatter::Usual;
 use crate::instrument::discharge::{Call, Calls, UsualCall};
-use crate::instrument::limits::{CALL_STEP, FIRST_CALLS, LONGER_CALL};
+use crate::instrument::limits::{CALL_STEP, FIRST_CALLS, LONGER_CALL, UNLIKE};
 use crate::units::Nanos;
 
 /// Follows how long the calls of each kind take that switch one line.
@@ -57,6 +57,19 @@ impl CallGate {
         })
     }
 
+    /// How much longer calls usually take that release or sink in the middle of a discharge than those that start it, negative: shorter,
+    /// ns; `None` if no more than calls of one kind differ by. A line may then move in another place of its call, too.
+    pub fn unlike_ns(&self) -> Option<f64> {
+        let [start, switches @ ..] = &self.kinds;
+        let start = start.known()?;
+        let longer = |usual: Usual| {
+            Some(usual.place - start.place).filter(|_| !start.has(usual.place) && !usual.has(start.place))
+        };
+        let longer = switches.iter().filter_map(|lengths| longer(lengths.known()?));
+        let greatest = longer.max_by(|a, b| a.abs().total_cmp(&b.abs()));
+        greatest.filter(|longer_ns| longer_ns.abs() > UNLIKE * start.place)
+    }
+
     fn start(&self) -> Option<f64> {
         Some(self.kinds[Call::Start as usize].known()?.place)
     }
@@ -105,6 +118,27 @@ mod tests {
         // Another kernel, another processor clock: it follows.
         (0..1000).for_each(|_| calls.add(&start(2300)));
         assert!((2290..=2300).contains(&calls.usual()[0].unwrap().length.0));
+    }
+
+    #[test]
+    fn switches_that_take_longer_than_starts_are_told() {
+        let told = |release: i64, sink: i64| {
+            let mut calls = CallGate::default();
+            for index in 0..1000 {
+                let jitter = index % 7 * 20;
+                calls.add(&[1100, release, sink].map(|ns| Some(Nanos(ns + jitter))));
+            }
+            calls.unlike_ns()
+        };
+        assert_eq!(CallGate::default().unlike_ns(), None);
+        assert_eq!((told(1100, 1120), told(1250, 1000)), (None, None));
+        for (release, sink, longer_ns) in [(3100, 1100, 2000.0), (1300, 6100, 5000.0), (1100, 500, -600.0)] {
+            let told_ns = told(release, sink).unwrap();
+            assert!((told_ns - longer_ns).abs() < 20.0, "{told_ns} for {longer_ns}");
+        }
+        let mut starts = CallGate::default();
+        (0..100).for_each(|_| starts.add(&start(1100)));
+        assert_eq!(starts.unlike_ns(), None, "nothing was switched");
     }
 
     /// Of two thousand calls of 1.1 us each tenth takes so many ns: how many of these are refused.
