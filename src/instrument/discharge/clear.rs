@@ -14,10 +14,12 @@ pub(super) fn clear_start(plan: &Plan, at: Nanos, tick: Option<Nanos>) -> Nanos 
     let [a_falls, b_falls] = plan.falls;
     let exactly = |after| Some([after, Nanos::ZERO]);
     let switch = plan.switch.map(|(after, _)| after);
+    // One call after the other.
+    let lasts = plan.calls.into_iter().flatten().fold(Nanos::ZERO, |sum, usual| sum + usual.length);
     let counts = [
         exactly(Nanos::ZERO),
-        switch.and_then(exactly),
-        switch.and_then(|after| exactly(after + plan.hold)),
+        switch.map(|after| [after, lasts]),
+        switch.map(|after| [after + plan.hold, lasts]),
         a_falls,
         b_falls.filter(|_| plan.last == Node::B),
     ];
