@@ -133,6 +133,8 @@ pub const AWAKE_AGAIN: Nanos = Nanos(1_000_000_000);
 pub const AWAKE_REMEMBERED: usize = 256;
 /// What they show is there beyond so many sigma.
 pub const AWAKE_SHOWS: f64 = 3.0;
+/// And is in the uncertainty of what a tracked calibration reads, beyond so many.
+pub const AWAKE_COUNTS: f64 = 2.5;
 
 // Noise of crossings.
 /// The largest share of a crossing's variance that both crossings have in common, whatever the resistor.

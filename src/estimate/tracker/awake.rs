@@ -3,7 +3,7 @@
 use super::{Tracker, quadratic};
 use crate::estimate::awake::{AwakeTest, of_stamp_ns, resistor_of, wake_ns};
 use crate::estimate::law::{D, State};
-use crate::estimate::limits::COVERAGE;
+use crate::estimate::limits::AWAKE_COUNTS;
 use crate::record::{CalibrationKind, Record};
 
 impl Tracker {
@@ -52,7 +52,7 @@ impl Tracker {
     /// What stamps that are later after long waits do to a reading, 1 sigma, ohm; `by_state`: how it depends on the state.
     pub fn asleep_ohm(&self, r_ohm: f64, by_state: &State, record: &Record) -> f64 {
         let [first_ns, second_ns] = self.takes_ns();
-        let later_ns = self.awake.beyond_ns(COVERAGE);
+        let later_ns = self.awake.beyond_ns(AWAKE_COUNTS);
         let of_stamp_ns = of_stamp_ns(later_ns, record, first_ns);
         // Splits and R_2 contradict each other by so much: Ro is wrong, and g.
         let longest_ns = later_ns.into_iter().fold(0.0, f64::max);
