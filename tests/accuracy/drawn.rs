@@ -87,8 +87,9 @@ fn circuit(draw: &mut Draw, kind: Kind, method: Method) -> (String, ConfigFile, 
     let nodes: &[&str] = if kind == Kind::TwoCapacitor { &["a", "b"] } else { &["a"] };
     for node in nodes {
         if draw.is(0.25) {
-            let leak = draw.decades(10e6, 200e6);
-            writeln!(scene, "[circuit.node-{node}]\nleakage-resistance = '{leak} ohm'").unwrap();
+            let leak = draw.decades(1e6, 200e6);
+            let to = if draw.is(0.5) { "leakage-resistance" } else { "pull-up" };
+            writeln!(scene, "[circuit.node-{node}]\n{to} = '{leak} ohm'").unwrap();
         }
     }
     if draw.is(0.5) {
@@ -267,8 +268,8 @@ impl Seen {
 
 const HEAD: &str = "# Boards that nobody has chosen\n
 Each board of this page is drawn at random: its wiring and parts, how long calls take and when lines move in them, how late stamps are and
-how much that scatters, noise, thresholds, leaks of 10 to 200 Mohm at either node, capacitors that absorb up to 0.25 % with any time
-constant from 0.1 ms to 1 s, drifts, and the resistance, from 50 ohm to 30 kohm. Each is read for ten seconds, the first reading
+how much that scatters, noise, thresholds, 1 to 200 Mohm from either node to ground or to the supply, capacitors that absorb up to 0.25 % with
+any time constant from 0.1 ms to 1 s, drifts, and the resistance, from 50 ohm to 30 kohm. Each is read for ten seconds, the first reading
 included. All of it is **simulated**; written by `UPDATE_DOCS=1 cargo test --test accuracy drawn`, do not edit. Another family
 of seeds (`CERMD_SEED=1`) draws other boards, for which the test holds as well.
 
