@@ -1,7 +1,7 @@
 //! The man pages and shell completions in docs/ are those of the present command lines, and the page of the configuration
 //! has its keys. What no command line knows (files, exit status, signals, examples) is added from docs/man-parts.
 //!
-//! `UPDATE=1 cargo test --test programs manual` writes them anew.
+//! `UPDATE_DOCS=1 cargo test --test programs manual` writes them anew.
 
 use cermd::config::{ChannelTable, Config, Gpio, Measure, Mock, Server};
 use cermd::ctl::cli::{Cermctl, Cermd};
@@ -51,7 +51,7 @@ fn write_completions(folder: &Path) {
 
 fn compare(name: &str, write: impl Fn(&Path)) {
     let kept = Path::new(env!("CARGO_MANIFEST_DIR")).join("docs").join(name);
-    if std::env::var_os("UPDATE").is_some() {
+    if std::env::var_os("UPDATE_DOCS").is_some() {
         let _ = fs::remove_dir_all(&kept);
         fs::create_dir_all(&kept).unwrap();
         write(&kept);
@@ -60,11 +60,11 @@ fn compare(name: &str, write: impl Fn(&Path)) {
     write(fresh.path());
     let (kept, fresh) = (files(&kept), files(fresh.path()));
     let names = |files: &BTreeMap<String, String>| files.keys().cloned().collect::<Vec<_>>();
-    assert_eq!(names(&kept), names(&fresh), "docs/{name}: UPDATE=1 cargo test --test programs manual");
+    assert_eq!(names(&kept), names(&fresh), "docs/{name}: UPDATE_DOCS=1 cargo test --test programs manual");
     for (file, text) in &fresh {
         assert!(
             kept[file] == *text,
-            "docs/{name}/{file} is out of date: UPDATE=1 cargo test --test programs manual"
+            "docs/{name}/{file} is out of date: UPDATE_DOCS=1 cargo test --test programs manual"
         );
     }
 }

@@ -103,8 +103,8 @@ fn the_page_shows_what_it_prints() {
         let output = size(&arguments).output().unwrap();
         fresh += &format!("```\n{command}\n{}{}```\n", text(&output.stdout), text(&output.stderr));
     }
-    if std::env::var_os("UPDATE").is_some() {
+    if std::env::var_os("UPDATE_DOCS").is_some() {
         fs::write(&path, &fresh).unwrap();
     }
-    assert!(fresh == kept, "docs/sizing.md: UPDATE=1 cargo test --test programs size\n{fresh}");
+    assert!(fresh == kept, "docs/sizing.md: UPDATE_DOCS=1 cargo test --test programs size\n{fresh}");
 }
