@@ -238,6 +238,7 @@ pub fn stats(known: &Known, config: &Config, uptime: Nanos) -> InstrumentStats {
         feed_ohm: stats.leak_siemens.filter(|siemens| *siemens < 0.0).map(|siemens| -1.0 / siemens),
         absorbed_percent: stats.absorbed.map(|share| 100.0 * share),
         late_after_waits_ns: stats.late_after_waits_ns,
+        unlike_calls_ns: stats.unlike_calls_ns,
         retried: stats.retried,
         offset_known: stats.offset_is_known,
         offset_ns: offset.map(|offset| offset.d_ns),

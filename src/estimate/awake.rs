@@ -137,6 +137,7 @@ pub fn resistor_of(kind: CalibrationKind) -> Option<usize> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::estimate::limits::AWAKE_COUNTS;
     use crate::record::Switch;
 
     fn tested(count: usize, of: [f64; 2]) -> AwakeTest {
@@ -153,12 +154,12 @@ mod tests {
         assert_eq!(tested(AWAKE_FIRST - 1, [60e3; 2]).late_ns(), None);
         for count in [AWAKE_FIRST, 2 * AWAKE_REMEMBERED] {
             let none = tested(count, [0.0; 2]);
-            assert_eq!((none.late_ns(), none.beyond_ns(AWAKE_SHOWS)), (None, [0.0; 2]), "{count}");
+            assert_eq!((none.late_ns(), none.beyond_ns(AWAKE_COUNTS)), (None, [0.0; 2]), "{count}");
         }
-        assert_eq!(tested(AWAKE_FIRST, [1e6; 2]).beyond_ns(AWAKE_SHOWS), [0.0; 2], "no latency");
+        assert_eq!(tested(AWAKE_FIRST, [1e6; 2]).beyond_ns(AWAKE_COUNTS), [0.0; 2], "no latency");
         let late = tested(2 * AWAKE_REMEMBERED, [0.0, 4e3]);
         assert!(late.late_ns().is_some_and(|ns| (ns - 4e3).abs() < 1.0) && !late.shows(0), "{late:?}");
-        let [first, second] = late.beyond_ns(AWAKE_SHOWS);
+        let [first, second] = late.beyond_ns(AWAKE_COUNTS);
         assert!(first == 0.0 && (3.5e3..4e3).contains(&second), "{late:?}");
     }
 
@@ -189,7 +190,7 @@ mod tests {
             later_ns: None,
             waited_ns: None,
         };
-        let of = |a_ns, to| of_stamp_ns(late.beyond_ns(AWAKE_SHOWS), &record(a_ns, to), first_ns);
+        let of = |a_ns, to| of_stamp_ns(late.beyond_ns(AWAKE_COUNTS), &record(a_ns, to), first_ns);
         assert_eq!((of(200e3, None), of(400e3, Some(Through::C1))), (0.0, 0.0));
         assert!(of(400e3, None) > 59e3 && of(300e3, Some(Through::C2)) > 59e3);
     }

@@ -27,7 +27,7 @@ pub use action::{Action, Event};
 pub use calls::{Call, Calls, UsualCall};
 use clear::clear_start;
 pub use lead::Lead;
-pub use plan::{Charge, Plan};
+pub use plan::{Charge, Falls, Plan};
 pub use run::{Outcome, run, run_on};
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -220,10 +220,13 @@ impl Discharge {
         (self.armed_seqno, self.highest_seqno) = (armed.seqno, armed.seqno);
         self.line_seqno = armed.line_seqno;
         let soon = now.map_or(settled, |now| settled.max(now));
-        let clear = clear_start(&self.plan, soon, self.tick);
+        let is_clear = clear_start(&self.plan, soon, self.tick) == soon;
         // Arming has read the levels just now.
-        let is_at_once = self.plan.settle <= Nanos::ZERO && clear == soon;
-        if is_at_once { self.start() } else { self.time(clear, Timed::Start) }
+        match self.plan.settle <= Nanos::ZERO {
+            true if is_clear => self.start(),
+            false if is_clear => self.time(settled, Timed::Start),
+            _ => self.time(clear_start(&self.plan, soon + self.lead, self.tick), Timed::Start),
+        }
     }
 
     fn is_charged(&self, levels: Levels) -> bool {

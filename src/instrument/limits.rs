@@ -16,15 +16,18 @@ pub const READ_STEP: Nanos = Nanos(200);
 pub const AWAKE: Nanos = Nanos(2_000);
 /// Nobody spins for longer than this before a call.
 pub const MOST_LEAD: Nanos = Nanos(50_000);
-/// What falls or is switched so shortly before a tick may still meet it: a call takes a microsecond or some, as an interrupt does until
-/// it is stamped.
-pub const TICK_SOON: Nanos = Nanos(10_000);
+/// A call or an interrupt that ends so shortly before a tick may still meet it.
+pub const TICK_SOON: Nanos = Nanos(5_000);
 /// How long a tick lasts: 9 us of most of them where clocks count instructions (tests/vm), 30 us where it has more to do.
 pub const TICK_LASTS: Nanos = Nanos(40_000);
+/// What lasts longer, or is known no better, is not kept clear of it, and no discharge begins much more than that later.
+pub const MOST_OF_A_TICK: Nanos = Nanos(120_000);
 
 /// Calls in the middle of a discharge are no more like that which starts it if they differ by more than this share of it: where in its
 /// call a line moves nobody knows to better than 0.4 of it.
 pub const UNLIKE: f64 = 0.3;
+/// So many calls of a kind tell how long they take from then on, and no more of a processor that has just begun.
+pub const OFTEN: usize = 200;
 
 // The order of discharges.
 /// The longest sleep of one step while waiting for the next cycle, so that the caller can tell its counters in between.

@@ -118,7 +118,8 @@ impl SimPins {
 
     /// Lets a call take its time.
     fn spend(&mut self, cost: Option<Seconds>) {
-        self.go_on_to(self.now_ns.saturating_add(whole_ns(cost)));
+        let end_ns = self.now_ns.saturating_add(whole_ns(cost));
+        self.go_on_to(end_ns.saturating_add(self.tick_goes_on_ns(end_ns)));
     }
 
     /// When a wait ends that was to end at an instant.
@@ -164,9 +165,9 @@ impl SimPins {
         self.truth.crossed(fall.node, fall.since_ns, fall.crossed);
         if self.armed {
             // Time goes on when a wait is over: until then it is the instant at which the wait began.
-            let seen_ns = fall.since_ns.saturating_add((fall.seen * 1e9) as i64);
-            let taken = fall.seen + self.tick_goes_on_ns(seen_ns) as f64 * 1e-9;
-            self.events.fell(fall.node, fall.since_ns, taken, self.now_ns);
+            let (ticks, epoch_ns) = (self.scene.ticks, self.epoch.0);
+            let goes_on_ns = |at_ns: i64| ticks.map_or(0, |ticks| ticks.remaining_ns(at_ns + epoch_ns));
+            self.events.fell(fall.node, fall.since_ns, fall.seen, self.now_ns, goes_on_ns);
         }
     }
 

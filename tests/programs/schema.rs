@@ -324,6 +324,7 @@ fn instrument() -> InstrumentStats {
         feed_ohm: u,
         absorbed_percent: u,
         late_after_waits_ns: u,
+        unlike_calls_ns: u,
         retried: 0,
         offset_known: true,
         offset_ns: u,

@@ -3,7 +3,7 @@
 use crate::estimate::noise::Gate;
 use crate::estimate::scatter::Usual;
 use crate::instrument::discharge::{Call, Calls, UsualCall};
-use crate::instrument::limits::{CALL_STEP, FIRST_CALLS, LONGER_CALL, UNLIKE};
+use crate::instrument::limits::{CALL_STEP, FIRST_CALLS, LONGER_CALL, OFTEN, UNLIKE};
 use crate::units::Nanos;
 
 /// Follows how long the calls of each kind take that switch one line.
@@ -37,6 +37,7 @@ impl Lengths {
     /// The steps are small beside the jitter of crossings.
     fn add(&mut self, call_ns: f64) {
         if self.known().is_some() {
+            self.seen = self.seen.saturating_add(1);
             return self.usual.add(call_ns, (CALL_STEP * self.usual.place).max(1.0));
         }
         self.first_ns[self.seen] = call_ns;
@@ -60,12 +61,13 @@ impl CallGate {
     /// How much longer calls usually take that release or sink in the middle of a discharge than those that start it, negative: shorter,
     /// ns; `None` if no more than calls of one kind differ by. A line may then move in another place of its call, too.
     pub fn unlike_ns(&self) -> Option<f64> {
+        let often = |lengths: &Lengths| lengths.known().filter(|_| lengths.seen >= OFTEN);
         let [start, switches @ ..] = &self.kinds;
-        let start = start.known()?;
+        let start = often(start)?;
         let longer = |usual: Usual| {
             Some(usual.place - start.place).filter(|_| !start.has(usual.place) && !usual.has(start.place))
         };
-        let longer = switches.iter().filter_map(|lengths| longer(lengths.known()?));
+        let longer = switches.iter().filter_map(|lengths| longer(often(lengths)?));
         let greatest = longer.max_by(|a, b| a.abs().total_cmp(&b.abs()));
         greatest.filter(|longer_ns| longer_ns.abs() > UNLIKE * start.place)
     }
@@ -136,8 +138,11 @@ mod tests {
             let told_ns = told(release, sink).unwrap();
             assert!((told_ns - longer_ns).abs() < 20.0, "{told_ns} for {longer_ns}");
         }
+        let mut early = CallGate::default();
+        (0..OFTEN - 1).for_each(|_| early.add(&[1100, 9100, 1100].map(|ns| Some(Nanos(ns)))));
+        assert_eq!(early.unlike_ns(), None, "that may pass");
         let mut starts = CallGate::default();
-        (0..100).for_each(|_| starts.add(&start(1100)));
+        (0..1000).for_each(|_| starts.add(&start(1100)));
         assert_eq!(starts.unlike_ns(), None, "nothing was switched");
     }
 

@@ -48,6 +48,11 @@ pub struct Memory {
 }
 
 impl Memory {
+    /// The last resistance as it was measured, ohm.
+    pub(super) fn r_ohm(&self) -> Option<f64> {
+        self.r_ohm
+    }
+
     /// Learns from a reading.
     pub fn take(
         &mut self,
@@ -122,9 +127,7 @@ impl Cycle {
             CalibrationKind::Split => (Through::C1, second, self.split_time()),
         };
         let switch = after.map(|after| (after, to));
-        let [r1, r2] = self.settings.r_ohm();
-        let r_ohm = if kind == CalibrationKind::Second { r2 } else { r1 };
-        let falls = self.falls(r_ohm, switch);
+        let falls = self.calibration_falls(kind, switch);
         Plan { expected: self.expected(kind), falls, ..self.plan(through, switch, last) }
     }
 
@@ -147,7 +150,9 @@ impl Cycle {
                 awake::wake_ns(due[0]?, noise.map_or(UNKNOWN_JITTER_NS, |noise| noise.aa.sqrt()))
             });
             let [wakes_ns, _] = self.estimator.with_leak_ns([wakes_ns, None], kind);
-            return self.plan(through, wakes_ns.map(|ns| (Nanos(ns as i64), through)), Node::A);
+            let switch = wakes_ns.map(|ns| (Nanos(ns as i64), through));
+            let falls = self.calibration_falls(kind, switch);
+            return Plan { falls, ..self.plan(through, switch, Node::A) };
         }
         let [a_ns, _] =
             usual.map_or([None; 2], |(_, c2)| self.estimator.with_leak_ns(c2, CalibrationKind::Second));
@@ -176,7 +181,7 @@ impl Cycle {
         let switch = switch.map(|(after, to)| (Nanos((earlier * after.as_ns()) as i64), to));
         // A switch must not make a discharge longer than the deadline does.
         let switch = switch.filter(|(after, _)| *after < settings.deadline);
-        let falls = self.memory[channel].r_ohm.map_or([None; 2], |r_ohm| self.falls(r_ohm, switch));
+        let falls = self.sensor_falls(channel, switch);
         Plan { limit, falls, ..self.plan(rules.sensor(channel), switch, last) }
     }
 

@@ -36,6 +36,9 @@ impl Charge {
     }
 }
 
+/// From when to when each node may fall through its threshold and be stamped, since the start; `None`: nobody knows.
+pub type Falls = [Option<[Nanos; 2]>; 2];
+
 /// What one discharge is to do.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Plan {
@@ -60,9 +63,8 @@ pub struct Plan {
     /// When each node crosses, since the start, where that is known before: the system may rest until then. `None`: it is
     /// waited for all the time.
     pub expected: [Option<Nanos>; 2],
-    /// When each node falls through its threshold, since the start, as far as that can be told before, and give or take how much: what
-    /// the kernel's tick should not meet.
-    pub falls: [Option<[Nanos; 2]>; 2],
+    /// When nodes fall, as far as that can be told before: the kernel's tick should not meet that.
+    pub falls: Falls,
     /// The longest wait for the last crossing, from the start (or from the switch to `limit`).
     pub timeout: Nanos,
     /// What finishes a discharge that was not switched and has not ended by then; `None`: nothing.

@@ -1,6 +1,7 @@
 //! Against scripted pins: what is asked of them, in which order, and what is made of their answers.
 
 use super::*;
+use crate::instrument::limits::TICK_LASTS;
 use crate::pins::{Particulars, Pins, PinsError};
 use std::collections::VecDeque;
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -375,4 +376,26 @@ fn what_ended_early_is_drained_before_the_charge() {
     let charging = Bracket { before: Nanos(701_000), after: Nanos(702_500) };
     assert_eq!(discharge.handle(Event::Drove(charging)), Action::Rest(Nanos(1_702_500)));
     assert_eq!(discharge.handle(Event::Slept), Action::Drive(Drives::NONE));
+}
+
+#[test]
+fn a_start_that_would_meet_a_tick_comes_after_it() {
+    let armed_at = |now: i64, settle: i64| {
+        let plan = Plan { settle: Nanos(settle), ..plan(None) };
+        let (mut discharge, _) = Discharge::new(plan, Nanos(LEAD), Some(Nanos(4_000_000)));
+        let drove = |at: i64| Event::Drove(Bracket { before: Nanos(at), after: Nanos(at + 1000) });
+        let levels = Levels { a: true, b: true };
+        let armed = Armed { levels, seqno: 10, line_seqno: [4, u32::MAX] };
+        for event in [drove(6_800_000), Event::Slept, drove(now - 10_000)] {
+            discharge.handle(event);
+        }
+        discharge.handle(Event::Armed(armed, Some(Nanos(now))))
+    };
+    let start = Action::Drive(Drives::x(2));
+    assert_eq!([armed_at(7_900_000, 0), armed_at(8_100_000, 0)], [start; 2]);
+    // As late as levels can be read before.
+    assert_eq!(armed_at(7_999_000, 0), Action::Sleep(Nanos(8_000_000 + TICK_LASTS.0 - LEAD)));
+    assert_eq!(armed_at(8_039_000, 0), Action::Sleep(Nanos(8_039_000)));
+    assert_eq!(armed_at(7_700_000, 100_000), Action::Sleep(Nanos(7_791_000 - LEAD)));
+    assert_eq!(armed_at(7_910_000, 100_000), Action::Sleep(Nanos(8_000_000 + TICK_LASTS.0 - LEAD)));
 }

@@ -25,8 +25,8 @@ fn tick() -> Option<Nanos> {
     Some(Nanos(resolution.num_nanoseconds()))
 }
 
-/// The same where ticks are at whole multiples of it: since "tick/common: Align tick period during sched_timer setup" (kernel/time/tick-sched.c),
-/// in Linux 6.4 and later.
+/// The same where ticks are at whole multiples of it: since "tick/common: Align tick period during sched_timer setup" (kernel/time/tick-sched.c)
+/// of Linux 6.4. It went into stable kernels before, too, whose first two numbers do not tell it.
 pub(super) fn aligned_tick() -> Option<Nanos> {
     kernel().1.filter(|version| *version >= ALIGNED_TICKS).and_then(|_| tick())
 }

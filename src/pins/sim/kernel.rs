@@ -46,8 +46,16 @@ impl Events {
         }
     }
 
-    /// An input fell, `seen` seconds after `since_ns`; the program has waited since `idle_since_ns`.
-    pub fn fell(&mut self, node: Node, since_ns: i64, seen: f64, idle_since_ns: i64) {
+    /// An input fell, `seen` seconds after `since_ns`; the program has waited since `idle_since_ns`. `tick_goes_on_ns`: for how long a tick
+    /// keeps the processor from stamping at an instant.
+    pub fn fell(
+        &mut self,
+        node: Node,
+        since_ns: i64,
+        seen: f64,
+        idle_since_ns: i64,
+        tick_goes_on_ns: impl Fn(i64) -> i64,
+    ) {
         let EventsScene { lost, coalesced, bounce, b_later, .. } = self.troubles;
         if lost.is_some_and(|probability| self.rng.random::<f64>() < probability) {
             return;
@@ -69,6 +77,7 @@ impl Events {
             Some(period) => next_edge(since_ns.saturating_add((seen * 1e9).ceil() as i64), period),
             None => since_ns.saturating_add((seen * 1e9 + late_ns).round() as i64),
         };
+        let stamp_ns = stamp_ns.saturating_add(tick_goes_on_ns(stamp_ns));
         // One handler serves the lines of a chip in turn: a later edge is never stamped earlier.
         self.last_stamp_ns = stamp_ns.max(self.last_stamp_ns);
         self.push(node, interrupts);

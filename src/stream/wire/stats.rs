@@ -65,6 +65,9 @@ pub struct InstrumentStats {
     /// By how much later crossings are stamped after long waits, ns.
     #[serde(default, serialize_with = "uncertainty", skip_serializing_if = "is_unknown")]
     pub late_after_waits_ns: Option<f64>,
+    /// How much longer calls that switch in the middle of a discharge take than those that start it, ns; negative: shorter.
+    #[serde(default, serialize_with = "value", skip_serializing_if = "is_unknown")]
+    pub unlike_calls_ns: Option<f64>,
     /// Discharges that were tried again.
     pub retried: u64,
     /// Whether the latency offset has been found or was given.

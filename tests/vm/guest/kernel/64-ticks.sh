@@ -14,14 +14,19 @@ met() {
     until_true 200 offset_known || fail "no offset is known"
     before=$(mawk 'END { print $1 + 0 }' $discharges)
     sleep "$3"
-    # Start, release and sink of a switch, and the falls of A and B where an interrupt has told them; 0: there was none.
-    mawk -v before="$before" '$1 > before && $10 {
-        n = split($5 " " ($7 ? $6 : 0) " " $7 " " $8 " " ($11 ? $9 : 0), at, " ")
-        for (i = 1; i <= n; i++) if (at[i]) { all++; phase = at[i] % 4000000; met += phase < 9000 || phase > 3999000 }
-    } END { print met + 0, all }' $discharges >counted
+    # Moves of lines: one whose call a tick has interrupted comes just after it. Falls of A and B, 6 us before their interrupts; of B where
+    # one has told it.
+    mawk -v before="$before" '
+        function count(at, from, to) { if (at) { all++; phase = (at - from) % 4000000; met += phase < to - from } }
+        $1 > before && $10 {
+            count($5, 0, 20000)
+            if ($7) { count($6, 0, 20000); count($7, 0, 20000) }
+            count($8, -6000, 9000)
+            if ($11) count($9, -6000, 9000)
+        } END { print met + 0, all }' $discharges >counted
     stop_cermd
     read -r m a <counted
-    echo "$1 ohm, $2: $m of $a instants meet a tick, by chance it would be $((a / 400))"
+    echo "$1 ohm, $2: $m of $a instants meet a tick, by chance it would be $((a / 230))"
 }
 met 100 tracked 6
 met 1000 cerm 6
