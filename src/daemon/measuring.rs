@@ -237,8 +237,10 @@ impl Worker {
                 self.reopen(&mut instrument);
                 cycles_before = instrument.stats().cycles;
             }
-            let works = instrument.stats().cycles > cycles_before;
-            if self.said.is_some() && works && self.send(Update::Recovered) {
+            if self.said.is_some()
+                && instrument.stats().cycles > cycles_before
+                && self.send(Update::Recovered)
+            {
                 self.said = None;
             }
             let now = instrument.pins().now();

@@ -79,7 +79,7 @@ fn met<P: Pins>(pins: P, settings: Settings, simulated: impl Fn(&P) -> &SimPins)
 #[test]
 fn discharges_keep_clear_of_the_tick() {
     // At 100 ohm a discharge is finished through R_2, from so shortly before B falls on that nobody knows when it will.
-    for (r_ohm, most) in [(100.0, 0.05), (1000.0, 0.005), (5000.0, 0.005), (16_200.0, 0.005)] {
+    for (r_ohm, most) in [(100.0, 0.02), (1000.0, 0.005), (5000.0, 0.005), (16_200.0, 0.005)] {
         let mut bench = Bench::new("pi4", Method::Tracked, r_ohm, 0, "");
         let ticks = Some(TicksScene { every: EVERY, takes: TAKES });
         bench.scene = Scene { ticks, ..quiet(bench.scene) };

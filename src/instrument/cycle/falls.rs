@@ -43,8 +43,8 @@ impl Cycle {
         self.falls(alone, [c1, c2], switch)
     }
 
-    /// Of a discharge that would cross so without its switch, beside plain ones through R_1 and R_2, all with d. After a switch a node falls
-    /// give or take as many times what that may be late by as the other resistor is slower.
+    /// Of a discharge that would cross so without its switch, beside plain ones through R_1 and R_2, all with d. A switch stops it for a
+    /// call, and makes what is left as many times longer, and less certain, as the other resistor is slower: a line moves anywhere in its call.
     fn falls(&self, alone: Crossings, plain: [Crossings; 2], switch: Option<(Nanos, Through)>) -> Falls {
         let d_ns = self.estimator.offset().d_ns;
         let call_ns = self.calls.usual()[Call::Release as usize].map_or(0.0, |call| call.length.as_ns());
@@ -53,7 +53,7 @@ impl Cycle {
             let (falls_ns, within_ns) = match switch {
                 Some((after, to)) if after.as_ns() < alone_ns => {
                     let slower = (plain[usize::from(to != Through::C1)][node]? - d_ns) / alone_ns;
-                    (after.as_ns() + slower * (alone_ns - after.as_ns()), slower * call_ns)
+                    (after.as_ns() + call_ns + slower * (alone_ns - after.as_ns()), slower * call_ns / 2.0)
                 }
                 _ => (alone_ns, 0.0),
             };

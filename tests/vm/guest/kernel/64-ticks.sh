@@ -36,4 +36,4 @@ for ohm in 1000 5000 16200; do
     all=$((all + a)) of_all=$((of_all + m))
 done
 [ "$all" -ge 15000 ] || fail "there were only $all instants"
-[ $((of_all * 3000)) -le "$all" ] || fail "$of_all of $all instants meet a tick"
+[ $((of_all * 1500)) -le "$all" ] || fail "$of_all of $all instants meet a tick"
