@@ -163,7 +163,7 @@ impl Estimator {
     /// The crossings of the calibration discharges in force, of the nodes that there are.
     pub fn calibration(&self) -> Option<(Crossings, Crossings)> {
         let Some(tracker) = self.tracker() else { return self.c1.zip(self.c2) };
-        let [c1, c2] = tracker.calibration().map(|of| self.existing(of.map(|crossing| Some(crossing.ns))));
+        let [c1, c2] = tracker.calibration_ns().map(|of| self.existing(of.map(Some)));
         Some((c1, c2))
     }
 

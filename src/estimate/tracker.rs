@@ -7,7 +7,7 @@
 
 use crate::circuit::Node;
 use crate::estimate::awake::AwakeTest;
-use crate::estimate::law::{Crossing, D, D_B, R_O, Route, State, UNKNOWNS};
+use crate::estimate::law::{Crossing, D, D_B, R_O, Route, State, UNKNOWNS, d_ns};
 use crate::estimate::limits::{FIRST_ROUNDS, INNOVATION_GATE, LATE_NS, SPLIT_FRACTION};
 use crate::estimate::noise::{Covariance, Noise, is_step};
 use crate::estimate::offset::{Offset, SplitCalibration};
@@ -369,6 +369,12 @@ impl Tracker {
         let switch = Switch { at_ns, on_ns: at_ns, to: Through::C2 };
         let switch = (kind == CalibrationKind::Split).then_some((switch, self.r_ohm[1]));
         Route { first_ohm: self.first_ohm(kind), switch }
+    }
+
+    /// When both nodes cross in the calibration discharges as they would be now, ns: asked for several times a discharge.
+    pub fn calibration_ns(&self) -> [[f64; 2]; 2] {
+        let state = &self.state;
+        self.r_ohm.map(|r_ohm| [0, 1].map(|node| d_ns(state, node) + state[node] * (r_ohm + state[R_O])))
     }
 
     /// The crossings of the calibration discharges as they would be now, and their derivatives by the state.
