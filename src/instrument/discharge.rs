@@ -221,12 +221,11 @@ impl Discharge {
         self.line_seqno = armed.line_seqno;
         let soon = now.map_or(settled, |now| settled.max(now));
         let is_clear = clear_start(&self.plan, soon, self.tick) == soon;
-        // Arming has read the levels just now.
-        match self.plan.settle <= Nanos::ZERO {
-            true if is_clear => self.start(),
-            false if is_clear => self.time(settled, Timed::Start),
-            _ => self.time(clear_start(&self.plan, soon + self.lead, self.tick), Timed::Start),
+        if !is_clear {
+            return self.time(clear_start(&self.plan, soon + self.lead, self.tick), Timed::Start);
         }
+        // Arming has read the levels just now.
+        if self.plan.settle <= Nanos::ZERO { self.start() } else { self.time(settled, Timed::Start) }
     }
 
     fn is_charged(&self, levels: Levels) -> bool {

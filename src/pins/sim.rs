@@ -119,19 +119,20 @@ impl SimPins {
     /// Lets a call take its time.
     fn spend(&mut self, cost: Option<Seconds>) {
         let end_ns = self.now_ns.saturating_add(whole_ns(cost));
-        self.go_on_to(end_ns.saturating_add(self.tick_goes_on_ns(end_ns)));
+        self.go_on_to(end_ns.saturating_add(self.tick_goes_on_ns()(end_ns)));
     }
 
     /// When a wait ends that was to end at an instant.
     fn late_ns(&mut self, at_ns: i64, late: Option<DelayScene>) -> i64 {
         let late_ns = late.map_or(0.0, |late| late.draw_ns(&mut self.rng));
         let at_ns = at_ns.saturating_add(late_ns.round() as i64);
-        at_ns.saturating_add(self.tick_goes_on_ns(at_ns))
+        at_ns.saturating_add(self.tick_goes_on_ns()(at_ns))
     }
 
     /// For how long a tick keeps the processor from what comes at an instant, ns.
-    fn tick_goes_on_ns(&self, at_ns: i64) -> i64 {
-        self.scene.ticks.map_or(0, |ticks| ticks.remaining_ns(at_ns.saturating_add(self.epoch.0)))
+    fn tick_goes_on_ns(&self) -> impl Fn(i64) -> i64 + use<> {
+        let (ticks, epoch_ns) = (self.scene.ticks, self.epoch.0);
+        move |at_ns| ticks.map_or(0, |ticks| ticks.remaining_ns(at_ns.saturating_add(epoch_ns)))
     }
 
     /// Takes account of every fall and every move up to an instant.
@@ -165,9 +166,8 @@ impl SimPins {
         self.truth.crossed(fall.node, fall.since_ns, fall.crossed);
         if self.armed {
             // Time goes on when a wait is over: until then it is the instant at which the wait began.
-            let (ticks, epoch_ns) = (self.scene.ticks, self.epoch.0);
-            let goes_on_ns = |at_ns: i64| ticks.map_or(0, |ticks| ticks.remaining_ns(at_ns + epoch_ns));
-            self.events.fell(fall.node, fall.since_ns, fall.seen, self.now_ns, goes_on_ns);
+            let tick_goes_on_ns = self.tick_goes_on_ns();
+            self.events.fell(fall.node, fall.since_ns, fall.seen, self.now_ns, tick_goes_on_ns);
         }
     }
 
@@ -185,8 +185,8 @@ impl SimPins {
         let (releases, drives) = (old.without(on), on.without(old));
         let lines = (releases.count() + drives.count()) as usize;
         let begin_ns = self.now_ns;
-        let call = calls.begin(lines, begin_ns - self.touched_ns, &mut self.rng);
-        let call = call.beside(self.scene.ticks, begin_ns.saturating_add(self.epoch.0));
+        let tick_ns = self.scene.ticks.map(|ticks| ticks.next_ns(begin_ns.saturating_add(self.epoch.0)));
+        let call = calls.begin(lines, begin_ns - self.touched_ns, tick_ns, &mut self.rng);
         let mut state = old;
         let moves = releases.lines().map(|line| (line, false)).chain(drives.lines().map(|line| (line, true)));
         for (position, (line, driven)) in moves.enumerate() {

@@ -1,13 +1,14 @@
 //! The kernel's tick interrupts calls, and makes stamps late: discharges keep clear of it where it is known when it comes.
 
 use crate::common::chance::share_is_in;
+use crate::common::decorated::Decorated;
 use crate::common::{Bench, quiet};
 use cermd::circuit::Node;
 use cermd::instrument::settings::Settings;
 use cermd::instrument::{Instrument, Message};
+use cermd::pins::Pins;
 use cermd::pins::sim::scene::TicksScene;
 use cermd::pins::sim::{Scene, SimPins};
-use cermd::pins::{Armed, Bracket, Drives, Edge, Levels, Particulars, Pins, PinsError};
 use cermd::reading::Method;
 use cermd::units::{Nanos, Seconds};
 
@@ -15,38 +16,6 @@ use cermd::units::{Nanos, Seconds};
 const EVERY: Seconds = Seconds(1e-3);
 const TAKES: Seconds = Seconds(30e-6);
 const DISCHARGES: usize = 4000;
-/// Pins that do not know when the tick comes.
-struct Unknowing(SimPins);
-
-impl Pins for Unknowing {
-    fn now(&mut self) -> Nanos {
-        self.0.now()
-    }
-    fn drive(&mut self, on: Drives) -> Result<Bracket, PinsError> {
-        self.0.drive(on)
-    }
-    fn arm(&mut self) -> Result<Armed, PinsError> {
-        self.0.arm()
-    }
-    fn edge(&mut self, until: Nanos) -> Result<Option<Edge>, PinsError> {
-        self.0.edge(until)
-    }
-    fn sleep_until(&mut self, at: Nanos) -> Result<(), PinsError> {
-        self.0.sleep_until(at)
-    }
-    fn rest_until(&mut self, at: Nanos) -> Result<(), PinsError> {
-        self.0.rest_until(at)
-    }
-    fn rest_before_edge(&mut self, at: Nanos) -> Result<(), PinsError> {
-        self.0.rest_before_edge(at)
-    }
-    fn levels(&mut self) -> Result<Levels, PinsError> {
-        self.0.levels()
-    }
-    fn particulars(&self) -> Particulars<'_> {
-        Particulars { tick: None, ..self.0.particulars() }
-    }
-}
 
 /// Of so many discharges from the second second on: those with a call that a tick made longer, and those in which a node that is
 /// timed falls while there is one.
@@ -86,7 +55,7 @@ fn discharges_keep_clear_of_the_tick() {
         let (pins, settings) = bench.parts();
         let told = met(pins, settings, |pins| pins);
         let (pins, settings) = bench.parts();
-        let unknowing = met(Unknowing(pins), settings, |pins| &pins.0);
+        let unknowing = met(Decorated::without_tick(pins), settings, |pins| &pins.pins);
         println!("{r_ohm} ohm: {told:?} of {DISCHARGES}, {unknowing:?} where nobody knows when it comes");
         assert!(share_is_in(told[0], DISCHARGES, 0.0..=0.0), "{r_ohm} ohm: {told:?}");
         assert!(share_is_in(told[1], DISCHARGES, 0.0..=most), "{r_ohm} ohm: {told:?}");

@@ -11,15 +11,21 @@ pub struct Decorated<P> {
     pub cut: Drives,
     /// What every look at the levels answers, without one; `None`: what they are. Arming looks all the same.
     pub levels: Option<Levels>,
+    /// It does not know when the kernel's tick comes.
+    pub hides_tick: bool,
 }
 
 impl<P> Decorated<P> {
     pub fn cut(pins: P, cut: Drives) -> Decorated<P> {
-        Decorated { pins, cut, levels: None }
+        Decorated { pins, cut, levels: None, hides_tick: false }
     }
 
     pub fn told(pins: P, levels: Levels) -> Decorated<P> {
-        Decorated { pins, cut: Drives::NONE, levels: Some(levels) }
+        Decorated { levels: Some(levels), ..Decorated::cut(pins, Drives::NONE) }
+    }
+
+    pub fn without_tick(pins: P) -> Decorated<P> {
+        Decorated { hides_tick: true, ..Decorated::cut(pins, Drives::NONE) }
     }
 }
 
@@ -49,6 +55,7 @@ impl<P: Pins> Pins for Decorated<P> {
         self.levels.map_or_else(|| self.pins.levels(), Ok)
     }
     fn particulars(&self) -> Particulars<'_> {
-        self.pins.particulars()
+        let particulars = self.pins.particulars();
+        Particulars { tick: particulars.tick.filter(|_| !self.hides_tick), ..particulars }
     }
 }

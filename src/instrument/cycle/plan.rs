@@ -18,6 +18,7 @@ use crate::instrument::limits::{
     YOUNG_EVERY, YOUNG_PAUSE,
 };
 use crate::instrument::settings::Charges;
+use crate::record::Crossings;
 use crate::sensor::Channel;
 use crate::units::Nanos;
 
@@ -48,11 +49,6 @@ pub struct Memory {
 }
 
 impl Memory {
-    /// The last resistance as it was measured, ohm.
-    pub(super) fn r_ohm(&self) -> Option<f64> {
-        self.r_ohm
-    }
-
     /// Learns from a reading.
     pub fn take(
         &mut self,
@@ -127,8 +123,7 @@ impl Cycle {
             CalibrationKind::Split => (Through::C1, second, self.split_time()),
         };
         let switch = after.map(|after| (after, to));
-        let falls = self.calibration_falls(kind, switch);
-        Plan { expected: self.expected(kind), falls, ..self.plan(through, switch, last) }
+        self.of_calibration(kind, self.plan(through, switch, last))
     }
 
     /// R_2 with a pause on the way, in which a leak would show, or with a longer charge before it, which fills dielectrics; R_1 or R_2
@@ -150,9 +145,9 @@ impl Cycle {
                 awake::wake_ns(due[0]?, noise.map_or(UNKNOWN_JITTER_NS, |noise| noise.aa.sqrt()))
             });
             let [wakes_ns, _] = self.estimator.with_leak_ns([wakes_ns, None], kind);
-            let switch = wakes_ns.map(|ns| (Nanos(ns as i64), through));
-            let falls = self.calibration_falls(kind, switch);
-            return Plan { falls, ..self.plan(through, switch, Node::A) };
+            let plan = self.plan(through, wakes_ns.map(|ns| (Nanos(ns as i64), through)), Node::A);
+            // The program is awake: nothing is rested for.
+            return Plan { expected: [None; 2], ..self.of_calibration(kind, plan) };
         }
         let [a_ns, _] =
             usual.map_or([None; 2], |(_, c2)| self.estimator.with_leak_ns(c2, CalibrationKind::Second));
@@ -181,8 +176,8 @@ impl Cycle {
         let switch = switch.map(|(after, to)| (Nanos((earlier * after.as_ns()) as i64), to));
         // A switch must not make a discharge longer than the deadline does.
         let switch = switch.filter(|(after, _)| *after < settings.deadline);
-        let falls = self.sensor_falls(channel, switch);
-        Plan { limit, falls, ..self.plan(rules.sensor(channel), switch, last) }
+        let plan = self.plan(rules.sensor(channel), switch, last);
+        Plan { limit, falls: self.sensor_falls(channel, &plan), ..plan }
     }
 
     fn plan(&self, through: Through, switch: Option<(Nanos, Through)>, last: Node) -> Plan {
@@ -278,13 +273,17 @@ impl Cycle {
 
     /// When A is expected to cross in the next x discharge of a channel, and how well either branch would tell R_x.
     fn predicted(&self, channel: usize) -> Option<(f64, Option<Predicted>)> {
-        let memory = &self.memory[channel];
+        let u_switch_ns = self.memory[channel].u_switch_ns;
+        let (ratio, [x_ns, _]) = self.through_sensor(channel)?;
+        Some((x_ns?, self.estimator.predict(ratio, self.settings.switch_fraction, u_switch_ns)))
+    }
+
+    /// Where the last resistance of a channel is, from R_1 to R_2, and when nodes cross in a plain discharge through it, ns.
+    pub(super) fn through_sensor(&self, channel: usize) -> Option<(f64, Crossings)> {
         let [r1, r2] = self.settings.r_ohm();
-        let ratio = (memory.r_ohm? - r1) / (r2 - r1);
+        let ratio = (self.memory[channel].r_ohm? - r1) / (r2 - r1);
         let (c1, c2) = self.estimator.calibration()?;
-        let (c1_ns, c2_ns) = (c1[0]?, c2[0]?);
-        let x_ns = c1_ns + ratio * (c2_ns - c1_ns);
-        Some((x_ns, self.estimator.predict(ratio, self.settings.switch_fraction, memory.u_switch_ns)))
+        Some((ratio, [0, 1].map(|node| Some(c1[node]? + ratio * (c2[node]? - c1[node]?)))))
     }
 
     /// Whether a reading that is switched, or would be if the offset were known exactly, owes more than a set share of its

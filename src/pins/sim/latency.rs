@@ -44,10 +44,10 @@ impl TicksScene {
         (whole_ns(self.takes) - since_ns).max(0)
     }
 
-    /// When the next one begins, ns after an instant at which there is none.
-    fn next_ns(&self, at_ns: i64) -> i64 {
+    /// When the next one begins, ns after an instant at which there is none, and for how long.
+    pub(super) fn next_ns(&self, at_ns: i64) -> [f64; 2] {
         let every_ns = whole_ns(self.every).max(1);
-        every_ns - at_ns.rem_euclid(every_ns)
+        [(every_ns - at_ns.rem_euclid(every_ns)) as f64, ns(self.takes)]
     }
 }
 
@@ -68,8 +68,15 @@ pub(super) struct CallTiming {
 }
 
 impl CallsScene {
-    /// Draws what is common to one call that switches so many lines of a chip that was left alone for `idle_ns`.
-    pub(super) fn begin(&self, lines: usize, idle_ns: i64, rng: &mut impl Rng) -> CallTiming {
+    /// Draws what is common to one call that switches so many lines of a chip that was left alone for `idle_ns`; `tick_ns`: when the next
+    /// tick begins, and for how long.
+    pub(super) fn begin(
+        &self,
+        lines: usize,
+        idle_ns: i64,
+        tick_ns: Option<[f64; 2]>,
+        rng: &mut impl Rng,
+    ) -> CallTiming {
         let scale = match self.jitter {
             None | Some(0.0) => 1.0,
             Some(jitter) => (1.0 + jitter * rng.sample::<f64, _>(StandardNormal)).max(SHORTEST_CALL),
@@ -80,18 +87,11 @@ impl CallsScene {
         let moves_at = self.moves_at.unwrap_or(MIDDLE_OF_SLOT);
         let is_asleep = self.asleep_after.is_some_and(|after| idle_ns > whole_ns(after));
         let wakes_ns = if is_asleep { ns(self.wakes_in) } else { 0.0 };
-        let tick_ns = None;
         CallTiming { fixed_ns, slot_ns, moves_at, scale, pause_ns, pause_before, lines, wakes_ns, tick_ns }
     }
 }
 
 impl CallTiming {
-    /// The same call, beginning at this instant of a processor that ticks.
-    pub fn beside(self, ticks: Option<TicksScene>, begins_ns: i64) -> CallTiming {
-        let tick_ns = ticks.map(|ticks| [ticks.next_ns(begins_ns) as f64, ns(ticks.takes)]);
-        CallTiming { tick_ns, ..self }
-    }
-
     /// Later by a tick that comes before.
     fn interrupted(&self, after_ns: f64) -> f64 {
         let tick = self.tick_ns.filter(|[begins_ns, _]| *begins_ns <= after_ns);
