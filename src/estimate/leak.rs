@@ -15,7 +15,7 @@ mod undone;
 
 use crate::estimate::limits::{
     BEYOND_LATE, COVERAGE, GROSS_LEAK_SIEMENS, LEAK_AVERAGE, LEAK_EVERY, LEAK_FIRST, LEAK_GROSS_FIRST,
-    LEAK_HELD_AT, LEAK_HOLD, LEAK_REMEMBERED, LIKELY_LEAK_SIEMENS, LOOK_SHOWS,
+    LEAK_HELD_AT, LEAK_HOLD, LEAK_REMEMBERED, LEAK_TAKES, LIKELY_LEAK_SIEMENS, LOOK_SHOWS,
 };
 use crate::estimate::look::{Looks, beyond};
 use crate::units::Nanos;
@@ -33,8 +33,24 @@ pub struct Lost {
     pub to_a: [f64; 2],
     /// By how much more until B did; `None`: it was not waited for.
     pub more_to_b: Option<[f64; 2]>,
+    /// How long it was held, ns.
+    pub held_ns: f64,
     /// R_2 with Ro, ohm.
     pub r_ohm: f64,
+}
+
+impl Lost {
+    /// The leak that makes a discharge shorter by so long, with its variance, siemens and its square.
+    fn siemens_of(&self, [ns, variance]: [f64; 2]) -> [f64; 2] {
+        let by = 1.0 / (self.held_ns * self.r_ohm);
+        [by * ns, by * by * variance]
+    }
+}
+
+/// How long a discharge through R_2 is to be held that takes so long as a rule; `r_ohm`: R_2 with Ro. Small capacitors lose as much in less
+/// time.
+pub fn hold(takes_ns: f64, r_ohm: f64) -> Nanos {
+    Nanos((LEAK_TAKES * takes_ns / (GROSS_LEAK_SIEMENS * r_ohm)) as i64).min(LEAK_HOLD)
 }
 
 /// The held discharges so far, siemens, at either level.
@@ -123,10 +139,10 @@ impl LeakTest {
     pub fn add(&mut self, lost: Option<Lost>, now: Nanos) {
         let next = self.next();
         if self.waits_for_b() {
-            let more = lost.and_then(|lost| Some(siemens_of(lost.more_to_b?, lost.r_ohm)));
+            let more = lost.and_then(|lost| Some(lost.siemens_of(lost.more_to_b?)));
             self.more_at_b[next].add(more, now);
         }
-        self.at_a[next].add(lost.map(|Lost { to_a, r_ohm, .. }| siemens_of(to_a, r_ohm)), now);
+        self.at_a[next].add(lost.map(|lost| lost.siemens_of(lost.to_a)), now);
         self.tell();
     }
 
@@ -226,6 +242,7 @@ impl LeakTest {
             bent: at_a.bent().hypot(noise(at_a.bend)),
             at_b: if is_at_b { alone } else { 0.0 },
             undone,
+            undone_at_b: middle(of_b),
         }
     }
 
@@ -330,12 +347,6 @@ const WEIGHTS: [f64; 2] = {
 
 fn middle([early, late]: [f64; 2]) -> f64 {
     WEIGHTS[0] * early + WEIGHTS[1] * late
-}
-
-/// The leak that makes a held discharge through `r_ohm` shorter by so long, with its variance, siemens and its square.
-fn siemens_of([ns, variance]: [f64; 2], r_ohm: f64) -> [f64; 2] {
-    let by = 1.0 / (LEAK_HOLD.as_ns() * r_ohm);
-    [by * ns, by * by * variance]
 }
 
 #[cfg(test)]

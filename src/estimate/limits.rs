@@ -37,8 +37,11 @@ pub const LEAK_AVERAGE: f64 = 0.55;
 pub const LEAK_HELD_AT: [f64; 2] = [0.1, 0.6];
 /// A leak of which nobody knows before there has been a look, siemens: as much as is no defect.
 pub const LIKELY_LEAK_SIEMENS: f64 = GROSS_LEAK_SIEMENS;
-/// How long a discharge is held.
+/// How long a discharge is held at the most.
 pub const LEAK_HOLD: Nanos = Nanos(40_000_000);
+/// How far one that is just no defect takes it meanwhile, in parts of its way: not to its end, nor a pull-up to the supply, which would
+/// hide how much it is.
+pub const LEAK_TAKES: f64 = 0.39;
 /// From one discharge that is held at a level to the next at the same.
 pub const LEAK_EVERY: Nanos = Nanos(10_000_000_000);
 /// Held discharges that are remembered of each level: of two minutes.
@@ -67,6 +70,9 @@ pub const MOST_BESIDE: f64 = 0.5;
 pub const LEAK_LEFT: [[f64; 3]; 2] = [[0.01, 0.0, 0.0], [0.01, 0.01, 0.003]];
 /// The same of what B loses more than A and is not undone.
 pub const LEAK_AT_B: [f64; 3] = [1.0, 1.0, 0.2];
+/// How much of what is undone at B may be left, in parts of itself, for each part of R_2 that it is: B falls as of a conductance and a current
+/// only as long as both are small.
+pub const LEAK_LARGE_AT_B: f64 = 3.0;
 /// By which part of what late levels show more than early ones that may be more or less as B crosses.
 pub const BEYOND_LATE: f64 = 0.15;
 /// What B does to readings that only A ends, in parts of that.

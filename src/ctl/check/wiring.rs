@@ -7,8 +7,8 @@ use crate::circuit::{Kind, Node};
 use crate::config::{Config, Findings, Severity};
 use crate::ctl::check::full_plan;
 use crate::ctl::limits::{NO_PULL, PATIENCE, PLAUSIBLE, PLAUSIBLE_RATIO, SMALLEST_LEAK};
-use crate::estimate::leak::{LeakTest, Lost};
-use crate::estimate::limits::{LEAK_FIRST, LEAK_HOLD};
+use crate::estimate::leak::{self, LeakTest, Lost};
+use crate::estimate::limits::LEAK_FIRST;
 use crate::estimate::scatter;
 use crate::instrument::diagnosis::Nominal;
 use crate::instrument::discharge::{self, Plan};
@@ -146,11 +146,15 @@ impl Inspection<'_> {
         let usual = self.calibration_plan(c2.through);
         let r2_ohm = self.nominal.r_ohm[1];
         let mut seen_ns: Vec<[f64; 2]> = Vec::with_capacity(LEAK_FIRST);
+        let hold = leak::hold(a_ns, r2_ohm);
         let in_turn = |seen_ns: &[[f64; 2]], variance: f64| {
             let mut test = LeakTest::default();
             for [usual, left] in seen_ns {
                 let to_a = [usual - left, variance];
-                test.add(Some(Lost { to_a, more_to_b: None, r_ohm: r2_ohm }), Nanos::ZERO);
+                test.add(
+                    Some(Lost { to_a, more_to_b: None, held_ns: hold.as_ns(), r_ohm: r2_ohm }),
+                    Nanos::ZERO,
+                );
             }
             test
         };
@@ -161,7 +165,7 @@ impl Inspection<'_> {
             }
             let held_at = in_turn(&seen_ns, 0.0).held_at();
             let switch = Some((Nanos((held_at * a_ns) as i64), c2.through));
-            let held = Plan { hold: LEAK_HOLD, switch, ..usual };
+            let held = Plan { hold, switch, ..usual };
             let [usual, held] = [usual, held].map(|plan| self.discharge(plan));
             if let (Ok(usual), Ok(Record { a_ns, switch: Some(switch), .. })) = (usual?, held?) {
                 let left_ns = a_ns.map(|a_ns| a_ns - (switch.on_ns - switch.at_ns));

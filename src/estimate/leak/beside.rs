@@ -6,7 +6,8 @@
 //!
 //! Must not know: discharges other than those that were held.
 
-use crate::estimate::limits::{FALLS, LEAK_HELD_AT, LEAK_HOLD};
+use super::hold;
+use crate::estimate::limits::{FALLS, LEAK_HELD_AT};
 use crate::record::Crossings;
 
 /// What a calibration knows, as far as times are undone by it.
@@ -70,8 +71,8 @@ impl Beside {
     }
 
     fn next(&self, ways: &Ways) -> Option<Beside> {
-        let (lost, whole_ns, r_ohm, hold_ns) =
-            (self.lost, ways.whole_ns(1, 0)?, ways.r_ohm[1], LEAK_HOLD.as_ns());
+        let (lost, whole_ns, r_ohm) = (self.lost, ways.whole_ns(1, 0)?, ways.r_ohm[1]);
+        let hold_ns = hold(whole_ns, r_ohm).as_ns();
         let mut next = Beside { whole_ns, ..*self };
         for level in 0..2 {
             let at_ns = LEAK_HELD_AT[level] * whole_ns / self.longer(0, [0.0, 1.0], r_ohm);

@@ -1,7 +1,7 @@
 use super::*;
 
 fn lost(ns: f64) -> Lost {
-    Lost { to_a: [ns, 2.0 * 3000f64.powi(2)], more_to_b: None, r_ohm: 12_700.0 }
+    Lost { to_a: [ns, 2.0 * 3000f64.powi(2)], more_to_b: None, held_ns: LEAK_HOLD.as_ns(), r_ohm: 12_700.0 }
 }
 
 /// What a discharge through as much is shorter by for a leak to ground, as it was held.

@@ -121,7 +121,8 @@ impl Discharge<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::estimate::limits::{FALLS, LEAK_HELD_AT, LEAK_HOLD};
+    use crate::estimate::leak::hold;
+    use crate::estimate::limits::{FALLS, LEAK_HELD_AT};
     use crate::record::{Crossings, Switch};
     use crate::units::Nanos;
 
@@ -187,7 +188,8 @@ mod tests {
 
     /// What held discharges tell, by their definition.
     fn held(v_th: f64, beside: Flows) -> [[f64; 2]; 2] {
-        let ([a1, b1], hold_ns) = (crossings(v_th, beside, &[(1.0 / R_OHM[1], f64::MAX)]), LEAK_HOLD.as_ns());
+        let [a1, b1] = crossings(v_th, beside, &[(1.0 / R_OHM[1], f64::MAX)]);
+        let hold_ns = hold(a1.unwrap(), R_OHM[1]).as_ns();
         let levels = LEAK_HELD_AT.map(|part| {
             let at = part * a1.unwrap();
             let way = [(1.0 / R_OHM[1], at), (0.0, at + hold_ns), (1.0 / R_OHM[1], f64::MAX)];

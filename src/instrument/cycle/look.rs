@@ -137,6 +137,6 @@ impl Cycle {
         let noise = self.estimator.noise().covariance(usual).unwrap_or(UNKNOWN);
         let more_to_b = lost[0].zip(lost[1]).map(|(a_ns, b_ns)| [b_ns - a_ns, 2.0 * noise.of(-1.0, 1.0)]);
         let [_, r_ohm] = self.estimator.paths_ohm();
-        Some(Lost { to_a: [lost[0]?, 2.0 * noise.aa], more_to_b, r_ohm })
+        Some(Lost { to_a: [lost[0]?, 2.0 * noise.aa], more_to_b, held_ns, r_ohm })
     }
 }

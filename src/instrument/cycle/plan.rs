@@ -7,6 +7,7 @@ use crate::circuit::Node;
 use crate::estimate::Predicted;
 use crate::estimate::awake;
 use crate::estimate::law::State;
+use crate::estimate::leak;
 use crate::estimate::limits::{ABSORPTION_REST, BEYOND_NOISE, LEAK_HOLD, SPLIT_FRACTION, UNKNOWN_JITTER_NS};
 use crate::estimate::method::Switching;
 use crate::estimate::motion::Motion;
@@ -153,7 +154,9 @@ impl Cycle {
             usual.map_or([None; 2], |(_, c2)| self.estimator.with_leak_ns(c2, CalibrationKind::Second));
         let at = a_ns.map(|a_ns| Nanos((self.leak.held_at() * a_ns) as i64));
         let last = if self.leak.waits_for_b() { Node::B } else { Node::A };
-        Plan { hold: LEAK_HOLD, ..self.plan(second, at.map(|at| (at, second)), last) }
+        let [_, r_ohm] = self.estimator.paths_ohm();
+        let hold = a_ns.map_or(LEAK_HOLD, |a_ns| leak::hold(a_ns, r_ohm));
+        Plan { hold, ..self.plan(second, at.map(|at| (at, second)), last) }
     }
 
     pub(super) fn sensor_plan(&mut self, channel: usize) -> Plan {

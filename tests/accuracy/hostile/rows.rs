@@ -239,7 +239,6 @@ pub static STAMPS: [Row; 14] = [
     Row {
         name: "all at the edges of a clock of 200 ns taken for 20 ns",
         scene: "clock-period = '200 ns'",
-        fails: &[(Tracked, 16_200.0)],
         ..COARSE
     },
     Row { name: "stamps jitter by 5 us", scene: "[stamps]\njitter = '5 us'\nmean = '20 us'", ..ROW },
