@@ -15,7 +15,7 @@ mod undone;
 
 use crate::estimate::limits::{
     BEYOND_LATE, COVERAGE, GROSS_LEAK_SIEMENS, LEAK_AVERAGE, LEAK_EVERY, LEAK_FIRST, LEAK_GROSS_FIRST,
-    LEAK_HELD_AT, LEAK_HOLD, LEAK_REMEMBERED, LEAK_TAKES, LIKELY_LEAK_SIEMENS, LOOK_SHOWS,
+    LEAK_HELD_AT, LEAK_HOLD, LEAK_LARGE_AT_B, LEAK_REMEMBERED, LEAK_TAKES, LIKELY_LEAK_SIEMENS, LOOK_SHOWS,
 };
 use crate::estimate::look::{Looks, beyond};
 use crate::units::Nanos;
@@ -65,6 +65,7 @@ pub struct LeakTest {
     is_dielectric: bool,
     /// There is a node B, for which others wait, too.
     has_b: bool,
+    r2_ohm: f64,
     /// What all of them tell: found once for each of them, since every reading asks.
     told: Told,
     left: Left,
@@ -80,9 +81,9 @@ struct Told {
 }
 
 impl LeakTest {
-    /// Of a circuit with one or two `nodes`.
-    pub fn new(nodes: usize) -> LeakTest {
-        LeakTest { has_b: nodes == 2, ..LeakTest::default() }
+    /// Of a circuit with one or two `nodes`; `r2_ohm`: the higher one of the resistors of calibration.
+    pub fn new(nodes: usize, r2_ohm: f64) -> LeakTest {
+        LeakTest { has_b: nodes == 2, r2_ohm, ..LeakTest::default() }
     }
 
     /// What others have [found](Self::found) at A, and [beyond that](Self::found_at_b) at B.
@@ -234,7 +235,8 @@ impl LeakTest {
             false => at_b.average[0].hypot(2.0 * at_b.average[1]).hypot(at_b.bent()),
         };
         let [early, late] = [0, 1].map(|level| of_a[level] + of_b[level]);
-        let alone = alone.hypot(BEYOND_LATE * (late - early));
+        let large = LEAK_LARGE_AT_B * middle(of_b).powi(2) * self.r2_ohm;
+        let alone = alone.hypot(BEYOND_LATE * (late - early)).hypot(large);
         let is_at_b = self.has_b && (is_undone || self.siemens().is_some());
         Left {
             likely: at_a.average[0],
@@ -242,7 +244,6 @@ impl LeakTest {
             bent: at_a.bent().hypot(noise(at_a.bend)),
             at_b: if is_at_b { alone } else { 0.0 },
             undone,
-            undone_at_b: middle(of_b),
         }
     }
 

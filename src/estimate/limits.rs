@@ -70,8 +70,8 @@ pub const MOST_BESIDE: f64 = 0.5;
 pub const LEAK_LEFT: [[f64; 3]; 2] = [[0.01, 0.0, 0.0], [0.01, 0.01, 0.003]];
 /// The same of what B loses more than A and is not undone.
 pub const LEAK_AT_B: [f64; 3] = [1.0, 1.0, 0.2];
-/// How much of what is undone at B may be left, in parts of itself, for each part of R_2 that it is: B falls as of a conductance and a current
-/// only as long as both are small.
+/// How much of what is undone at B may be left, in parts of itself times R_2: B falls as by a conductance and a current only as long as
+/// both are small.
 pub const LEAK_LARGE_AT_B: f64 = 3.0;
 /// By which part of what late levels show more than early ones that may be more or less as B crosses.
 pub const BEYOND_LATE: f64 = 0.15;

@@ -131,7 +131,7 @@ impl Cycle {
             let offset = settings.offset_ns.map_or_else(Offset::unknown, Offset::given);
             Estimator::new(method, r1, r2, nodes, offset)
         };
-        let leak = LeakTest::new(nodes);
+        let leak = LeakTest::new(nodes, r2);
         estimator.set_resolution(settings.resolution.as_ns());
         estimator.set_leak(&leak);
         let finds_offset = !settings.tracked && settings.offset_ns.is_none();

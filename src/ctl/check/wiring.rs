@@ -145,16 +145,14 @@ impl Inspection<'_> {
         let Some(a_ns) = c2.a_ns else { return Ok(()) };
         let usual = self.calibration_plan(c2.through);
         let r2_ohm = self.nominal.r_ohm[1];
-        let mut seen_ns: Vec<[f64; 2]> = Vec::with_capacity(LEAK_FIRST);
+        // What a usual one takes, what a held one does beside that, and how long it was held.
+        let mut seen_ns: Vec<[f64; 3]> = Vec::with_capacity(LEAK_FIRST);
         let hold = leak::hold(a_ns, r2_ohm);
-        let in_turn = |seen_ns: &[[f64; 2]], variance: f64| {
+        let in_turn = |seen_ns: &[[f64; 3]], variance: f64| {
             let mut test = LeakTest::default();
-            for [usual, left] in seen_ns {
+            for &[usual, left, held_ns] in seen_ns {
                 let to_a = [usual - left, variance];
-                test.add(
-                    Some(Lost { to_a, more_to_b: None, held_ns: hold.as_ns(), r_ohm: r2_ohm }),
-                    Nanos::ZERO,
-                );
+                test.add(Some(Lost { to_a, more_to_b: None, held_ns, r_ohm: r2_ohm }), Nanos::ZERO);
             }
             test
         };
@@ -168,12 +166,12 @@ impl Inspection<'_> {
             let held = Plan { hold, switch, ..usual };
             let [usual, held] = [usual, held].map(|plan| self.discharge(plan));
             if let (Ok(usual), Ok(Record { a_ns, switch: Some(switch), .. })) = (usual?, held?) {
-                let left_ns = a_ns.map(|a_ns| a_ns - (switch.on_ns - switch.at_ns));
-                seen_ns.extend(usual.a_ns.zip(left_ns).map(|(usual, left)| [usual, left]));
+                let held_ns = switch.on_ns - switch.at_ns;
+                seen_ns.extend(usual.a_ns.zip(a_ns).map(|(usual, a_ns)| [usual, a_ns - held_ns, held_ns]));
             }
         }
         // Of the usual ones, which nothing but noise tells apart; each is compared with one more that has as much.
-        let u_ns = scatter::mean(seen_ns.iter().map(|[usual, _]| *usual))
+        let u_ns = scatter::mean(seen_ns.iter().map(|[usual, ..]| *usual))
             .and_then(|mean| mean.u)
             .unwrap_or_default();
         let test = in_turn(&seen_ns, 2.0 * seen_ns.len() as f64 * u_ns.powi(2));

@@ -4,7 +4,7 @@
 //! between R_1 and R_2 and too low elsewhere: [`error_ohm`]. Where R_2 sinks beside the sensor (QERM), the leak takes the same
 //! part in the discharge as in that of R_2 alone and cancels: T_x* is g (R_x+Ro), and only the calibration is wrong.
 
-use crate::estimate::limits::{BY_CALIBRATION, LEAK_AT_B, LEAK_BENT, LEAK_LARGE_AT_B, LEAK_LEFT};
+use crate::estimate::limits::{BY_CALIBRATION, LEAK_AT_B, LEAK_BENT, LEAK_LEFT};
 use crate::record::Record;
 
 /// What is left of what leaks, siemens.
@@ -17,9 +17,8 @@ pub struct Left {
     pub bent: f64,
     /// What may be so at B alone, where anything leaks.
     pub at_b: f64,
-    /// What is undone, and what of B more than of A.
+    /// What is undone.
     pub undone: f64,
-    pub undone_at_b: f64,
 }
 
 /// What a leak does to a discharge of the sensor depends on this.
@@ -48,8 +47,7 @@ impl Course {
         let to_ground = error_ohm(left.likely)?.hypot(error_ohm(left.noise)?);
         let [of_error, of_calibration, of_sensor] = LEAK_LEFT[self.nodes - 1];
         let of_undone = of_error * error_ohm(left.undone)?;
-        let at_b = left.at_b.hypot(LEAK_LARGE_AT_B * left.undone_at_b.powi(2) * r2);
-        let siemens = at_b * if self.is_to_b { 1.0 } else { BY_CALIBRATION };
+        let siemens = left.at_b * if self.is_to_b { 1.0 } else { BY_CALIBRATION };
         let at_b = LEAK_AT_B[0] * error_ohm(siemens)?;
         let calibration = (of_calibration * left.undone).hypot(LEAK_AT_B[1] * siemens) * r1 * r2;
         let sensor = (of_sensor * left.undone).hypot(LEAK_AT_B[2] * siemens) * self.r_ohm * r2;

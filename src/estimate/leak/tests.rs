@@ -1,12 +1,14 @@
 use super::*;
 
+const R2_OHM: f64 = 12_700.0;
+
 fn lost(ns: f64) -> Lost {
-    Lost { to_a: [ns, 2.0 * 3000f64.powi(2)], more_to_b: None, held_ns: LEAK_HOLD.as_ns(), r_ohm: 12_700.0 }
+    Lost { to_a: [ns, 2.0 * 3000f64.powi(2)], more_to_b: None, held_ns: LEAK_HOLD.as_ns(), r_ohm: R2_OHM }
 }
 
 /// What a discharge through as much is shorter by for a leak to ground, as it was held.
 fn lost_by(siemens: f64) -> f64 {
-    LEAK_HOLD.as_ns() * 12_700.0 * siemens
+    LEAK_HOLD.as_ns() * R2_OHM * siemens
 }
 
 fn tested(count: usize, lost_ns: impl Fn(usize) -> f64) -> LeakTest {
@@ -121,10 +123,10 @@ fn add(test: &mut LeakTest, count: usize, to_a: f64, more_to_b: Option<f64>) {
 
 #[test]
 fn what_shows_is_undone_with_two_nodes_once_others_have_told_where_it_is() {
-    let mut one = LeakTest::new(1);
+    let mut one = LeakTest::new(1, R2_OHM);
     add(&mut one, LEAK_FIRST, 1e-6, None);
     assert!(!one.waits_for_b() && one.has_changed());
-    let mut two = LeakTest::new(2);
+    let mut two = LeakTest::new(2, R2_OHM);
     add(&mut two, LEAK_FIRST, 1e-6, None);
     assert!(two.waits_for_b() && two.is_due(Nanos(1)) && !two.has_changed() && !two.undone().is_any());
     add(&mut two, LEAK_FIRST, 1e-6, Some(5e-7));
@@ -144,7 +146,7 @@ fn what_shows_is_undone_with_two_nodes_once_others_have_told_where_it_is() {
 #[test]
 fn where_nobody_waits_for_b_it_may_all_be_there() {
     for (nodes, at_b) in [(1, 0.0), (2, 1e-6)] {
-        let mut test = LeakTest::new(nodes);
+        let mut test = LeakTest::new(nodes, R2_OHM);
         add(&mut test, 2 * LEAK_FIRST, 1e-6, None);
         assert!(test.has_changed() && test.found_at_b().is_none());
         assert!((test.left().at_b - at_b).abs() < 1e-15, "{test:?}");
@@ -153,10 +155,32 @@ fn where_nobody_waits_for_b_it_may_all_be_there() {
 
 #[test]
 fn a_dielectric_is_no_leak() {
-    let mut test = LeakTest::new(1);
+    let mut test = LeakTest::new(1, R2_OHM);
     add(&mut test, LEAK_FIRST, 1e-6, None);
     assert!(test.has_changed());
     test.set_dielectric(true);
     assert!(test.has_changed() && !test.undone().is_any() && !test.has_changed());
     assert!((test.left().likely / 1e-6 - 1.0).abs() < 1e-9);
+}
+
+#[test]
+fn what_is_just_no_defect_takes_a_held_discharge_no_further_than_to_its_end() {
+    for takes_ns in [25e3, 1e6, 7e6, 50e6] {
+        let goes_on = hold(takes_ns, R2_OHM).as_ns() * R2_OHM * GROSS_LEAK_SIEMENS / takes_ns;
+        assert!(LEAK_HELD_AT[1] + goes_on < 1.0, "{takes_ns}: {goes_on}");
+        // And nearly to it, unless that takes longer than any is held.
+        assert!(goes_on > 0.38 || hold(takes_ns, R2_OHM) == LEAK_HOLD, "{takes_ns}: {goes_on}");
+    }
+}
+
+#[test]
+fn more_is_left_of_a_large_leak_at_b() {
+    let [small, large] = [1e-6, 4e-6].map(|at_b| {
+        let mut test = LeakTest::new(2, R2_OHM);
+        add(&mut test, LEAK_FIRST, 1e-6, None);
+        add(&mut test, 2 * LEAK_FIRST, 1e-6, Some(at_b));
+        assert!(test.has_changed());
+        test.left().at_b / at_b
+    });
+    assert!(large > 3.0 * small && large > 0.1, "{small} {large}");
 }

@@ -67,7 +67,9 @@ impl Cycle {
             return;
         };
         let is_dielectric = self.absorption.share().is_some();
-        self.leak = LeakTest::new(self.settings.nodes()).knows(at_a, found.leak_more_at_b, is_dielectric);
+        let [_, r2_ohm] = self.settings.r_ohm();
+        let empty = LeakTest::new(self.settings.nodes(), r2_ohm);
+        self.leak = empty.knows(at_a, found.leak_more_at_b, is_dielectric);
         self.estimator.set_leak(&self.leak);
     }
 
