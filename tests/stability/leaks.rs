@@ -158,7 +158,7 @@ const HEAD: &str = "
 ## Leakage at node A
 
 Discharges through two known resistors cannot tell a leak from other capacitors, unless it is so large that a discharge through 0 \
-ohm would take longer than a pin explains. So one discharge through Rc2 in 5 s, and eight in the first second, is held for up to 40 ms, by the capacitors, in which charge \
+ohm would take longer than a pin explains. So one discharge through Rc2 in 5 s, and eight in the first second, is held for 40 ms, or less with small capacitors, in which charge \
 leaks away; it is shorter by what is lost. By turns that is after a tenth and after six tenths of its way: a resistor to ground looks alike at both, \
 while a current, a pull-up, one that hides a leak, and a dielectric that goes on taking charge in do not, which is in the uncertainty. A leak below 200 kohm makes \
 each reading a `leakage` fault. A weaker one is told by the log and by `leak_ohm` in STATS once it shows, and is corrected then. Readings have in their \

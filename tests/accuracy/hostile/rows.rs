@@ -282,7 +282,17 @@ const LOW: &[(Method, &[f64])] =
     &[(Tracked, &[50.0, 200.0, 470.0, 1000.0, 5000.0]), (Cerm, &[200.0, 470.0, 1000.0])];
 const ONE: &[(Method, &[f64])] = &[(Tracked, &[50.0, 470.0, 5000.0, 16_200.0])];
 
-pub static LEAKS: [Row; 19] = [
+/// Small capacitors lose as much in less time.
+const SMALL: &str = "c-a = '470 nF'\nc-b = '100 nF'";
+const SMALL_A_1_MOHM: &str =
+    "[circuit]\nc-a = '470 nF'\nc-b = '100 nF'\nnode-a = { leakage-resistance = '1 Mohm' }";
+const SMALL_A_PULL_UP: &str = "[circuit]\nc-a = '470 nF'\nc-b = '100 nF'\nnode-a = { pull-up = '250 kohm' }";
+const SMALL_B_PULL_UP: &str = "[circuit]\nc-a = '470 nF'\nc-b = '100 nF'\nnode-b = { pull-up = '250 kohm' }";
+const B_250_KOHM: &str = "[circuit.node-b]\nleakage-resistance = '250 kohm'";
+const LARGE: Row =
+    Row { boards: 50, cases: &[(Tracked, &[1000.0, 5000.0]), (Cerm, &[1000.0, 5000.0])], ..ROW };
+
+pub static LEAKS: [Row; 23] = [
     Row { name: "100 kohm at A, the first 10 s", scene: A_100_KOHM, ..DEFECT_FIRST },
     Row { name: "100 kohm at A, later", scene: A_100_KOHM, ..DEFECT_LATER },
     Row { name: "1 Mohm at A, the first 10 s", scene: A_1_MOHM, ..FIRST },
@@ -325,6 +335,20 @@ pub static LEAKS: [Row; 19] = [
         kind: Some(Kind::OneCapacitor),
         cases: ONE,
         ..LATER
+    },
+    Row { name: "250 kohm at B", scene: B_250_KOHM, ..LARGE },
+    Row { name: "1 Mohm at A, 470 nF and 100 nF", scene: SMALL_A_1_MOHM, circuit: SMALL, ..LARGE },
+    Row {
+        name: "pull-up of 250 kohm at A, 470 nF and 100 nF",
+        scene: SMALL_A_PULL_UP,
+        circuit: SMALL,
+        ..LARGE
+    },
+    Row {
+        name: "pull-up of 250 kohm at B, 470 nF and 100 nF",
+        scene: SMALL_B_PULL_UP,
+        circuit: SMALL,
+        ..LARGE
     },
 ];
 
