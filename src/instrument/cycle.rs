@@ -35,7 +35,7 @@ use crate::estimate::offset::{Offset, SplitCalibration};
 use crate::instrument::diagnosis::Diagnosis;
 use crate::instrument::discharge::{Outcome, Plan};
 use crate::instrument::limits::{
-    LEAKS_OF_A_LOOK, MOST_CALIBRATIONS, MOST_OF_SENSOR, OVERHEAD_STEP, RETRIES, ROUNDS, WINDOW,
+    LEAKS_OF_A_LOOK, MOST_CALIBRATIONS, MOST_LONGER, MOST_OF_SENSOR, OVERHEAD_STEP, RETRIES, ROUNDS, WINDOW,
 };
 use crate::instrument::settings::Settings;
 use crate::instrument::stats::Stats;
@@ -52,6 +52,7 @@ use plan::Memory;
 /// system takes beyond what was asked for, such as a preemption, is not in it, nor are the looks before the first one.
 pub fn longest_reading(settings: &Settings) -> Nanos {
     let Settings { drain, charge, settle, deadline, .. } = *settings;
+    let charge = charge.times(1.0 + MOST_LONGER);
     let discharge = drain + charge.anew.time().max(charge.to_a.time()) + settle + deadline + deadline;
     Nanos(discharge.0 * i64::from(MOST_CALIBRATIONS + MOST_OF_SENSOR))
 }
@@ -72,6 +73,14 @@ enum Step {
     /// R_2, held on its way or before it: looks for what is wrong with the circuit.
     Hold(Look),
     Sensor(usize),
+}
+
+/// Cycles of which the mean is published, where a period is longer than what means are taken over.
+#[derive(Debug, Clone, Copy)]
+struct Burst {
+    began: Nanos,
+    /// The cycle that has begun is the last one.
+    is_ending: bool,
 }
 
 /// The order of discharges, and all that is learned from them.
@@ -116,7 +125,8 @@ pub struct Cycle {
     began: Nanos,
     cycle_began: Nanos,
     cycle_ns: f64,
-    /// Counts cycles, those included in which no channel was due.
+    burst: Option<Burst>,
+    /// Counts cycles or bursts of them, those included in which no channel was due.
     turn: u64,
     stats: Stats,
 }
@@ -164,6 +174,7 @@ impl Cycle {
             began: Nanos::ZERO,
             cycle_began: Nanos::ZERO,
             cycle_ns: 1.0,
+            burst: None,
             turn: 0,
             stats: Stats::default(),
             settings,
@@ -207,6 +218,11 @@ impl Cycle {
         self.step == Step::Start
     }
 
+    /// Whether what is published is complete, so that there may be a rest before the next cycle.
+    pub fn may_rest(&self) -> bool {
+        self.is_at_start() && self.burst.is_none()
+    }
+
     /// Whether the next discharge is held back, to look for what is wrong with the circuit.
     pub fn is_holding(&self) -> bool {
         matches!(self.step, Step::Hold(_))
@@ -215,7 +231,9 @@ impl Cycle {
     /// Ends the cycle: every channel that has not been read gets this fault.
     pub fn fail(&mut self, fault: Fault) {
         self.failed = Some(fault);
-        self.ended_early |= fault == Fault::Pins;
+        if fault == Fault::Pins {
+            (self.ended_early, self.burst) = (true, None);
+        }
         if !matches!(self.step, Step::Sensor(_)) {
             self.step = self.first_sensor();
         }
@@ -226,6 +244,7 @@ impl Cycle {
         self.asked = now;
         if self.step == Step::Start {
             (self.began, self.cycle_began) = (now, now);
+            self.burst = self.goes_on(now);
             while self.next_sensor(0).is_none() {
                 self.turn += 1;
             }
@@ -251,6 +270,13 @@ impl Cycle {
         }
         self.planned = plan.drain + plan.charge.time() + plan.settle;
         Next::Discharge(plan)
+    }
+
+    /// The burst that the cycle which begins now belongs to: this is its last one if it ends no earlier than the burst.
+    fn goes_on(&self, now: Nanos) -> Option<Burst> {
+        let (Some(average), Some(_)) = (self.settings.average, self.settings.period) else { return None };
+        let began = self.burst.map_or(now, |burst| burst.began);
+        Some(Burst { began, is_ending: now + Nanos(self.cycle_ns as i64) - began >= average })
     }
 
     /// Takes a discharge as a tape has it, whatever would be next here; answers a reading when it was a sensor's. One whose

@@ -134,9 +134,10 @@ impl<P: Pins> Instrument<P> {
     }
 
     fn try_step(&mut self, out: &mut impl FnMut(Message)) -> Result<(), PinsError> {
-        let now = self.pins.now();
-        if self.cycle.is_at_start() && !self.is_due(now)? {
-            return Ok(());
+        let mut now = self.pins.now();
+        if self.cycle.may_rest() {
+            let Some(later) = self.rested(now)? else { return Ok(()) };
+            now = later;
         }
         match self.cycle.next(now) {
             Next::Report(reading) => out(Message::Reading(reading)),
@@ -157,19 +158,21 @@ impl<P: Pins> Instrument<P> {
         Ok(())
     }
 
-    /// Sleeps towards the next cycle; whether it has come. A cycle that took too long begins the next one at once, and
-    /// the ticks it missed are gone.
-    fn is_due(&mut self, now: Nanos) -> Result<bool, PinsError> {
-        let Some(period) = self.period else { return Ok(true) };
+    /// The time when the next cycle has come, which is slept towards; `None`: not yet. A cycle that took too long begins the next one
+    /// at once, and the ticks it missed are gone.
+    fn rested(&mut self, mut now: Nanos) -> Result<Option<Nanos>, PinsError> {
+        let Some(period) = self.period else { return Ok(Some(now)) };
         let tick = self.tick.unwrap_or(now);
         if now < tick {
             self.pins.drive(Drives::NONE)?;
             self.pins.rest_until(tick.min(now + NAP))?;
             if tick > now + NAP {
-                return Ok(false);
+                return Ok(None);
             }
+            // What is slept is no part of a reading.
+            now = self.pins.now();
         }
         self.tick = Some(tick.max(now - period) + period);
-        Ok(true)
+        Ok(Some(now))
     }
 }

@@ -224,3 +224,38 @@ fn the_page_is_up_to_date_and_keeps_what_is_promised() {
     check_page("accuracy averages", "averages.md", &page);
     assert!(wrong.is_empty(), "seeds 0..{INSTRUMENTS}\n{wrong}");
 }
+
+/// Between two ticks there is one mean, of all discharges of its time; what is slept before it is no part of it.
+#[test]
+fn a_mean_now_and_then_is_of_all_its_time_and_a_rest_is_no_part_of_it() {
+    for (measure, method, least, longest_s) in [
+        ("rate-hz = 4\naverage = \"100 ms\"", Method::Tracked, 8, 0.11),
+        ("rate-hz = 4\naverage = \"100 ms\"\nidle = true", Method::Tracked, 8, 0.11),
+        ("rate-hz = 4\nidle = true", Method::Cerm, 1, 0.06),
+    ] {
+        let mut bench = Bench::new("pi4", method, 1000.0, 3, measure);
+        bench.config.channel("finger").lines("channel.finger", "zero-ohm = 0\nscale = 1");
+        bench.scene = bench.scene.with_sensors(vec![Sensor::Constant(Ohm(1000.0)); 2]).unwrap();
+        let mut instrument = bench.instrument();
+        let (mut discharges, mut readings) = ([0; 2], [0; 2]);
+        hear_between(
+            &mut instrument,
+            [Nanos(3_000_000_000), Nanos(8_000_000_000)],
+            |message| match message {
+                Message::Discharge { record, .. } => {
+                    record.through.channel().into_iter().for_each(|channel| discharges[channel] += 1);
+                }
+                Message::Reading(reading) => {
+                    readings[reading.channel] += 1;
+                    let took_s = reading.duration.as_seconds();
+                    assert!(took_s < longest_s, "{measure}: {took_s} s");
+                }
+            },
+        );
+        for channel in 0..2 {
+            assert!((19..=21).contains(&readings[channel]), "{measure}: {readings:?} readings in 5 s");
+            let each = discharges[channel] / readings[channel];
+            assert!(each >= least, "{measure}: {each} discharges for each reading");
+        }
+    }
+}

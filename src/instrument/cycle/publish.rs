@@ -1,6 +1,7 @@
 //! What comes of a sensor's discharge: a reading, or its part of a mean; and on to the next channel.
 
-use super::{Cycle, Step};
+use super::window::Window;
+use super::{Burst, Cycle, Step};
 use crate::estimate::estimator::{Judged, shown};
 use crate::instrument::discharge::Outcome;
 use crate::instrument::limits::OVERHEAD_STEP;
@@ -25,6 +26,7 @@ impl Cycle {
     /// What a cycle without calibration tells of a channel. That the lines cannot be used is told at once.
     pub(super) fn failing(&mut self, channel: usize, fault: Fault, now: Nanos) -> Option<Reading> {
         if fault == Fault::Pins {
+            self.memory[channel].window = Window::default();
             return Some(self.report(channel, Status::Fault(fault), now, now));
         }
         self.publish(channel, &Judged::fault(fault), now, now)
@@ -39,7 +41,12 @@ impl Cycle {
         let (window, tracker) = (&mut self.memory[channel].window, self.estimator.tracker());
         window.add(judged.status, &judged.basis, [share_began, at], tracker);
         let (sensor, known) = (&self.settings.channels[channel], self.settings.r_ohm());
-        let over = window.take(length, now, tracker, |r_ohm| shown(sensor, r_ohm, known));
+        let next = match self.burst {
+            // All channels end together, so that all of the circuit rests until the next one.
+            Some(Burst { is_ending, .. }) => is_ending.then_some(None),
+            None => window.over(length, now).map(Some),
+        };
+        let over = next.and_then(|next| window.take(next, tracker, |r_ohm| shown(sensor, r_ohm, known)));
         let reading = over.map(|(status, [began, at])| self.told(channel, status, at, now - began));
         self.go_on(channel, now);
         reading
@@ -81,17 +88,22 @@ impl Cycle {
             None => {
                 let took_ns = (now - self.cycle_began).as_ns();
                 self.cycle_ns += OVERHEAD_STEP * (took_ns - self.cycle_ns);
-                self.failed = None;
                 self.stats.cycles += 1;
-                self.turn += 1;
-                self.after_sensors(now)
+                self.burst = self.burst.filter(|burst| !burst.is_ending);
+                self.turn += u64::from(self.burst.is_none());
+                // Nothing is looked for on lines that cannot be used.
+                match self.failed.take() {
+                    Some(Fault::Pins) => Step::Start,
+                    _ => self.after_sensors(now),
+                }
             }
         };
     }
 
-    /// The first channel from this one on that is read in this cycle.
+    /// The first channel from this one on that is read in this cycle; that lines cannot be used concerns all.
     pub(super) fn next_sensor(&self, from: usize) -> Option<usize> {
-        let is_due = |channel: &usize| self.turn % u64::from(self.settings.every[*channel]) == 0;
+        let is_turn = |channel: usize| self.turn % u64::from(self.settings.every[channel]) == 0;
+        let is_due = |channel: &usize| self.failed == Some(Fault::Pins) || is_turn(*channel);
         (from..self.settings.channels.len()).find(is_due)
     }
 

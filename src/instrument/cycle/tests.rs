@@ -138,3 +138,30 @@ fn a_discharge_that_is_held_too_late_shows_no_leak() {
     assert!(look(0.9 * usual_ns, 0.95 * usual_ns), "it crossed while it was held");
     assert!(look(0.9 * usual_ns, 0.5 * usual_ns), "it is not as it was");
 }
+
+#[test]
+fn that_lines_cannot_be_used_is_told_of_all_channels_and_nothing_is_left_planned() {
+    let config = config(|c| {
+        c.set("measure.method", "tcdic")
+            .channel("thumb")
+            .channel("finger")
+            .lines("channel.finger", "every = 5")
+    });
+    let mut cycle = Cycle::new(config.parse().settings().unwrap());
+    // The finger's turn comes first.
+    while cycle.stats().cycles == 0 {
+        course(&mut cycle, &[], 1);
+    }
+    // The look for a leak is over when the next one would be due.
+    let late = Nanos(60_000_000_000);
+    cycle.fail(Fault::Pins);
+    let mut told = Vec::new();
+    while !cycle.is_at_start() {
+        let Next::Report(reading) = cycle.next(late) else {
+            panic!("a discharge on lines that cannot be used")
+        };
+        assert_eq!(reading.status, Status::Fault(Fault::Pins));
+        told.push(reading.channel);
+    }
+    assert_eq!(told, [0, 1]);
+}

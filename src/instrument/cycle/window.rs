@@ -52,20 +52,22 @@ impl Window {
         self.rest.calibrated(tracker);
     }
 
-    /// What is to be published once it has lasted for so long, and since when and of when it is: the mean of the numbers, or the last
-    /// state where there are more bounds than numbers or no numbers at all. The next one begins where this one was to end, if that
-    /// is not long ago.
+    /// When the next one begins, if this one has lasted for so long by now: where it was to end, if that is not long ago.
+    pub fn over(&self, length: Nanos, now: Nanos) -> Option<Nanos> {
+        let due = self.began? + length;
+        (now >= due).then(|| if now - due < length { due } else { now })
+    }
+
+    /// What is to be published, and since when and of when it is: the mean of the numbers, or the last state where there are more
+    /// bounds than numbers or no numbers at all. The next one begins at `next`, or with what it takes first.
     pub fn take(
         &mut self,
-        length: Nanos,
-        now: Nanos,
+        next: Option<Nanos>,
         tracker: Option<&Tracker>,
         shown: impl Fn(Measured) -> Option<MeasuredValue>,
     ) -> Option<(Status, [Nanos; 2])> {
-        let began = self.began.filter(|began| now - *began >= length)?;
-        let done = *self;
-        let due = began + length;
-        *self = Window { began: Some(if now - due < length { due } else { now }), ..Window::default() };
+        let began = self.began?;
+        let done = std::mem::replace(self, Window { began: next, ..Window::default() });
         // A change that came all at once in few of them, and went, has been late stamps.
         let is_moving = 2 * done.rest.count() < done.mean.count();
         let mean = if is_moving { &done.mean } else { &done.rest };
