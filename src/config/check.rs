@@ -8,7 +8,7 @@ mod measure;
 pub(crate) mod predict;
 mod trigger;
 
-use super::{Config, Findings, Server, limits};
+use super::{Backend, Config, Findings, Server, limits};
 use crate::pins::realtime::Wishes;
 use std::os::unix::ffi::OsStrExt;
 
@@ -17,7 +17,9 @@ impl Config {
     /// when circuit and settings are right in themselves.
     pub fn check(&self) -> Findings {
         let mut findings = Findings::default();
-        circuit::check(&self.circuit, &mut findings);
+        // The pins of a simulated circuit are those of its scene.
+        let chip = self.gpio.chip.as_deref().filter(|_| self.gpio.backend != Backend::Mock);
+        circuit::check(&self.circuit, chip.unwrap_or_default(), &mut findings);
         measure::check(self, &mut findings);
         let predictable = !findings.has_errors();
         if channels::number(&self.channels, &mut findings) {

@@ -3,7 +3,8 @@
 //! | constant | value | unit | range or reason | source |
 //! |---|---|---|---|---|
 //! | `CAPACITORS`, `SUPPLIES` | | F, V | what is sold; outside is a slip of a prefix | judgement |
-//! | `PIN_LIMIT_A` | 0.016 | A | what a pin may carry | Raspberry Pi, strongest drive |
+//! | `PIN_LIMITS_A` | 0.008, 0.012 | A | what a pin of a Pi 4 and of a Pi 5 may carry | drive strength as they boot, strongest drive (hw/wiring.md) |
+//! | `STRONGEST_PIN_A` | 0.016 | A | the same of any other | Raspberry Pi up to the 3, strongest drive |
 //! | `B_MARGIN` | 0.05 | V_DD | below it node B crosses late and unsteadily | judgement |
 //! | `CALIBRATION_RATIO` | 1.5 | | below it the difference of two times is mostly noise | judgement |
 //! | `LONGEST_WAIT` | 60 | s | a longer one is a slip of a prefix | judgement |
@@ -18,6 +19,7 @@
 //! | `PRIORITIES` | 1 to 99 | | SCHED_FIFO | sched(7) |
 //! | `INTERRUPTS` | 50 | | the priority of threads of interrupts | kernel/irq/manage.c, sched_set_fifo |
 //! | `PROCESSORS` | 1024 | | what the kernel's set of processors holds here | CPU_SET(3) |
+//! | `LIKE_GRAMS` | 100; 2.7e5 | N; N ohm | numbers without a unit that are as large, and make a sensor of as much force for its resistance, are grams: twenty times an FSR 402, of which grams make a hundred times | judgement |
 //! | `WEIGHTS_N`, `UNDER_WEIGHTS_OHM` | | N, ohm | outside is a slip; squares and reciprocals inside are finite | judgement |
 //! | `SHORT_CHARGE` | 0.9 | automatic charge | a shorter one changes a reading by more than planned | charge.rs |
 //! | `SHORTEST_DISCHARGE` | 1 | us | a system call takes as long on the fastest of boards | docs/latency.md |
@@ -42,7 +44,8 @@ use std::ops::RangeInclusive;
 
 pub const CAPACITORS: RangeInclusive<Farad> = Farad(10e-12)..=Farad(1e-3);
 pub const SUPPLIES: RangeInclusive<Volt> = Volt(0.5)..=Volt(30.0);
-pub const PIN_LIMIT_A: f64 = 0.016;
+pub const PIN_LIMITS_A: [(&str, f64); 2] = [("pinctrl-bcm2711", 0.008), ("pinctrl-rp1", 0.012)];
+pub const STRONGEST_PIN_A: f64 = 0.016;
 pub const B_MARGIN: f64 = 0.05;
 pub const CALIBRATION_RATIO: f64 = 1.5;
 /// Of what is waited for or averaged over.
@@ -70,6 +73,7 @@ pub const DEADLINE_SHARE: f64 = 0.9;
 pub const TOGETHER: f64 = 0.5;
 pub const DRAIN: f64 = 1.2;
 pub const SWITCH_FRACTION: f64 = 0.9;
+pub const LIKE_GRAMS: (f64, f64) = (100.0, 2.7e5);
 pub const WEIGHTS_N: RangeInclusive<f64> = 1e-6..=1e6;
 pub const UNDER_WEIGHTS_OHM: RangeInclusive<f64> = 1e-6..=1e9;
 pub const CHARGE_SHARE: f64 = 0.1;

@@ -94,7 +94,8 @@ pub struct Measure {
     /// Default: as fast as the circuit allows.
     #[serde(deserialize_with = "number::optional")]
     pub rate_hz: Option<f64>,
-    /// What is published is the mean over this time, up to 1 min. Default: each reading, or what `rate-hz` leaves.
+    /// What is published is the mean over this time, up to 1 min. Default: each reading, or what `rate-hz` leaves; shorter than that:
+    /// with a rest until the next one.
     pub average: Option<Nanos>,
     /// With `rate-hz`: no more discharges than that needs. Default: spare time goes into accuracy.
     pub idle: bool,
@@ -289,7 +290,9 @@ impl Config {
     /// When it cannot be read or parsed.
     pub fn load(path: &Path) -> Result<Config, ConfigError> {
         let unread = FileError::at(path, |error| match error.kind() {
-            io::ErrorKind::NotFound => "name a file with --config, or try `cermctl demo`",
+            io::ErrorKind::NotFound => {
+                "`cermctl setup` writes one, --config names another, and `cermctl demo` needs none"
+            }
             _ => files::hint(error),
         });
         let text = files::read_text(path, files::SETTINGS_BYTES);

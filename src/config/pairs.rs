@@ -1,11 +1,12 @@
 //! Pairs of force and resistance as people write them: `1.20,11122`, `1.2 N, 11.122 kohm`, `120 g` alone; and of any other value
 //! and resistance: `25,10000`, `25, 10 kohm`.
 
-use super::limits::{UNDER_WEIGHTS_OHM, WEIGHTS_N};
+use super::limits::{LIKE_GRAMS, UNDER_WEIGHTS_OHM, WEIGHTS_N};
 use crate::estimate::fit::Weighing;
 use crate::files;
 use crate::sensor::Table;
 use crate::sensor::table::Pairs;
+use crate::units::GRAVITY;
 use crate::units::{Newton, Ohm};
 use csv::{ReaderBuilder, StringRecord, Trim};
 use std::path::Path;
@@ -58,11 +59,11 @@ pub fn of_csv(text: &str, origin: &str) -> Result<Vec<Weighing>, String> {
     })
 }
 
-/// Whether force and resistance of pairs are in the order that is read. R = alpha / F fits as well with its sides changed, and only
+/// Whether force and resistance of pairs are in the order and the unit that are read. R = alpha / F fits as well with its sides changed, and only
 /// numbers without units can be taken for each other; those of a force sensor are ohms that are many more than newtons.
 ///
 /// # Errors
-/// Why they look swapped, and what to do.
+/// Why they look swapped, or like grams, and what to do.
 pub fn in_order(text: &str) -> Result<(), String> {
     let written = || text.lines().filter(|line| !is_blank(line));
     if let Some(names) = written().next().filter(|line| is_names(line)) {
@@ -80,11 +81,19 @@ pub fn in_order(text: &str) -> Result<(), String> {
         _ => None,
     };
     let bare: Vec<(f64, f64)> = written().map(cells).filter_map(of_pair).collect();
+    let greatest_n = bare.iter().map(|(f_n, _)| *f_n).fold(0.0, f64::max);
+    let alpha_n_ohm = bare.iter().map(|(f_n, r_ohm)| (f_n * r_ohm).ln()).sum::<f64>() / bare.len() as f64;
+    let is_like_grams = greatest_n >= LIKE_GRAMS.0 && alpha_n_ohm.exp() >= LIKE_GRAMS.1;
     let over: f64 = bare.iter().map(|(f_n, r_ohm)| (f_n / r_ohm).ln()).sum();
     match bare.first() {
         Some((f_n, r_ohm)) if over > 0.0 => Err(format!(
             "the columns look swapped: forces of {f_n} N with resistances of {r_ohm} ohm. Force comes first; if they are right, write \
              their units: \"{f_n} N, {r_ohm} ohm\""
+        )),
+        _ if is_like_grams => Err(format!(
+            "{greatest_n} without a unit is newton, what {:.0} kg weigh, and looks like gram. Write the unit: \"{greatest_n} g\", or \
+             \"{greatest_n} N\" if it is",
+            greatest_n / GRAVITY
         )),
         _ => Ok(()),
     }
@@ -219,6 +228,21 @@ mod tests {
             ("\"11122\",\"1.20\"\n", "look swapped"),
         ] {
             assert!(in_order(swapped).unwrap_err().contains(says), "{swapped}: {:?}", in_order(swapped));
+        }
+    }
+
+    #[test]
+    fn grams_without_a_unit_are_told() {
+        for grams in [
+            "50,27200\n500,2720\n",
+            "weight,r_ohm\n1000,1360\n",
+            "100, 13.6 kohm\n200, 6.8 kohm\n20,60000\n100,13000\n",
+        ] {
+            let error = in_order(grams).unwrap_err();
+            assert!(error.contains("looks like gram. Write the unit: \""), "{grams}: {error}");
+        }
+        for good in ["50 g,27200\n500 g,2720\n", "0.5,27200\n5,2720\n", "500 N,27200\n", "50,27200\n"] {
+            assert_eq!(in_order(good), Ok(()), "{good}");
         }
     }
 

@@ -117,7 +117,7 @@ impl<'a> Target<'a> {
         match &kept {
             Some(kept) => {
                 self.say(&format!("{path} is updated; as it was, it is {}", kept.display()))?;
-                self.say("cermd takes it over at: systemctl reload cermd")?;
+                self.say("cermd takes it over at: systemctl reload cermd (or kill -HUP, if you have started it by hand)")?;
             }
             None => self.say(&format!("{path} is as it was"))?,
         }

@@ -38,7 +38,7 @@ use publish::Known;
 pub use requested::Released;
 use requested::Requested;
 use sd_notify::NotifyState;
-pub use signals::{Signals, StopHandle};
+pub use signals::{Signalled, Signals, StopHandle};
 use std::env;
 use std::io;
 use std::os::fd::{AsFd, BorrowedFd};
@@ -163,15 +163,19 @@ impl Daemon {
     /// The measuring thread or the system has failed.
     pub fn serve(&mut self, path: Option<&Path>) -> Result<(), DaemonError> {
         loop {
-            self.wait().map_err(system("poll"))?;
+            let [clients, signals] = self.wait().map_err(system("poll"))?;
             self.publish();
             let now = monotonic();
             let uptime = now - self.started;
-            self.server
-                .turn(now, &|| publish::stats(&self.known, &self.loaded.config, uptime))
-                .map_err(system("epoll_wait"))?;
+            let stats = || publish::stats(&self.known, &self.loaded.config, uptime);
+            // Each call into the kernel that a reading does without is time that the next one has.
+            if clients || self.server.wake_at().is_some_and(|at| now >= at) {
+                self.server.turn(now, &stats).map_err(system("epoll_wait"))?;
+            } else {
+                self.server.tell(&stats);
+            }
             self.threads.measuring.set_watched(self.server.is_watched());
-            let asked = self.signals.take();
+            let asked = if signals { self.signals.take() } else { Signalled::default() };
             if asked.end {
                 notify(&[NotifyState::Stopping, NotifyState::Status("stopping")]);
                 log::info!(
@@ -191,13 +195,15 @@ impl Daemon {
         }
     }
 
-    fn wait(&self) -> io::Result<()> {
+    /// Until there is something to do; whether clients or signals are a part of it.
+    fn wait(&self) -> io::Result<[bool; 2]> {
         let mut descriptors = vec![readable(self.server.as_fd()), readable(self.signals.as_fd())];
         descriptors.extend(self.threads.descriptors().map(readable));
         let now = monotonic();
         let until = self.server.wake_at().map(|at| Duration::from_nanos((at - now).0.max(0) as u64));
         let timeout = until.unwrap_or(LOOK_AFTER).min(LOOK_AFTER).min(self.heartbeat.patience(now));
-        wait_for(&mut descriptors, timeout)
+        wait_for(&mut descriptors, timeout)?;
+        Ok([0, 1].map(|index| descriptors[index].any().unwrap_or(true)))
     }
 
     fn publish(&mut self) {

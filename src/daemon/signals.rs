@@ -17,7 +17,7 @@ pub struct Signals {
 }
 
 /// What was asked for since the last look.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Signalled {
     /// To stop.
     pub end: bool,

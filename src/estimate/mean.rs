@@ -51,6 +51,8 @@ pub struct Mean {
     shared: f64,
     with_state: State,
     with_state_at: Nanos,
+    /// The how manieth state that is.
+    of_state: u64,
     /// A reading has come without an uncertainty.
     is_unknown: bool,
 }
@@ -95,8 +97,12 @@ impl Mean {
     }
 
     fn carry(&mut self, tracker: &Tracker) {
-        self.with_state = tracker.carried(self.with_state, self.with_state_at);
-        self.with_state_at = tracker.at();
+        // A state that has begun anew shares nothing with the one before.
+        self.with_state = match tracker.counts().steps == self.of_state {
+            true => tracker.carried(self.with_state, self.with_state_at),
+            false => State::default(),
+        };
+        (self.with_state_at, self.of_state) = (tracker.at(), tracker.counts().steps);
     }
 
     /// The mean; `None` of none. `tracker`: as it is now.

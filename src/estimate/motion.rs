@@ -28,7 +28,7 @@ use crate::units::Nanos;
 use drift::{Drift, above_all, above_its_way, bend, second_greatest};
 pub use evidence::Evidence;
 use evidence::Pair;
-use point::{Point, Trust};
+use point::{LEAST_OHM, Point, Trust};
 use repeats::Recent;
 
 /// What the sensor's own change, and a stamp that may be late, add to a reading.
@@ -48,6 +48,8 @@ pub struct Motion {
     /// The last one changed by more than its noise can hide.
     is_fast: bool,
     recent: Recent,
+    /// Ro that they go through, ohm; 0 while it is not known.
+    r_o_ohm: f64,
     /// There was a last one, and it was not settling.
     was_settled: bool,
     /// The last one before a rise that one stretch alone has shown: two late stamps in a row look like it.
@@ -69,6 +71,7 @@ impl Motion {
         evidence: &Evidence,
         late: f64,
     ) -> Result<Moved, Fault> {
+        self.goes_through(r_o_ohm);
         let all_ohm = through(r_ohm, r_o_ohm);
         // Where the value is anything, nothing can be said of how it changes, but that it was no more.
         if u_ohm >= all_ohm {
@@ -109,6 +112,18 @@ impl Motion {
         if is_number { Ok(moved) } else { Err(Fault::Unsettled) }
     }
 
+    /// Where Ro has just become known, or is known no longer, the sensor has not changed by it; by as little as it is followed by,
+    /// nobody sees.
+    fn goes_through(&mut self, r_o_ohm: Option<f64>) {
+        let now_ohm = r_o_ohm.unwrap_or(0.0);
+        if (self.r_o_ohm == 0.0) != (now_ohm == 0.0) {
+            let more_ohm = now_ohm - self.r_o_ohm;
+            let points = self.points[..self.count].iter_mut().chain(self.recent.points());
+            points.chain(&mut self.before_rise).for_each(|point| *point = point.beyond(more_ohm));
+        }
+        self.r_o_ohm = now_ohm;
+    }
+
     /// Takes a point that goes with those before it; answers its predicted error, 1 sigma, relative.
     fn follow(&mut self, mut point: Point, pair: Option<Pair>, evidence: &Evidence) -> f64 {
         self.settle(evidence.contradicts);
@@ -135,7 +150,7 @@ impl Motion {
         self.settle(false);
         self.push(Point {
             at,
-            z: (2.0 * r_min_ohm.max(1e-3)).ln(),
+            z: (2.0 * r_min_ohm.max(LEAST_OHM)).ln(),
             u: OPEN_LN,
             slope: None,
             trust: Trust::Sound,
@@ -382,7 +397,7 @@ impl Motion {
 
 /// All that a discharge is known to go through, whose logarithm there is even where noise has made a sensor negative, ohm.
 fn through(r_ohm: f64, r_o_ohm: Option<f64>) -> f64 {
-    (r_ohm + r_o_ohm.unwrap_or(0.0)).max(1e-3)
+    (r_ohm + r_o_ohm.unwrap_or(0.0)).max(LEAST_OHM)
 }
 
 #[cfg(test)]

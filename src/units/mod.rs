@@ -10,7 +10,7 @@ mod quantity;
 #[doc(hidden)]
 pub mod sample;
 
-pub use force::ForceUnit;
+pub use force::{ForceUnit, GRAVITY};
 pub use number::{measured, rough, rounded, rounded_down, rounded_up, to_places};
 pub use quantity::{
     Ampere, Celsius, Degree, Farad, Hertz, Kelvin, Lux, Metre, Micros, Millis, Newton, NewtonOhm, Ohm,

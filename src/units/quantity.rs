@@ -34,7 +34,7 @@ pub trait Quantity: Copy + fmt::Display {
 
 /// A text that is not the quantity that was asked for.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
-#[error("expected {name} such as \"{example}\", got {got}{}", why(.with_unit))]
+#[error("expected {name} such as \"{example}\", got {got}{}", why(.got, .with_unit))]
 pub struct ParseQuantityError {
     name: &'static str,
     example: &'static str,
@@ -44,8 +44,12 @@ pub struct ParseQuantityError {
     with_unit: Option<String>,
 }
 
-fn why(with_unit: &Option<String>) -> String {
-    with_unit.as_ref().map(|right| format!(": the unit is missing, write \"{right}\"")).unwrap_or_default()
+fn why(got: &str, with_unit: &Option<String>) -> String {
+    match with_unit {
+        Some(right) => format!(": the unit is missing, write \"{right}\""),
+        None if got.contains(',') => ": decimals have a point".to_owned(),
+        None => String::new(),
+    }
 }
 
 impl ParseQuantityError {

@@ -3,13 +3,14 @@
 use crate::circuit::{Circuit, Kind, Network, Node, RESISTORS};
 use crate::config::Findings;
 use crate::config::limits::{
-    B_MARGIN, CALIBRATION_RATIO, CAPACITORS, PIN_LIMIT_A, SHORTEST_DISCHARGE, SUPPLIES,
+    B_MARGIN, CALIBRATION_RATIO, CAPACITORS, PIN_LIMITS_A, SHORTEST_DISCHARGE, STRONGEST_PIN_A, SUPPLIES,
 };
 use crate::units::{Farad, Ohm, Quantity, Volt, rounded_up};
 use std::fmt::Display;
 use std::ops::RangeInclusive;
 
-pub fn check(circuit: &Circuit, findings: &mut Findings) {
+/// `chip`: the GPIO chip, as it is configured: by its label it says what a pin may carry.
+pub fn check(circuit: &Circuit, chip: &str, findings: &mut Findings) {
     match circuit.network {
         Network::TwoCapacitor { c_a, c_b } => {
             part(findings, "c-a", c_a, CAPACITORS);
@@ -26,7 +27,7 @@ pub fn check(circuit: &Circuit, findings: &mut Findings) {
         contradictions(circuit, findings);
     }
     if !findings.has_errors() {
-        weaknesses(circuit, findings);
+        weaknesses(circuit, chip, findings);
     }
 }
 
@@ -69,18 +70,23 @@ fn contradictions(&Circuit { network, r_c1, r_c2, v_dd, v_th, .. }: &Circuit, fi
     }
 }
 
-fn weaknesses(circuit: &Circuit, findings: &mut Findings) {
-    let (supply, limit) = (circuit.v_dd.0, format!("{:.0} mA", 1e3 * PIN_LIMIT_A));
+fn weaknesses(circuit: &Circuit, chip: &str, findings: &mut Findings) {
+    let of_chip = PIN_LIMITS_A.into_iter().find(|(label, _)| *label == chip);
+    let (limit_a, of) =
+        of_chip.map_or((STRONGEST_PIN_A, String::new()), |(chip, a)| (a, format!(" of {chip}")));
+    let supply = circuit.v_dd.0;
     for (key, r, r_o, begins, does, pin) in [
         ("r-charge", circuit.r_charge.0, 0.0, "charging", "deliver", ", pin included"),
         ("r-c1", circuit.r_c1.0, circuit.r_o.0, "the discharge", "sink", ""),
     ] {
         let milliampere = 1e3 * supply / (r + r_o);
-        if milliampere > 1e3 * PIN_LIMIT_A {
-            let reason =
-                format!("{begins} starts with {milliampere:.1} mA, above the {limit} that a pin may {does}");
+        if milliampere > 1e3 * limit_a {
+            let reason = format!(
+                "{begins} starts with {milliampere:.1} mA, above the {:.0} mA that a pin{of} may {does}",
+                1e3 * limit_a
+            );
             // Upwards, or who follows it hears the same again.
-            let least = rounded_up(supply / PIN_LIMIT_A - r_o, 3);
+            let least = rounded_up(supply / limit_a - r_o, 3);
             let remedy = format!("at least \"{:.3}\"{pin}", Ohm(least));
             findings.warning(format!("circuit.{key}"), reason, remedy);
         }

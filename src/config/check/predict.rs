@@ -40,8 +40,9 @@ fn remembers(config: &Config) -> String {
     let charge = Seconds::from(config.charge_time());
     let taus = charge.0 / config.circuit.charge_tau(Chargers::OfA).0;
     let Remembered { at, sigmas } = config.remembered(Chargers::OfA, taus);
+    let places = if sigmas < 10.0 { 2 } else { 0 };
     format!(
-        "is {taus:.1} time constants: the discharge before changes a reading by up to {sigmas:.2} of its u (at {at:.2})"
+        "is {taus:.1} time constants: the discharge before changes a reading by up to {sigmas:.places$} of its u (at {at:.2})"
     )
 }
 

@@ -22,7 +22,7 @@ fn config(change: impl FnOnce(&mut ConfigFile) -> &mut ConfigFile) -> Config {
         ("sink-c2", "GPIO21"),
     ];
     let good = config_file::config(|c| {
-        c.set("gpio.backend", "chardev").set("gpio.chip", "pinctrl-rp1").set("measure.method", "cerm");
+        c.set("gpio.backend", "chardev").set("gpio.chip", "pinctrl-bcm2835").set("measure.method", "cerm");
         for (line, name) in lines {
             c.set(&format!("gpio.{line}"), name);
         }
@@ -117,6 +117,27 @@ fn circuit_values() {
     );
 }
 
+/// By what its maker says of each; a simulated circuit has no such pins.
+#[test]
+fn what_a_pin_may_carry_is_that_of_the_chip() {
+    let of = |chip: &str, r_charge: &str| {
+        complaints(&config(|c| c.set("gpio.chip", chip).set("circuit.r-charge", r_charge)))
+    };
+    for (chip, least, limit) in [
+        ("pinctrl-bcm2711", "413 ohm", "8 mA"),
+        ("pinctrl-rp1", "275 ohm", "12 mA"),
+        ("pinctrl-bcm2835", "207 ohm", "16 mA"),
+    ] {
+        assert_eq!(of(chip, least), Vec::<String>::new(), "{chip}");
+        let said = of(chip, "200 ohm");
+        assert!(said.len() == 1 && said[0].contains(&format!("above the {limit} that a pin")), "{said:?}");
+        assert!(said[0].ends_with(&format!("try at least \"{least}\", pin included")), "{said:?}");
+    }
+    let simulated =
+        config(|c| c.set("circuit.r-charge", "260 ohm").set("gpio.backend", "mock").set("mock.scene", "pi4"));
+    assert!(complaints(&simulated).iter().all(|said| !said.contains("mA")), "{:?}", complaints(&simulated));
+}
+
 #[test]
 fn circuit_nominals() {
     let circuit = |line: &str| config(|c| c.lines("circuit", line));
@@ -148,7 +169,7 @@ fn a_chip_may_have_another_number_after_a_reboot() {
             &format!("warning: channel.thumb.output.chip: {chip} is a number"),
         );
     }
-    for label in ["pinctrl-rp1", "gpiochip", "gpiochip_sodimm", "/dev/gpio/by-name"] {
+    for label in ["pinctrl-bcm2835", "gpiochip", "gpiochip_sodimm", "/dev/gpio/by-name"] {
         assert_eq!(complaints(&config(|c| c.set("gpio.chip", label))), Vec::<String>::new(), "{label}");
     }
 }

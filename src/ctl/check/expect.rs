@@ -230,14 +230,20 @@ pub fn readings(config: &Config, settings: &Settings, jitter: Option<Seconds>, f
         }
         None => format!("{:.0}: no number", Ohm(*r_ohm)),
     };
-    let mut text = all.iter().map(says).collect::<Vec<_>>().join(", ");
     if all.is_empty() {
-        text = format!(
-            "no calibration after {:.0} at this rate, and what comes then is not simulated",
-            Seconds::from(cold(&shortened(settings)))
+        let cold = Seconds::from(cold(&shortened(settings)));
+        findings.warning(
+            "measure.method",
+            format!(
+                "{} simulated, by {how}: no calibration after {cold:.0}: until then there is no number",
+                config.method()
+            ),
+            "more discharges: a shorter average or a higher rate-hz",
         );
+    } else {
+        let text = all.iter().map(says).collect::<Vec<_>>().join(", ");
+        findings.info("measure.method", format!("{} simulated, by {how}: {text}", config.method()));
     }
-    findings.info("measure.method", format!("{} simulated, by {how}: {text}", config.method()));
     for channel in &settings.channels {
         let key = match channel {
             Channel { force: Some(_), .. } => "force",

@@ -10,7 +10,7 @@ const FULL: &str = include_str!("../../config/tests_full.toml");
 fn a_file_that_is_not_there_gets_a_hint() {
     let report = check(Path::new("/nonexistent/cermd.toml"));
     assert!(!report.is_usable());
-    insta::assert_snapshot!(report, @"error: /nonexistent/cermd.toml: No such file or directory (os error 2); name a file with --config, or try `cermctl demo`");
+    insta::assert_snapshot!(report, @"error: /nonexistent/cermd.toml: No such file or directory (os error 2); `cermctl setup` writes one, --config names another, and `cermctl demo` needs none");
 }
 
 /// The report on FULL with a change, the file's folder left out.
@@ -47,13 +47,14 @@ fn a_report_of_warnings() {
     let (text, usable) = rendered(|c| c.set("channel.index.sink", 17).set("measure.charge-time", "300 us"));
     assert!(usable);
     insta::assert_snapshot!(text, @r#"
+    warning: circuit.r-charge: charging starts with 15.2 mA, above the 12 mA that a pin of pinctrl-rp1 may deliver; try at least "417 ohm", pin included
     info: channel.thumb.force: it has no u: the data sheet of an FSR 402 stands in, 7.8 % (part to part 6 %, hysteresis 10 %); try `cermctl calibrate force`: it stores the residual of the sensor itself
     info: channel.index.zero-ohm: none: pins may differ by 8 ohm (1 sigma), and each uncertainty contains that; try `cermctl calibrate zero`
     info: channel.index.force: it has no u: the data sheet of an FSR 402 stands in, 7.8 % (part to part 6 %, hysteresis 10 %); try `cermctl calibrate force`: it stores the residual of the sensor itself
-    warning: measure.charge-time: 300 us is 1.8 time constants: the discharge before changes a reading by up to 228.96 of its u (at 62 kohm); try at least "1.6 ms", or without it
+    warning: measure.charge-time: 300 us is 1.8 time constants: the discharge before changes a reading by up to 229 of its u (at 62 kohm); try at least "1.6 ms", or without it
     info: circuit.r-c1: through Rc1, node A after 1.12 ms, node B after 1.89 ms
     info: circuit.r-c2: through Rc2, node A after 6.06 ms, node B after 10.2 ms
-    info: measure.charge-time: 300 us (for B 775 us), as given, is 1.8 time constants: the discharge before changes a reading by up to 228.96 of its u (at 62 kohm)
+    info: measure.charge-time: 300 us (for B 775 us), as given, is 1.8 time constants: the discharge before changes a reading by up to 229 of its u (at 62 kohm)
     info: measure.deadline: 50 ms, enough for a sensor of 62.5 kohm
     info: measure.rate-hz: a cycle takes 35.7 ms (28 Hz) with the sensor at Rc2, 115 ms at most
     info: channel.thumb.on-above: 2 N: told 350 ms after it is so, or sooner, unless readings are faults
@@ -61,7 +62,7 @@ fn a_report_of_warnings() {
     info: measure.method: cerm simulated, by calls and noise of the scene pi5: 100 ohm: no number, 1000 +- 72 ohm at 19.4 Hz (125 discharges a second), 10000 +- 159 ohm at 19.6 Hz (113 discharges a second), 50000 +- 758 ohm at 8.9 Hz (39 discharges a second)
     info: channel.thumb.force: at these resistances: 13.3 +- 1.4 N (readout 0.958 N), 1.33 +- 0.11 N (readout 0.0212 N), 0.267 +- 0.021 N (readout 0.00404 N)
     info: channel.index.force: at these resistances: 1.33 +- 0.11 N (readout 0.0211 N)
-    cermd.toml: usable: 0 error(s), 1 warning(s)
+    cermd.toml: usable: 0 error(s), 2 warning(s)
     "#);
 }
 

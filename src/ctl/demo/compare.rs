@@ -24,7 +24,7 @@ use table::MethodRow;
 
 /// Where to go on.
 const HINTS: [(&str, &str); 3] = [
-    ("docs/methods.md", "the same for more resistances"),
+    ("docs/averages.md", "the same for more resistances, of many boards"),
     ("cermctl size --help", "which circuit gives the error that you need"),
     ("cermctl demo", "tracked alone, with force"),
 ];

@@ -2,6 +2,7 @@
 
 use crate::ctl::replay::EstimateLine;
 use crate::estimate::scatter;
+use crate::stream::wire::StatusName;
 use crate::units::sample::rms;
 use crate::units::{measured, rounded};
 use serde::Serialize;
@@ -11,9 +12,12 @@ use std::fmt;
 /// Numbers with their uncertainties.
 type Numbers = Vec<(f64, Option<f64>)>;
 
-/// The estimates by channel and method: numbers, and how many were none.
+/// How many estimates are no number, by what they are instead.
+type Others = BTreeMap<String, u64>;
+
+/// The estimates by channel and method.
 #[derive(Debug, Default)]
-pub struct Summary(BTreeMap<[String; 2], (Numbers, u64)>);
+pub struct Summary(BTreeMap<[String; 2], (Numbers, Others)>);
 
 /// Those of one channel by one method; what is not known is absent.
 #[derive(Debug, Serialize)]
@@ -24,6 +28,8 @@ pub struct SummaryLine {
     /// How many numbers there are, and how many estimates are none.
     n: usize,
     others: u64,
+    #[serde(skip)]
+    names: Others,
     #[serde(skip_serializing_if = "Option::is_none")]
     r_mean_ohm: Option<f64>,
     /// Of the scatter of single numbers.
@@ -44,20 +50,27 @@ impl Summary {
         let (numbers, others) = self.0.entry([estimate.channel, method]).or_default();
         match estimate.state.r_ohm {
             Some(r_ohm) => numbers.push((r_ohm, estimate.state.r_u_ohm)),
-            None => *others += 1,
+            None => {
+                let name = match estimate.state.status {
+                    StatusName::Open => "open".to_owned(),
+                    StatusName::Short => "short".to_owned(),
+                    _ => estimate.state.fault.unwrap_or_default(),
+                };
+                *others.entry(name).or_default() += 1;
+            }
         }
     }
 
     /// In the order of channels and methods.
     pub fn rows(&self) -> Vec<SummaryLine> {
         let rows = self.0.iter();
-        rows.map(|([channel, method], (numbers, others))| SummaryLine::new(channel, method, numbers, *others))
+        rows.map(|([channel, method], (numbers, others))| SummaryLine::new(channel, method, numbers, others))
             .collect()
     }
 }
 
 impl SummaryLine {
-    fn new(channel: &str, method: &str, numbers: &[(f64, Option<f64>)], others: u64) -> SummaryLine {
+    fn new(channel: &str, method: &str, numbers: &[(f64, Option<f64>)], others: &Others) -> SummaryLine {
         let n = numbers.len();
         let mean = scatter::mean(numbers.iter().map(|(r_ohm, _)| *r_ohm));
         let square = |of: &dyn Fn(f64, f64) -> f64| {
@@ -71,7 +84,8 @@ impl SummaryLine {
             channel: channel.to_owned(),
             method: method.to_owned(),
             n,
-            others,
+            others: others.values().sum(),
+            names: others.clone(),
             r_mean_ohm: digits(mean.map(|mean| mean.value), 7),
             r_sd_ohm: digits(mean.and_then(|mean| mean.u).map(|u| u * (n as f64).sqrt()), 3),
             r_u_ohm: digits(square(&|_, u| u), 3),
@@ -82,10 +96,11 @@ impl SummaryLine {
 
 impl fmt::Display for SummaryLine {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let SummaryLine { channel, method, n, others, r_mean_ohm, r_sd_ohm, r_u_ohm, rms_u } = self;
+        let SummaryLine { channel, method, n, others, names, r_mean_ohm, r_sd_ohm, r_u_ohm, rms_u } = self;
         write!(f, "{channel}  {method}  n {n}")?;
         if *others > 0 {
-            write!(f, " ({others} no number)")?;
+            let names: Vec<String> = names.iter().map(|(name, count)| format!("{count} {name}")).collect();
+            write!(f, " ({others} no number: {})", names.join(", "))?;
         }
         if let Some(mean) = r_mean_ohm {
             write!(

@@ -1,5 +1,6 @@
 //! The configuration that a setup writes: the commented one of the project, with what was answered.
 
+use crate::config::Server;
 use crate::ctl::calibrate::edit;
 use crate::ctl::cli::Setup;
 use crate::units::{Farad, Ohm};
@@ -185,6 +186,12 @@ impl<'a> Answers<'a> {
                 set("mock.scene", self.arguments.scene.as_deref().unwrap_or("pi4"))?;
             }
         }
+        let socket = &self.arguments.connection.socket;
+        if socket != &Server::default().socket {
+            // What is asked for its readings afterwards.
+            let path = socket.to_str().ok_or("--socket: not a path in UTF-8")?;
+            set("server.socket", path)?;
+        }
         for assignment in &self.arguments.set {
             let (path, text) = assignment
                 .split_once('=')
@@ -262,6 +269,15 @@ mod tests {
     fn without_a_word_it_is_the_commented_one() {
         let text = written(&[], Some("pinctrl-rp1")).unwrap();
         assert!(text.starts_with(MARK) && text.ends_with(TEMPLATE));
+    }
+
+    #[test]
+    fn the_socket_that_is_named_is_served() {
+        let of = |options: &[&str]| {
+            Config::parse(&written(options, Some("pinctrl-rp1")).unwrap(), "test").unwrap().server.socket
+        };
+        assert_eq!(of(&[]), Server::default().socket);
+        assert_eq!(of(&["--socket", "/tmp/cermd.sock"]).to_str(), Some("/tmp/cermd.sock"));
     }
 
     #[test]

@@ -3,6 +3,9 @@
 use crate::estimate::limits::{BEYOND_NOISE, OPEN_LN};
 use crate::units::Nanos;
 
+/// All that a discharge goes through at the least: of that there is a logarithm.
+pub(super) const LEAST_OHM: f64 = 1e-3;
+
 /// What a sensor had at an instant.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct Point {
@@ -46,6 +49,14 @@ pub(super) fn push<const N: usize>(points: &mut [Point; N], count: &mut usize, p
 }
 
 impl Point {
+    /// The same sensor through so many more ohms.
+    pub(super) fn beyond(self, more_ohm: f64) -> Point {
+        let all_ohm = (self.z.exp() + more_ohm).max(LEAST_OHM);
+        let parts = self.z.exp() / all_ohm;
+        let slope = self.slope.map(|slope| slope.map(|part| parts * part));
+        Point { z: all_ohm.ln(), u: if self.is_open() { self.u } else { parts * self.u }, slope, ..self }
+    }
+
     /// It is above a bound, and no number.
     pub(super) fn is_open(&self) -> bool {
         self.u >= OPEN_LN

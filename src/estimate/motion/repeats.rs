@@ -12,6 +12,11 @@ pub(super) struct Recent {
 }
 
 impl Recent {
+    /// All of them, as they are kept.
+    pub(super) fn points(&mut self) -> &mut [Point] {
+        &mut self.points[..self.count]
+    }
+
     /// What of one more reading may be a late stamp, 1 sigma, relative. `late`: the share of readings that have one;
     /// `is_confirmed`: its own second crossing says the same. `None` where so many have one that only others like it would make
     /// it a number.

@@ -379,3 +379,19 @@ fn nothing_makes_it_panic_or_answer_nan() {
         }
     }
 }
+
+/// At 100 ohm those 40 of a pin are a third of what there is.
+#[test]
+fn a_sensor_does_not_move_by_what_becomes_known_of_the_pins() {
+    for r_ohm in [10.0, 100.0, 1000.0] {
+        for late in [0.0, 0.05] {
+            let mut motion = Motion::default();
+            for index in 0..30 {
+                let known = if index % 10 < 5 { None } else { Some(R_O) };
+                let (estimate, evidence) = seen(G.map(|g| g * (r_ohm + R_O)));
+                let judged = motion.judge(Nanos(index * 20_000_000), estimate, known, &evidence, late);
+                assert_eq!(judged.map(|moved| moved.is_moving), Ok(false), "{r_ohm} ohm, reading {index}");
+            }
+        }
+    }
+}

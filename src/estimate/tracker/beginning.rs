@@ -43,18 +43,19 @@ impl Tracker {
     /// Gives the rounds to the split calibration; answers the mean of g of both nodes by their plain discharges.
     fn take_rounds_apart(&mut self) -> [f64; 2] {
         let [r1, r2] = self.r_ohm;
-        let mut slope = [0.0; 2];
+        let (mut slope, mut count) = ([0.0; 2], 0.0);
         for [first, second, split] in &self.rounds {
             let (Some(c1), Some(c2)) = (first.complete(self.nodes), second.complete(self.nodes)) else {
                 continue;
             };
             self.split.add(c1, c2, split, &self.noise);
+            count += 1.0;
             for (slope, (c1, c2)) in slope.iter_mut().zip(c1.into_iter().zip(c2)) {
                 let takes_ns = c1.zip(c2).map_or(0.0, |(c1, c2)| c2 - c1);
-                *slope += takes_ns / (r2 - r1) / self.rounds.len() as f64;
+                *slope += takes_ns / (r2 - r1);
             }
         }
-        slope
+        slope.map(|slope| slope / f64::max(count, 1.0))
     }
 
     /// Lets the filter see rounds, starting from almost no knowledge; whether they fit.

@@ -4,6 +4,8 @@ use super::*;
 use crate::chance::{mean_of, rms_of, share_is_in, sigmas};
 use crate::estimate::law::RATE;
 use crate::estimate::limits::{AWAKE_YOUNG, BY_ELSEWHERE, ELSEWHERE_YOUNG, NEVER_SO_LATE, ROUGH_ROUNDS};
+use crate::estimate::mean::{Basis, Mean};
+use crate::reading::Measured;
 use crate::record::Switch;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
@@ -305,4 +307,39 @@ fn a_discharge_that_corrects_nothing_leaves_what_is_shared() {
     tracker.add(&plant.record(CalibrationKind::First)).unwrap();
     assert_ne!(tracker.after_correction(&v), v);
     assert_eq!(tracker.counts().used, used + 1);
+}
+
+#[test]
+fn what_nobody_has_looked_at_for_an_hour_has_walked_for_an_hour() {
+    let (_, tracker) = tracked(4, FIRST_ROUNDS + 10);
+    let walked = |seconds: f64| {
+        let mut later = tracker.clone();
+        later.advance(tracker.at() + Nanos::from_seconds(seconds));
+        later.covariance[R_O][R_O] - tracker.covariance[R_O][R_O]
+    };
+    assert!((walked(3600.0) / walked(36.0) - 100.0).abs() < 1e-6, "{} {}", walked(3600.0), walked(36.0));
+}
+
+/// Both readings know Ro as the state does, and nothing else: of two states that are independent the variances add.
+#[test]
+fn a_mean_over_a_step_has_readings_that_share_nothing() {
+    let (mut plant, mut tracker) = tracked(3, FIRST_ROUNDS + 10);
+    let mut mean = Mean::default();
+    let mut add = |tracker: &Tracker| {
+        let mut v = State::default();
+        v[R_O] = 1.0;
+        let variance = tracker.variance(&v);
+        let basis = Basis { own: 0.0, by_state: Some(v), by_switch: None };
+        mean.add(Measured { value: 100.0, u: Some(variance.sqrt()) }, &basis, Some(tracker));
+        variance
+    };
+    let before = add(&tracker);
+    plant.state[0] *= 1.02;
+    plant.state[1] *= 1.02;
+    (0..FIRST_ROUNDS + 10).for_each(|_| plant.round(&mut tracker));
+    assert_eq!((tracker.counts().steps, tracker.is_ready()), (1, true));
+    let after = add(&tracker);
+    let u = mean.result(Some(&tracker)).unwrap().u.unwrap();
+    let expected = (tracker.misfit() * (before + after)).sqrt() / 2.0;
+    assert!((u / expected - 1.0).abs() < 1e-9, "{u} for {expected}");
 }

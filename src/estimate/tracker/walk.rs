@@ -14,9 +14,10 @@ impl Tracker {
         walks + (0..2).map(|node| 2.0 * v[node] * self.state[node] * with_state[RATE + node]).sum::<f64>()
     }
 
-    /// Lets the state go on as it has gone, and walk.
+    /// Lets the state go on as it has gone, but not for longer than that can be believed, and walk.
     pub fn advance(&mut self, now: Nanos) {
-        let seconds = (now - self.at).as_seconds().clamp(0.0, LONGEST_AHEAD_S);
+        let elapsed = (now - self.at).as_seconds().max(0.0);
+        let seconds = elapsed.min(LONGEST_AHEAD_S);
         self.at = now;
         for node in 0..self.nodes {
             let by_rate = self.state[node] * seconds;
@@ -29,7 +30,7 @@ impl Tracker {
             }
         }
         for (index, walk) in self.walks().into_iter().enumerate() {
-            self.covariance[index][index] += walk * walk * seconds;
+            self.covariance[index][index] += walk * walk * elapsed;
         }
     }
 

@@ -58,6 +58,11 @@ impl CallGate {
         })
     }
 
+    /// How long calls usually take of the kind that takes longest, ns; 0 until a few have been seen.
+    pub fn longest_ns(&self) -> f64 {
+        self.kinds.iter().filter_map(Lengths::known).map(|usual| usual.place).fold(0.0, f64::max)
+    }
+
     /// How much longer calls usually take that release or sink in the middle of a discharge than those that start it, negative: shorter,
     /// ns; `None` if no more than calls of one kind differ by. A line may then move in another place of its call, too.
     pub fn unlike_ns(&self) -> Option<f64> {

@@ -22,6 +22,8 @@ pub struct Terms {
     pub restless: f64,
     /// 1 sigma of a switch by the length of calls.
     pub u_switch_ns: f64,
+    /// How long a call usually takes that releases the sensor: a line moves anywhere in it.
+    pub call_ns: f64,
     /// What goes before a discharge that waits for A, or for B; calls and waking included.
     pub before_ns: [f64; 2],
     /// The longest discharge through the sensor.
@@ -92,7 +94,10 @@ fn priced(
         // Finished through R_1 when the deadline has come.
         None if full_ns > terms.deadline_ns => Some((terms.deadline_ns, Through::C1)),
         None => None,
-        Some((fraction, to)) => Some((fraction * full_ns.min(terms.deadline_ns), to)),
+        // A node that crosses within the call has crossed through one resistor or the other, and its interrupt waits for the end.
+        Some((fraction, to)) => {
+            Some(((fraction * full_ns.min(terms.deadline_ns)).min(full_ns - terms.call_ns), to))
+        }
     };
     let made = planned.map(|(at_ns, to)| {
         let switch = Switch { at_ns, on_ns: at_ns, to };
@@ -146,6 +151,7 @@ mod tests {
             r_ohm,
             restless: 1e-3,
             u_switch_ns: 300.0,
+            call_ns: 1500.0,
             before_ns: [1.2e6, 1.5e6],
             deadline_ns: 60e6,
             mean_ns,
@@ -195,5 +201,32 @@ mod tests {
             used = Some(choice);
         }
         assert!(changes <= 1, "{changes} changes");
+    }
+
+    /// With long calls, where A crosses soon after the start, that is before most of what is considered.
+    #[test]
+    fn the_call_of_a_switch_is_over_before_the_node_crosses() {
+        let instrument = settled(5);
+        let estimator = instrument.cycle().estimator();
+        let state = estimator.tracker().unwrap().state();
+        let mut switched = 0;
+        for call_ns in [1000.0, 7000.0, 20_000.0] {
+            for r_ohm in [0.0, 10.0, 30.0, 50.0, 70.0, 100.0, 200.0, 1000.0] {
+                let terms = Terms { call_ns, ..terms(r_ohm, 0.0) };
+                let Some(Choice { switch: Some((at_ns, _)), last, .. }) = best(estimator, &terms, None)
+                else {
+                    continue;
+                };
+                let node = last.index();
+                let full_ns =
+                    Route { first_ohm: r_ohm, switch: None }.crossing(state, node).ns - d_ns(state, node);
+                assert!(
+                    at_ns + call_ns <= full_ns,
+                    "{r_ohm} ohm, calls of {call_ns} ns: at {at_ns}, crosses at {full_ns}"
+                );
+                switched += 1;
+            }
+        }
+        assert!(switched >= 12, "{switched}");
     }
 }

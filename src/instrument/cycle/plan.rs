@@ -270,7 +270,8 @@ impl Cycle {
                 prefers_inferred(memory.inferred, direct, inferred)
             }),
         };
-        let after = settings.switch_fraction * (self.estimator.x_discharge_ns(x_ns, 0)? - d_ns);
+        let crosses_ns = self.estimator.x_discharge_ns(x_ns, 0)? - d_ns;
+        let after = (settings.switch_fraction * crosses_ns).min(crosses_ns - self.calls.longest_ns());
         (wanted && after >= 1.0).then_some(Nanos(after as i64))
     }
 
@@ -310,6 +311,7 @@ impl Cycle {
             r_ohm: memory.r_ohm?,
             restless: memory.restless,
             u_switch_ns: memory.u_switch_ns,
+            call_ns: self.calls.longest_ns(),
             before_ns: self.before_ns(),
             deadline_ns: self.settings.deadline.as_ns(),
             mean_ns: self.settings.average.map_or(0.0, Nanos::as_ns),

@@ -119,10 +119,14 @@ fn not_ours(passed: impl Display) -> ListenError {
 fn failed(call: &str, path: &Path, source: impl Into<io::Error>) -> ListenError {
     let source = source.into();
     let hint = match source.raw_os_error().map(Errno::from_raw) {
-        Some(Errno::EACCES | Errno::EPERM) => ": run cermd as a user that may write there",
+        Some(Errno::EACCES | Errno::EPERM) => {
+            ": run cermd as a user that may write there, or give it another [server] socket"
+        }
         Some(Errno::EROFS) => ": the unit needs ReadWritePaths= or RuntimeDirectory= for it",
         Some(Errno::ENAMETOOLONG) => ": a socket path has at most 107 bytes",
-        Some(Errno::ENOENT) => ": create its directory (RuntimeDirectory= in a systemd unit does)",
+        Some(Errno::ENOENT) => {
+            ": create its directory (RuntimeDirectory= in a systemd unit does), or give it another [server] socket"
+        }
         _ => "",
     };
     ListenError(format!("{call} {}: {source}{hint}", path.display()))

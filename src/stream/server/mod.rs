@@ -7,7 +7,8 @@
 //! the lines that queues share are the last 1024 readings and as many discharges, whatever the number of clients.
 //!
 //! One thread drives it: poll the descriptor of the [`Server`] for input beside whatever else there is, and call
-//! [`turn`](Server::turn) whenever it is ready, something was published, or [`wake_at`](Server::wake_at) has come.
+//! [`turn`](Server::turn) whenever it is ready or [`wake_at`](Server::wake_at) has come; [`tell`](Server::tell) is enough where
+//! something was published and nothing else.
 
 mod hub;
 mod limits;
@@ -186,6 +187,12 @@ impl Server {
         if is_wanted {
             self.accept_some(now, stats)?;
         }
+        self.tell(stats);
+        Ok(())
+    }
+
+    /// The part of a turn that is left where nothing is ready: sends what was published.
+    pub fn tell(&mut self, stats: &StatsSource<'_>) {
         if std::mem::take(&mut self.has_news) {
             // To every client that is not busy with something older.
             let waiting = self.clients.iter().filter(|(_, client)| !client.is_behind());
@@ -193,7 +200,6 @@ impl Server {
                 self.attend(token, EpollFlags::empty(), stats);
             }
         }
-        Ok(())
     }
 
     fn attend(&mut self, token: u64, events: EpollFlags, stats: &StatsSource<'_>) {

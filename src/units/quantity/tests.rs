@@ -91,6 +91,13 @@ fn a_missing_unit_is_named() {
 }
 
 #[test]
+fn a_comma_is_told_from_a_point() {
+    let says = |text: &str| text.parse::<Ohm>().unwrap_err().to_string();
+    assert!(says("12,7 kohm").ends_with("got \"12,7 kohm\": decimals have a point"), "{}", says("12,7 kohm"));
+    assert!(!says("12 ko").contains("point"));
+}
+
+#[test]
 fn says_what_was_expected() {
     let error = "2.2 uH".parse::<Farad>().unwrap_err();
     assert_eq!(error.to_string(), "expected a capacitance such as \"2.2 uF\", got \"2.2 uH\"");

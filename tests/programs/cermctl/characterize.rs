@@ -104,7 +104,7 @@ fn what_cannot_be_is_said_before_anything_is_measured() {
         (&["--scene", "pi9"][..], "there is no built-in scene \"pi9\""),
         (&["--scene", "missing.toml"], "cannot read missing.toml"),
         (&["--circuit", "one", "--method", "qerm"], "none of these works on these circuits"),
-        (&["--config", "missing.toml"], "name a file with --config"),
+        (&["--config", "missing.toml"], "--config names another"),
         (&["--tape", "missing", "--truth", "x=1"], "is the path right"),
     ] {
         let said = complaint(&mut run(arguments));

@@ -148,7 +148,7 @@ fn outputs_are_lines_of_their_own() {
     for (line, beginning) in [
         ("{ line = 'GPIO16' }", "output: GPIO16 is channel.thumb.sink already"),
         ("{ line = 'GPIO13' }", "output: GPIO13 is gpio.charge-a already"),
-        ("{ line = 'GPIO13', chip = 'pinctrl-rp1' }", "output: GPIO13 is gpio.charge-a already"),
+        ("{ line = 'GPIO13', chip = 'pinctrl-bcm2835' }", "output: GPIO13 is gpio.charge-a already"),
     ] {
         one_trigger(&output(line), &format!("error: channel.thumb.{beginning}"));
     }
@@ -209,7 +209,7 @@ fn the_line_of_an_output_is_that_of_the_circuits_chip_unless_it_says_otherwise()
         config.triggers().unwrap().remove(0).output.unwrap()
     };
     let (line, when) = output("{ line = 17 }");
-    assert_eq!((line.chip.as_str(), line.line.as_str(), line.active_low), ("pinctrl-rp1", "17", false));
+    assert_eq!((line.chip.as_str(), line.line.as_str(), line.active_low), ("pinctrl-bcm2835", "17", false));
     assert_eq!(when, When::Pressed);
     let (line, when) = output("{ line = 'P0', chip = 'expander', active-low = true, when = 'released' }");
     assert_eq!((line.chip.as_str(), line.line.as_str(), line.active_low), ("expander", "P0", true));

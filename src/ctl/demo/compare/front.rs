@@ -1,12 +1,13 @@
-//! Error against time for one published value: measured on a resistor of 1 kohm, single readings and means of many, and
-//! drawn with letters.
+//! Error against time for one published value: measured on a resistor of 1 kohm, single readings and the means that `average`
+//! publishes, and drawn with letters.
 
 use super::super::board::Board;
 use crate::ctl::limits::{COUNTED_S, MEANS_S, REST, WARM};
+use crate::instrument::settings::Settings;
 use crate::instrument::{Instrument, Message};
 use crate::pins::Pins;
 use crate::reading::{Method, Status};
-use crate::units::sample::{mean, rms};
+use crate::units::sample::rms;
 use crate::units::{Nanos, Seconds, rounded};
 use console::style;
 
@@ -28,10 +29,12 @@ pub fn all(boards: &[(Method, Board)]) -> impl FnOnce() -> Vec<Front> + Send + u
         .iter()
         .filter_map(|(method, board)| Some((*method, board.resting(REST)?, board.config.settings().ok()?)))
         .collect();
+    let averages = || std::iter::once(None).chain(MEANS_S.map(|mean_s| Some(Nanos::from_seconds(mean_s))));
     move || {
         let each = resting.into_iter().map(|(method, pins, settings)| {
-            let (times, errors) = errors(Instrument::new(pins, settings));
-            Front { method, points: points(times, &errors) }
+            let over = |average| Settings { average, ..settings.clone() };
+            let measured = averages().map(|average| point(Instrument::new(pins.clone(), over(average))));
+            Front { method, points: measured.flatten().collect() }
         });
         each.collect()
     }
@@ -58,14 +61,10 @@ fn errors(mut instrument: Instrument<impl Pins>) -> (f64, Vec<f64>) {
     (COUNTED_S / errors.len().max(1) as f64, errors)
 }
 
-fn points(each_s: f64, errors: &[f64]) -> Vec<(f64, f64)> {
-    let means = MEANS_S.map(|mean_s| (mean_s / each_s).round() as usize);
-    let counts = std::iter::once(1).chain(means.into_iter().filter(|count| *count > 1));
-    let rms_of_means = |count: usize| {
-        let means = errors.chunks_exact(count).filter_map(mean);
-        Some((count as f64 * each_s, rms(means).filter(|rms| *rms > 0.0)?))
-    };
-    counts.filter_map(rms_of_means).collect()
+/// How long a value takes, s, and the root mean square of their errors, ohm; `None` of none.
+fn point(instrument: Instrument<impl Pins>) -> Option<(f64, f64)> {
+    let (each_s, errors) = errors(instrument);
+    Some((each_s, rms(errors.into_iter()).filter(|rms| *rms > 0.0)?))
 }
 
 /// The chart, and beneath it what each letter means.

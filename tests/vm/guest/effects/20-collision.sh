@@ -1,6 +1,7 @@
 # With 1 uF and 330 nF, node A crosses 21 to 32 us after the start of a discharge through 50 to 100 ohm, which is where a switch
 # would come: its call and A's own interrupt would meet, and the reading be refused. The plan has to keep clear of that; and what meets
-# one in spite of it comes earlier when it is taken again. A fault in twenty readings is allowed.
+# one in spite of it comes earlier when it is taken again. One in thirty may be a fault or, of tracked, one
+# that says itself that it was met, by an uncertainty beyond 5 ohm.
 . /test/lib.sh
 . /test/accuracy.sh
 bad=
@@ -11,8 +12,8 @@ for method in cerm tracked; do
     column $method 60 "50 70 100 1000"
     finish
     rm tape
-    mawk '{ all[$1]++; lost[$1] += $2 != "ok" }
-        END { for (ohm in all) { printf "%d ohm: %d of %d lost\n", ohm, lost[ohm], all[ohm]; bad += lost[ohm] > 0.05 * all[ohm] } exit bad > 0 }' \
+    mawk -v method=$method '{ all[$1]++; lost[$1] += $2 != "ok" || method == "tracked" && $4 > 5 }
+        END { for (ohm in all) { printf "%d ohm: %d of %d lost\n", ohm, lost[ohm], all[ohm]; bad += lost[ohm] > all[ohm] / 30 } exit bad > 0 }' \
         $method.readings || bad="$bad $method"
 done
 [ -z "$bad" ] || fail "readings are lost with$bad"
