@@ -190,6 +190,11 @@ pub(super) struct Leaked {
 }
 
 impl Leaked {
+    /// What is not undone, 1 sigma, ohm.
+    pub(super) fn left_ohm(&self) -> f64 {
+        self.left_ohm
+    }
+
     /// By how much a leak that shows may make the crossings disagree, 1 sigma, ohm: they have it for a part of the way each, and what
     /// is left of it in one need not be in the other.
     pub(super) fn disagree_ohm(&self) -> f64 {

@@ -110,9 +110,10 @@ impl Estimator {
         let measured = Measured { value, u: u.map(|u| u.hypot(moved.map_or(0.0, |moved| moved.u_ohm))) };
         let with_leak = |leaked| self.with_defects(measured, leaked, estimate.stamps_ohm);
         let Some(as_read) = leaked.as_ref().and_then(with_leak) else {
-            // The leak only ever makes it read lower; so far up it is the reciprocal that is known.
+            // What is left of a leak has made it lower or higher; so far up it is the reciprocal that is known.
             let u = measured.u.ok_or(Fault::Implausible)?;
-            return Ok(self.open_above(sensor, measured.value, u));
+            let left_ohm = leaked.as_ref().map_or(0.0, Leaked::left_ohm);
+            return Ok(self.open_above(sensor, measured.value, u.hypot(left_ohm)));
         };
         judged.as_read_ohm = Some(estimate.basis.shared(as_read));
         let r_ohm = self.own_ohm(sensor, as_read);

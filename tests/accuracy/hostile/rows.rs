@@ -268,9 +268,12 @@ const DEFECT_FIRST: Row = Row { boards: 20, least_numbers: 0.0, ..FIRST };
 const DEFECT_LATER: Row = Row { boards: 20, least_numbers: 0.0, ..LATER };
 
 const A_100_KOHM: &str = "[circuit.node-a]\nleakage-resistance = '100 kohm'";
-const A_1_MOHM: &str = "[circuit.node-a]\nleakage-resistance = '1 Mohm'";
+pub const A_10_MOHM: &str = "[circuit.node-a]\nleakage-resistance = '10 Mohm'";
+pub const A_PULL_UP_OF_10_MOHM: &str = "[circuit.node-a]\npull-up = '10 Mohm'";
+pub const A_1_UA: &str = "[circuit.node-a]\nleakage = '-1 uA'";
+pub const A_1_MOHM: &str = "[circuit.node-a]\nleakage-resistance = '1 Mohm'";
 const A_CURRENT: &str = "[circuit.node-a]\nleakage = '-5 uA'";
-const A_PULL_UP: &str = "[circuit.node-a]\npull-up = '1 Mohm'";
+pub const A_PULL_UP: &str = "[circuit.node-a]\npull-up = '1 Mohm'";
 const B_50_KOHM: &str = "[circuit.node-b]\nleakage-resistance = '50 kohm'";
 const B_3_MOHM: &str = "[circuit.node-b]\nleakage-resistance = '3 Mohm'";
 
