@@ -21,7 +21,7 @@ mod point;
 mod repeats;
 
 use crate::estimate::limits::{
-    BEYOND_NOISE, COVERAGE, FAST, FOLLOWED, MOTION_POINTS, OPEN_LN, STATED, SUDDEN,
+    BEYOND_NOISE, COVERAGE, FAST, FOLLOWED, MOTION_POINTS, MUCH_BETTER, OPEN_LN, STATED, SUDDEN,
 };
 use crate::reading::Fault;
 use crate::units::Nanos;
@@ -90,6 +90,7 @@ impl Motion {
         };
         let late_by =
             self.recent.late_by(&point, late, evidence.is_confirmed()).ok_or(Fault::LatencyOutlier)?;
+        let late_by = late_by.hypot(self.unseen(&point));
         let error = if evidence.contradicts && !self.explains(&point) {
             let Some(pair) = pair else { return Err(Fault::LatencyOutlier) };
             // Where the sensor was moving already, it moves still.
@@ -295,6 +296,14 @@ impl Motion {
         // One that was late, or may have an error of its own, is no part of the way.
         let way = self.points().iter().filter(|point| point.trust == Trust::Sound);
         point::late_by(above.max(above_all(way, point).unwrap_or(0.0)))
+    }
+
+    /// What of the first point that is known much better than all before it may be a late stamp, which those are too uncertain to
+    /// tell.
+    fn unseen(&self, point: &Point) -> f64 {
+        let Some(last) = self.sound().next_back() else { return 0.0 };
+        let is_first = !last.is_open() && self.sound().all(|before| before.u > MUCH_BETTER * point.u);
+        if is_first { point::late_by((point.z - last.z).max(0.0) + last.u) } else { 0.0 }
     }
 
     /// What a rise may hide that only the reading before has shown, where there is one stretch and no more: it takes a third one to

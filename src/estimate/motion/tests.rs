@@ -395,3 +395,18 @@ fn a_sensor_does_not_move_by_what_becomes_known_of_the_pins() {
         }
     }
 }
+
+/// Of direct readings the next one is inferred, and late by what those cannot tell: it says so, and the second one need not.
+#[test]
+fn the_first_that_is_known_much_better_may_be_late() {
+    for late_ohm in [0.0, 4.0] {
+        let mut readings: Vec<[f64; 2]> =
+            (0..5).map(|index| [1000.0 + f64::from(index % 3) - 1.0, 2.5]).collect();
+        readings.push([1000.0 + late_ohm, 0.3]);
+        readings.extend([[1000.1, 0.3]; 4]);
+        let judged = judge_noisy(Some(R_O), &readings);
+        let u_ohm = |index: usize| judged[index].as_ref().unwrap().u_ohm;
+        assert!((1.0..4.0).contains(&u_ohm(5)) && late_ohm < 2.5 * u_ohm(5), "{judged:?}");
+        assert!(!judged[5].as_ref().unwrap().is_moving && u_ohm(9) < 0.1, "{judged:?}");
+    }
+}
