@@ -93,7 +93,7 @@ fn settings(asked: &Asked, design: &Design) -> String {
     let pace = match design.pace {
         Pace::Each => "each discharge a reading".to_owned(),
         Pace::Mean(time) => format!("means over {}", Seconds::from(time)),
-        Pace::Hertz(hertz) => format!("a mean {hertz} times a second"),
+        Pace::Hertz(hertz) => format!("means at {hertz} Hz"),
     };
     let deadline = Seconds::from(config.deadline());
     // As `cermctl check` says it of what is written.

@@ -33,7 +33,8 @@ pub fn all(boards: &[(Method, Board)]) -> impl FnOnce() -> Vec<Front> + Send + u
     move || {
         let each = resting.into_iter().map(|(method, pins, settings)| {
             let over = |average| Settings { average, ..settings.clone() };
-            let measured = averages().map(|average| point(Instrument::new(pins.clone(), over(average))));
+            let measured =
+                averages().map(|average| point(Instrument::new(pins.clone(), over(average)), average));
             Front { method, points: measured.flatten().collect() }
         });
         each.collect()
@@ -62,8 +63,10 @@ fn errors(mut instrument: Instrument<impl Pins>) -> (f64, Vec<f64>) {
 }
 
 /// How long a value takes, s, and the root mean square of their errors, ohm; `None` of none.
-fn point(instrument: Instrument<impl Pins>) -> Option<(f64, f64)> {
+fn point(instrument: Instrument<impl Pins>, average: Option<Nanos>) -> Option<(f64, f64)> {
     let (each_s, errors) = errors(instrument);
+    // One more of them may end in the time that is counted than begin.
+    let each_s = average.map_or(each_s, |average| each_s.max(average.as_seconds()));
     Some((each_s, rms(errors.into_iter()).filter(|rms| *rms > 0.0)?))
 }
 
