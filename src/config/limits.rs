@@ -44,8 +44,10 @@ use std::ops::RangeInclusive;
 
 pub const CAPACITORS: RangeInclusive<Farad> = Farad(10e-12)..=Farad(1e-3);
 pub const SUPPLIES: RangeInclusive<Volt> = Volt(0.5)..=Volt(30.0);
-pub const PIN_LIMITS_A: [(&str, f64); 2] = [("pinctrl-bcm2711", 0.008), ("pinctrl-rp1", 0.012)];
+const PIN_LIMITS_A: [(&str, f64); 2] = [("pinctrl-bcm2711", 0.008), ("pinctrl-rp1", 0.012)];
+/// What a pin may carry where its chip is not known to carry less, A.
 pub const STRONGEST_PIN_A: f64 = 0.016;
+
 pub const B_MARGIN: f64 = 0.05;
 pub const CALIBRATION_RATIO: f64 = 1.5;
 /// Of what is waited for or averaged over.
@@ -84,3 +86,8 @@ pub const SWITCH_S: f64 = 0.1e-6;
 pub const LATENESS_S: f64 = 20e-6;
 pub const PER_DECADE: f64 = 6.0;
 pub const RESISTANCES: u32 = 30;
+
+/// What a pin of a GPIO chip may carry, by the chip's label, A; `None` where that is as much as any.
+pub fn pin_limit_a(chip: &str) -> Option<f64> {
+    PIN_LIMITS_A.iter().find(|(label, _)| *label == chip).map(|(_, ampere)| *ampere)
+}

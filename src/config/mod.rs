@@ -39,7 +39,7 @@ pub use finding::{Finding, Findings, Severity};
 pub use force::{Characteristic, ForceSource};
 pub use gpio::{Backend, Gpio, LineName};
 pub use law::LawSource;
-pub use limits::{LARGEST_ZERO_OHM, LONGEST_WAIT};
+pub use limits::{LARGEST_ZERO_OHM, LONGEST_WAIT, STRONGEST_PIN_A, pin_limit_a};
 pub use settings::{SettingsError, tape_header};
 pub use trigger::{OutputTable, TriggerSettings, When};
 

@@ -6,8 +6,7 @@ use crate::estimate::fit::Weighing;
 use crate::files;
 use crate::sensor::Table;
 use crate::sensor::table::Pairs;
-use crate::units::GRAVITY;
-use crate::units::{Newton, Ohm};
+use crate::units::{GRAVITY, Newton, Ohm};
 use csv::{ReaderBuilder, StringRecord, Trim};
 use std::path::Path;
 
@@ -59,8 +58,9 @@ pub fn of_csv(text: &str, origin: &str) -> Result<Vec<Weighing>, String> {
     })
 }
 
-/// Whether force and resistance of pairs are in the order and the unit that are read. R = alpha / F fits as well with its sides changed, and only
-/// numbers without units can be taken for each other; those of a force sensor are ohms that are many more than newtons.
+/// Whether force and resistance of pairs are in the order and the unit that are read. R = alpha / F fits as well with its sides changed
+/// or in gram, and only numbers without units can be taken for each other; those of a force sensor are ohms that are many more than
+/// newtons.
 ///
 /// # Errors
 /// Why they look swapped, or like grams, and what to do.

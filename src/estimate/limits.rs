@@ -203,7 +203,7 @@ pub const GATE_WIDEST: f64 = 4.0;
 // Motion of the sensor; found with tests/accuracy, dynamic.
 /// Readings that are remembered.
 pub const MOTION_POINTS: usize = 6;
-/// A reading that is known so many times better than all before it has none that would tell a late stamp of it.
+/// So many times less uncertain is known much better: what is known so much worse is like anything, and tells no late stamp.
 pub const MUCH_BETTER: f64 = 2.0;
 /// A sensor whose readings have a larger predicted error, relative, moves fast: crossings that contradict each other are its
 /// own then.

@@ -51,7 +51,7 @@ pub struct Mean {
     shared: f64,
     with_state: State,
     with_state_at: Nanos,
-    /// The how manieth state that is.
+    /// How often the state had begun anew when it was that.
     of_state: u64,
     /// A reading has come without an uncertainty.
     is_unknown: bool,

@@ -48,8 +48,8 @@ pub struct Motion {
     /// The last one changed by more than its noise can hide.
     is_fast: bool,
     recent: Recent,
-    /// Ro that they go through, ohm; 0 while it is not known.
-    r_o_ohm: f64,
+    /// Ro that they go through, ohm, if it is known.
+    r_o_ohm: Option<f64>,
     /// There was a last one, and it was not settling.
     was_settled: bool,
     /// The last one before a rise that one stretch alone has shown: two late stamps in a row look like it.
@@ -116,13 +116,12 @@ impl Motion {
     /// Where Ro has just become known, or is known no longer, the sensor has not changed by it; by as little as it is followed by,
     /// nobody sees.
     fn goes_through(&mut self, r_o_ohm: Option<f64>) {
-        let now_ohm = r_o_ohm.unwrap_or(0.0);
-        if (self.r_o_ohm == 0.0) != (now_ohm == 0.0) {
-            let more_ohm = now_ohm - self.r_o_ohm;
+        if self.r_o_ohm.is_some() != r_o_ohm.is_some() {
+            let more_ohm = r_o_ohm.unwrap_or(0.0) - self.r_o_ohm.unwrap_or(0.0);
             let points = self.points[..self.count].iter_mut().chain(self.recent.points());
             points.chain(&mut self.before_rise).for_each(|point| *point = point.beyond(more_ohm));
         }
-        self.r_o_ohm = now_ohm;
+        self.r_o_ohm = r_o_ohm;
     }
 
     /// Takes a point that goes with those before it; answers its predicted error, 1 sigma, relative.
@@ -283,7 +282,7 @@ impl Motion {
             let seconds = (to.at - from.at).as_seconds();
             drift.step(from, to).abs() > SUDDEN * speed * seconds + from.noise_to(to)
         };
-        let knows_better = |from: &&Point| 2.0 * from.u < last.u && !is_faster(from, last);
+        let knows_better = |from: &&Point| MUCH_BETTER * from.u < last.u && !is_faster(from, last);
         is_faster(last, point) || self.sound().filter(knows_better).any(|from| is_faster(from, point))
     }
 

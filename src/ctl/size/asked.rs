@@ -1,6 +1,7 @@
 //! From what is typed to what is looked for: everything that cannot be meant is refused here, with what to type instead.
 
 use crate::circuit::Kind;
+use crate::config::{STRONGEST_PIN_A, pin_limit_a};
 use crate::ctl::{CtlError, cli};
 use crate::pins::sim::Scene;
 use crate::sensor::FSR_402;
@@ -64,13 +65,17 @@ pub fn asked(arguments: &cli::Size) -> Result<Asked, CtlError> {
     Ok(Asked { search, scene, name: arguments.scene.clone(), alpha_n_ohm })
 }
 
-/// What the pins of a board may carry by its maker's drive strength (hw/wiring.md); the least of all where nobody says.
-fn usual_pin_a(scene: &str) -> f64 {
+/// The GPIO chip of a board; that of the weakest pins where nobody says.
+pub fn chip_of(scene: &str) -> &'static str {
     match scene {
-        "pi-zero" => 0.016,
-        "pi5" => 0.012,
-        _ => 0.008,
+        "pi5" => "pinctrl-rp1",
+        "pi-zero" => "pinctrl-bcm2835",
+        _ => "pinctrl-bcm2711",
     }
+}
+
+fn usual_pin_a(scene: &str) -> f64 {
+    pin_limit_a(chip_of(scene)).unwrap_or(STRONGEST_PIN_A)
 }
 
 pub fn milliampere(ampere: f64) -> String {

@@ -1,6 +1,6 @@
 //! The configuration of a circuit, as somebody would write it who is about to build it.
 
-use super::asked::Asked;
+use super::asked::{Asked, chip_of};
 use crate::circuit::Network;
 use crate::config::Config;
 use crate::ctl::CtlError;
@@ -46,11 +46,7 @@ fn circuit(asked: &Asked, design: &Design) -> String {
 }
 
 fn lines(asked: &Asked, design: &Design) -> String {
-    let chip = match asked.name.as_str() {
-        "pi5" => "pinctrl-rp1",
-        "pi-zero" => "pinctrl-bcm2835",
-        _ => "pinctrl-bcm2711",
-    };
+    let chip = chip_of(&asked.name);
     let b = |line: &str| if design.nodes() == 2 { line.to_owned() } else { String::new() };
     format!(
         "\n[gpio]\nbackend = \"chardev\"\n# `cermctl lines` shows what there is.\nchip = \"{chip}\"\nsense-a = \"GPIO5\"\n{}\

@@ -1,7 +1,9 @@
 //! Readings as they came, late or not: where stamps are often late, a number is what several of them say.
 
 use super::point::{self, Point};
-use crate::estimate::limits::{ALIKE_BY_CHANCE, BY_CHANCE, OFTEN_LATE, REPEATS_OF, SELDOM_LATE, STATED};
+use crate::estimate::limits::{
+    ALIKE_BY_CHANCE, BY_CHANCE, MUCH_BETTER, OFTEN_LATE, REPEATS_OF, SELDOM_LATE, STATED,
+};
 use std::f64::consts::FRAC_PI_2;
 
 /// The last readings.
@@ -45,7 +47,7 @@ impl Recent {
 
 /// Whether two say the same, and the other knows it as well: one that is known much worse is like anything.
 fn is_alike(point: &Point, other: &Point) -> bool {
-    other.u <= 2.0 * point.u && (point.z - other.z).abs() <= STATED * point.u.hypot(other.u)
+    other.u <= MUCH_BETTER * point.u && (point.z - other.z).abs() <= STATED * point.u.hypot(other.u)
 }
 
 /// Whether late stamps are not as late as so many others by chance.

@@ -1,7 +1,7 @@
 # With 1 uF and 330 nF, node A crosses 21 to 32 us after the start of a discharge through 50 to 100 ohm, which is where a switch
 # would come: its call and A's own interrupt would meet, and the reading be refused. The plan has to keep clear of that; and what meets
-# one in spite of it comes earlier when it is taken again. One in thirty may be a fault or, of tracked, one
-# that says itself that it was met, by an uncertainty beyond 5 ohm.
+# one in spite of it comes earlier when it is taken again. One in thirty may be a fault or, of tracked, one that says itself that it was
+# met, by an uncertainty beyond 5 ohm.
 . /test/lib.sh
 . /test/accuracy.sh
 bad=
