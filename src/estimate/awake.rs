@@ -89,6 +89,11 @@ impl AwakeTest {
         latency.map_or([0.0; 2], |[longer_ns, u_ns]| [longer_ns.abs(), u_ns])
     }
 
+    /// Whether there were enough to tell whether they are like the others.
+    pub fn tells(&self, resistor: usize) -> bool {
+        self.looks[resistor].taken() >= AWAKE_FIRST
+    }
+
     /// Whether they are longer than the others or shorter for certain.
     pub fn shows(&self, resistor: usize) -> bool {
         let [shown_ns, u_ns] = self.shown_ns(resistor);

@@ -1,4 +1,5 @@
-//! Calibration discharges in which the [program wakes](crate::estimate::awake): they correct the state as long as they agree with it.
+//! Calibration discharges in which the [program wakes](crate::estimate::awake): the first of them are held against a state that only
+//! others have corrected; then they correct it, too, as long as they agree with it.
 
 use super::{Tracker, quadratic};
 use crate::estimate::awake::{AwakeTest, of_stamp_ns, resistor_of, wake_ns};
@@ -34,10 +35,12 @@ impl Tracker {
             self.awake.add_asleep(resistor, longer_ns);
             return None;
         };
-        if record.a_ns.is_some_and(|a_ns| a_ns > switch.on_ns) {
-            self.awake.add(resistor, longer_ns, u_state_ns.unwrap_or(0.0), record.start);
+        // It crossed before.
+        if record.a_ns.is_none_or(|a_ns| a_ns <= switch.on_ns) {
+            return None;
         }
-        Some(!self.awake.shows(resistor))
+        self.awake.add(resistor, longer_ns, u_state_ns.unwrap_or(0.0), record.start);
+        Some(self.awake.tells(resistor) && !self.awake.shows(resistor))
     }
 
     /// By how much node A crossed later than expected, ns, the variance of that, and what the state's own uncertainty is of it,

@@ -361,13 +361,7 @@ const SLOW: &str = "[circuit]\nr-o = '90 ohm'\nc-a = '2.53 uF'\nc-b = '782 nF'\n
 
 pub static PINS: [Row; 8] = [
     Row { name: "Ro is 90 ohm for 40, C 15 % larger, little noise", scene: SLOW, cases: ALL, ..ROW },
-    Row {
-        name: "Ro walks by 1 ohm in a second",
-        scene: "[walk]\nr-o = '1 ohm'",
-        cases: ALL,
-        fails: &[(Tracked, 100.0)],
-        ..ROW
-    },
+    Row { name: "Ro walks by 1 ohm in a second", scene: "[walk]\nr-o = '1 ohm'", cases: ALL, ..ROW },
     Row { name: "Ro walks by 0.3 ohm in a second", scene: "[walk]\nr-o = '0.3 ohm'", cases: ALL, ..ROW },
     Row { name: "Ro walks by 0.1 ohm in a second", scene: "[walk]\nr-o = '0.1 ohm'", cases: ALL, ..ROW },
     Row {
@@ -438,12 +432,7 @@ pub static DIELECTRICS: [Row; 17] = [
     Row { name: "PET: 0.25 % over five decades", scene: dielectric!(spread "0.0005"), ..DIELECTRIC },
     Row { name: "PET: 0.25 % at 1 ms", scene: dielectric!(at "0.0025", "1 ms"), ..DIELECTRIC },
     // Switches keep as far from A's crossing as calls take, and show more of it.
-    Row {
-        name: "PET: 0.25 % at 1 ms, calls of 6 us",
-        scene: SLOW_CALLS_PET,
-        fails: &[(Tracked, 100.0)],
-        ..DIELECTRIC
-    },
+    Row { name: "PET: 0.25 % at 1 ms, calls of 6 us", scene: SLOW_CALLS_PET, ..DIELECTRIC },
     Row {
         name: "PET: 0.25 % at 1 ms, calls of 6 us, from 4 s on",
         scene: SLOW_CALLS_PET,
@@ -458,7 +447,7 @@ pub static DIELECTRICS: [Row; 17] = [
         name: "X7R: 2.5 % at 100 us, from 4 s on",
         scene: dielectric!(at "0.025", "100 us"),
         seconds: [4.0, f64::INFINITY],
-        fails: &[(Tracked, 100.0), (Cerm, 100.0), (Tcdic, 100.0)],
+        fails: &[(Cerm, 100.0), (Tcdic, 100.0)],
         ..DIELECTRIC
     },
     Row {
@@ -470,7 +459,6 @@ pub static DIELECTRICS: [Row; 17] = [
         name: "X7R: 2.5 % at 300 us, from 4 s on",
         scene: dielectric!(at "0.025", "300 us"),
         seconds: [4.0, f64::INFINITY],
-        fails: &[(Cerm, 100.0), (Tcdic, 5000.0)],
         ..DIELECTRIC
     },
     Row {

@@ -231,7 +231,6 @@ pub static VARIANTS: [Variant; 44] = [
         absorption: absorbs(0.0025, 10e-3),
         cases: DIELECTRIC,
         // Looks show it less than noise hides.
-        fails: &[(Tcdic, 5000.0)],
         ..DAEMON
     },
     Variant {
@@ -318,19 +317,13 @@ pub static VARIANTS: [Variant; 44] = [
         cases: ONE,
         ..DAEMON
     },
-    // The state follows wakes before pairs show what they are there for.
-    Variant {
-        name: "tape of a daemon: the same, two nodes, each sensor to its end",
-        fails: &[(Tracked, 5000.0)],
-        ..TO_END
-    },
+    Variant { name: "tape of a daemon: the same, two nodes, each sensor to its end", ..TO_END },
     Variant {
         name: "tape of a daemon: the same, one node, each sensor to its end",
         wiring: Wiring::One,
-        fails: &[(Tracked, 5000.0)],
         ..TO_END
     },
-    // By now pairs have shown it.
+    // By now the state is no part of what shows it.
     Variant { name: "tape of a daemon: the same, two nodes, after 180 cycles", cycles: 200, ..TO_END },
     Variant {
         name: "tape of a daemon: the same, one node, after 180 cycles",
