@@ -190,7 +190,6 @@ impl Cycle {
         stats.absorbed = self.absorption.share();
         stats.late_after_waits_ns = self.estimator.awake().late_ns();
         stats.unlike_calls_ns = self.calls.unlike_ns();
-        stats.tracking = self.estimator.tracker().map(|tracker| tracker.counts());
         stats
     }
 

@@ -1,9 +1,7 @@
 //! What the instrument has counted and learned: the numbers behind STATS.
 
 use crate::estimate::offset::Offset;
-use crate::estimate::tracker::Counts;
-use crate::reading::Suspect;
-use crate::reading::{Fault, Status};
+use crate::reading::{Fault, Status, Suspect};
 use crate::units::Nanos;
 
 /// Counts since the start.
@@ -39,8 +37,6 @@ pub struct Stats {
     pub unlike_calls_ns: Option<f64>,
     /// What the last fault looked like, until a reading is none.
     pub suspect: Option<Suspect>,
-    /// What a tracked calibration has counted.
-    pub tracking: Option<Counts>,
     /// How long before an instant the backend turns from sleeping to spinning, if it does.
     pub spin_margin: Option<Nanos>,
     /// How often the backend had to configure lines anew.
