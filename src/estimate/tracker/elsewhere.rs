@@ -7,7 +7,7 @@
 
 use super::Tracker;
 use crate::estimate::limits::{
-    BY_ELSEWHERE, BY_ELSEWHERE_ABOVE, ELSEWHERE_EVERY, ELSEWHERE_FIRST, ELSEWHERE_REMEMBERED,
+    BY_ELSEWHERE, BY_ELSEWHERE_ABOVE, COVERAGE, ELSEWHERE_EVERY, ELSEWHERE_FIRST, ELSEWHERE_REMEMBERED,
     ELSEWHERE_SHOWS, ELSEWHERE_YOUNG,
 };
 use crate::estimate::look::{Looks, beyond};
@@ -65,12 +65,16 @@ impl Tracker {
         is_known.then(|| [beside_ns.median().abs(), beside_ns.noise().hypot(*u_state_ns)])
     }
 
-    /// What the law leaves out does to a reading, 1 sigma, ohm, as far as noise does not explain what shows: little below R_1, and
-    /// more between R_1 and R_2, which are read as themselves.
+    /// What the law leaves out does to a reading, 1 sigma, ohm, as far as noise does not explain what shows. Below R_1 it does little, and
+    /// has to show for certain once there was enough to show it. Between R_1 and R_2, which are read as themselves, all counts that noise
+    /// does not explain.
     pub fn left_out_ohm(&self, r_ohm: f64) -> f64 {
         let Some([shown_ns, u_ns]) = self.shown_elsewhere_ns() else { return 0.0 };
         let below = BY_ELSEWHERE * self.r_ohm[0] / self.takes_ns()[1];
-        below.max(self.left_out_above(r_ohm)) * beyond(shown_ns, u_ns)
+        let is_young = self.elsewhere.beside_ns.taken() < ELSEWHERE_YOUNG;
+        let sigmas = if is_young { 1.0 } else { COVERAGE };
+        let below_ohm = below * beyond(shown_ns, sigmas * u_ns);
+        below_ohm.max(self.left_out_above(r_ohm) * beyond(shown_ns, u_ns))
     }
 
     /// What is left out of a reading above R_1 for each ns that shows, ohm/ns. It grows from R_1 on until the dielectric can follow.
