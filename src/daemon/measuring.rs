@@ -29,7 +29,6 @@ use std::time::Duration;
 
 /// What the measuring thread tells.
 #[derive(Debug)]
-#[expect(clippy::large_enum_variant, reason = "it lies in a ring, where nothing is allocated for it")]
 pub enum Update {
     /// A reading or a discharge.
     Message(Message),

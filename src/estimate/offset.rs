@@ -214,11 +214,11 @@ impl SplitCalibration {
         let (d, r_o) = (mean_of(|round| round.d_ns)?, mean_of(|round| round.r_o_ohm)?);
         let (s, difference_ns) = (mean_of(|round| round.s_ns)?.0, mean_of(|round| round.difference_ns)?.0);
         let r_o_by_switch = difference_ns * (self.r2_ohm - self.r1_ohm) / (difference_ns - s).powi(2);
-        let by_switch = -mean_of(|round| round.g)?.0 * r_o_by_switch;
+        let g = mean_of(|round| round.g)?.0;
+        let by_switch = -g * r_o_by_switch;
         let u_common_ns = UNLIKE_CALLS * mean_of(|round| round.u_switch_ns)?.0;
 
         let left_out_ns = Self::left_out_ns(kept.clone());
-
         let slope = (self.r2_ohm + r_o.0) / (self.r1_ohm + r_o.0);
         let late_ns = |round: &Round| (round.difference_ns - slope * round.s_ns) / slope;
         let usual = usual_of(&mut self.scratch, kept.clone().map(late_ns));
@@ -231,7 +231,7 @@ impl SplitCalibration {
         Some(Offset {
             d_ns: d.0,
             u_d_ns: d.1.hypot(by_switch * u_common_ns).hypot(left_out_ns),
-            r_o_ohm: Some((r_o.0, r_o.1.hypot(r_o_by_switch * u_common_ns))),
+            r_o_ohm: Some((r_o.0, r_o.1.hypot(r_o_by_switch * u_common_ns).hypot(left_out_ns / g))),
             scatter,
             by_switch,
             ..Offset::default()
