@@ -7,11 +7,11 @@
 
 use super::Tracker;
 use crate::estimate::limits::{
-    BY_ELSEWHERE, BY_ELSEWHERE_ABOVE, COVERAGE, ELSEWHERE_EVERY, ELSEWHERE_FIRST, ELSEWHERE_REMEMBERED,
-    ELSEWHERE_SHOWS, ELSEWHERE_YOUNG,
+    BY_ELSEWHERE, BY_ELSEWHERE_ABOVE, COVERAGE, ELSEWHERE, ELSEWHERE_AT_LEAST, ELSEWHERE_EVERY,
+    ELSEWHERE_FIRST, ELSEWHERE_MARGIN, ELSEWHERE_REMEMBERED, ELSEWHERE_SHOWS, ELSEWHERE_YOUNG,
+    SPLIT_FRACTION,
 };
 use crate::estimate::look::{Looks, beyond};
-use crate::estimate::offset::{is_late, latest_ns};
 use crate::record::{CalibrationKind, Record};
 
 /// By how much node A crossed beside what the state says, ns, and how many split discharges there were.
@@ -40,7 +40,9 @@ impl Tracker {
     /// As late as noise lets it be before node A crosses; `None` where that is little later than the others.
     fn latest_ns(&self) -> Option<f64> {
         let [first_ns, _] = self.takes_ns();
-        latest_ns(first_ns, &self.noise)
+        let jitter_ns = self.noise.covariance([first_ns; 2])?.aa.sqrt();
+        let latest_ns = (ELSEWHERE * first_ns).min(first_ns - ELSEWHERE_MARGIN * jitter_ns);
+        (latest_ns > ELSEWHERE_AT_LEAST * first_ns).then_some(latest_ns)
     }
 
     /// Takes a split discharge for what it shows; whether the state is to be corrected by it, `None` where it did not switch late.
@@ -49,7 +51,7 @@ impl Tracker {
         let is_split = kind == CalibrationKind::Split && !self.is_doubted();
         let switch = record.switch.filter(|_| is_split)?;
         self.elsewhere.splits = self.elsewhere.splits.wrapping_add(1);
-        if !is_late(switch.at_ns, self.takes_ns()[0]) {
+        if switch.at_ns < f64::midpoint(SPLIT_FRACTION, ELSEWHERE_AT_LEAST) * self.takes_ns()[0] {
             return None;
         }
         let (beside_ns, u_state_ns) = self.beside(kind, record).unzip();

@@ -459,6 +459,7 @@ pub static DIELECTRICS: [Row; 17] = [
         name: "X7R: 2.5 % at 300 us, from 4 s on",
         scene: dielectric!(at "0.025", "300 us"),
         seconds: [4.0, f64::INFINITY],
+        fails: &[(Cerm, 100.0)],
         ..DIELECTRIC
     },
     Row {
