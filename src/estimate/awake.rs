@@ -91,7 +91,7 @@ impl AwakeTest {
 
     /// Whether there were enough to tell whether they are like the others.
     pub fn tells(&self, resistor: usize) -> bool {
-        self.looks[resistor].taken() >= AWAKE_FIRST
+        self.longer_ns(resistor).is_some()
     }
 
     /// Whether they are longer than the others or shorter for certain.

@@ -110,7 +110,7 @@ pub const ELSEWHERE_AT_LEAST: f64 = 0.94;
 pub const ELSEWHERE_EVERY: u32 = 4;
 /// The first late ones follow each other; fewer tell little.
 pub const ELSEWHERE_FIRST: usize = 6;
-/// Until there are so many, half of them are.
+/// Until there are so many, half of them are, and what they show counts below R_1 where it is likely, not only where it is certain.
 pub const ELSEWHERE_YOUNG: usize = 40;
 /// How many are remembered.
 pub const ELSEWHERE_REMEMBERED: usize = 256;

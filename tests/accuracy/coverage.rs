@@ -43,9 +43,6 @@ fn known(scene: &str, method: Method, decade: [f64; 2]) -> RangeInclusive<f64> {
         // How much switches scatter is a prior by the length of calls, twice what they do on these boards, until split
         // discharges have shown it.
         ("pi4" | "pi5", Method::Tracked) if decade[1] <= 1000.0 => [0.0, 0.03],
-        // What looks cannot exclude of a leak on boards that have none does more the higher the resistance: without it 0.2 to 0.5 %
-        // fewer are within 2u.
-        _ if decade[0] >= 10_000.0 => [0.0, 0.005],
         _ => [0.0, 0.0],
     };
     WITHIN_2U + by[0]..=WITHIN_2U + by[1]
