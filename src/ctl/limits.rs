@@ -29,7 +29,7 @@
 //! | `METERED` | 1 | s | of a rehearsal for the processor time: fifty discharges at the least, or those of the longest mean |
 //! | `REHEARSED`, `REHEARSED_READINGS` | 2, 200 | s, | how long it counts on each board at the most |
 //! | `LONGEST_REHEARSED` | 5 | s | of a mean: `check` takes some seconds for it, and longer means differ in what they state by less than boards do |
-//! | `REHEARSED_BOARDS` | 8 | | what a board states scatters by a tenth (`tcdic`, 50 kohm): a mean of so many, by 4 % |
+//! | `REHEARSED_BOARDS` | 8 | | what a board states scatters by a tenth (`tcdic`, 50 kohm): the median of so many, by 5 % |
 //! | `BEYOND_CHANCE` | 2 | standard errors | of what boards of a kind are off by, above what they state: the error is then what is to be expected |
 //! | `REHEARSED_RESISTANCES` | 5 | | of the range of a sensor, for `size` |
 //! | `GOOD` | 0.95 | of the error asked for | boards of a kind differ: a few percent are left for that |

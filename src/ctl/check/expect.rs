@@ -9,7 +9,7 @@ use crate::ctl::limits::{
     BEYOND_CHANCE, COLD, LONGEST_REHEARSED, REHEARSED, REHEARSED_BOARDS, REHEARSED_READINGS, SHARES_OF_R_2,
     WARM,
 };
-use crate::estimate::scatter;
+use crate::estimate::scatter::{self, median};
 use crate::instrument::settings::Settings;
 use crate::instrument::{Instrument, Message};
 use crate::pins::Pins;
@@ -107,13 +107,19 @@ pub fn rehearse(settings: &Settings, scene: &Scene, r_ohm: f64, boards: usize) -
         scene.seed = scene.seed.wrapping_add(1);
     }
     let all = each.iter().fold(RehearsalSum::default(), RehearsalSum::and);
-    let stated = all.stated / all.numbers as f64;
+    let stated = stated_by(&each);
     Some(Expected {
         r_ohm,
         u_ohm: (2 * all.numbers > all.readings).then(|| refuted_by(&each, stated).unwrap_or(stated).sqrt()),
         rate_hz: all.readings as f64 / settings.channels.len() as f64 / all.until_last,
         discharges_hz: all.discharges as f64 / all.seconds,
     })
+}
+
+/// The mean square of what is stated on half of the boards, ohm²: a few state much more, to which chance looks like a leak or a dielectric.
+fn stated_by(boards: &[RehearsalSum]) -> f64 {
+    let with_numbers = boards.iter().filter(|board| board.numbers > 0);
+    median(&mut with_numbers.map(|board| board.stated / board.numbers as f64).collect::<Vec<_>>())
 }
 
 /// The mean square of errors, ohm², where it is above what is stated by more than boards scatter. Those of one board have their
