@@ -8,6 +8,11 @@ use crate::units::Nanos;
 pub const BEYOND_NOISE: f64 = 5.0;
 /// A resistance below so many sigma cannot be told from a short circuit; bounds are stated with the same factor (95 %, GUM).
 pub const COVERAGE: f64 = 2.0;
+/// Of readings near a short circuit those are told from it by chance that noise has put farthest up: where fewer than one in five are,
+/// more than one in ten of them is off by more than two sigma (normal values).
+pub const MOSTLY_UNRESOLVED: f64 = 0.8;
+/// Over so many readings.
+pub const UNRESOLVED_MEMORY: f64 = 32.0;
 /// Residuals that disagree by more sigma enlarge the uncertainty as much (Birge's ratio): chance does so once in 70 readings.
 pub const DOUBT: f64 = 2.45;
 /// A conductance of fewer sigma is not told from none: chance makes one reading in 10^9 of an open sensor a number.
@@ -110,7 +115,7 @@ pub const ELSEWHERE_AT_LEAST: f64 = 0.94;
 pub const ELSEWHERE_EVERY: u32 = 4;
 /// The first late ones follow each other; fewer tell little.
 pub const ELSEWHERE_FIRST: usize = 6;
-/// Until there are so many, half of them are, and what they show counts below R_1 where it is likely, not only where it is certain.
+/// Until there are so many, half of them are.
 pub const ELSEWHERE_YOUNG: usize = 40;
 /// How many are remembered.
 pub const ELSEWHERE_REMEMBERED: usize = 256;
@@ -134,7 +139,7 @@ pub const AWAKE_FIRST: usize = 10;
 /// So many pairs of one that is and one that is not tell more than the state does.
 pub const AWAKE_PAIRS: usize = 32;
 /// The same beside calibration discharges that are taken anew for each reading.
-pub const AWAKE_AGAIN: Nanos = Nanos(1_000_000_000);
+pub const AWAKE_AGAIN: Nanos = Nanos(500_000_000);
 /// How many are remembered through either resistor.
 pub const AWAKE_REMEMBERED: usize = 256;
 /// What they show is there beyond so many sigma.

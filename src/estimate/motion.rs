@@ -19,6 +19,7 @@ mod drift;
 mod evidence;
 mod point;
 mod repeats;
+mod resolved;
 
 use crate::estimate::limits::{
     BEYOND_NOISE, COVERAGE, FAST, FOLLOWED, MOTION_POINTS, MUCH_BETTER, OPEN_LN, STATED, SUDDEN,
@@ -30,6 +31,7 @@ pub use evidence::Evidence;
 use evidence::Pair;
 use point::{LEAST_OHM, Point, Trust};
 use repeats::Recent;
+use resolved::Resolved;
 
 /// What the sensor's own change, and a stamp that may be late, add to a reading.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -54,6 +56,8 @@ pub struct Motion {
     was_settled: bool,
     /// The last one before a rise that one stretch alone has shown: two late stamps in a row look like it.
     before_rise: Option<Point>,
+    /// Whether they are told from a short circuit.
+    pub resolved: Resolved,
 }
 
 impl Motion {

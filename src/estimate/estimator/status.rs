@@ -73,7 +73,10 @@ impl Estimator {
     pub fn judge(&self, record: &Record, sensor: &Channel, motion: &mut Motion) -> Judged {
         let at_ns = middle_ns(record);
         let mut judged = Judged { at_ns, ..Judged::fault(Fault::Implausible) };
-        judged.status = self.status_of(record, sensor, motion, &mut judged).unwrap_or_else(Status::Fault);
+        judged.status = self.status_of(record, sensor, motion, &mut judged).unwrap_or_else(|fault| {
+            motion.resolved.counts(false);
+            Status::Fault(fault)
+        });
         if let Status::Open { r_min_ohm, .. } = judged.status {
             motion.is_open(judged.at(record.start), sensor.as_read(r_min_ohm));
         }
@@ -118,7 +121,8 @@ impl Estimator {
         judged.as_read_ohm = Some(estimate.basis.shared(as_read));
         let r_ohm = self.own_ohm(sensor, as_read);
         let is_settling = motion.settles(by_prior);
-        if let Some(status) = self.unresolved(record, sensor, r_ohm, is_settling)? {
+        let is_resolved = r_ohm.u.is_none_or(|u| motion.resolved.tells(r_ohm.value / u));
+        if let Some(status) = self.unresolved(record, sensor, r_ohm, is_settling, is_resolved)? {
             return Ok(status);
         }
         Ok(Status::Ok {
@@ -150,11 +154,12 @@ impl Estimator {
         sensor: &Channel,
         r_ohm: Measured,
         is_settling: bool,
+        is_resolved: bool,
     ) -> Result<Option<Status>, Fault> {
         match r_ohm.u {
             Some(u) if r_ohm.value < -BEYOND_NOISE * u => Err(Fault::Implausible),
             // What a wide prior cannot tell from a short circuit is none yet.
-            Some(u) if !is_resolved(r_ohm) && (!is_settling || r_ohm.value <= 0.0) => {
+            Some(u) if !is_resolved && (!is_settling || r_ohm.value <= 0.0) => {
                 let r_max_ohm = r_ohm.value.max(0.0) + COVERAGE * u;
                 // What may as well be above R_1 is no short circuit: nothing is known.
                 if r_max_ohm > self.r1_ohm {
