@@ -14,8 +14,15 @@
 //! crossings. The rounds are averaged; their scatter gives the uncertainties (GUM type A). Rounds that a latency spike has
 //! spoilt are left out. What the scatter does not show is an error of s that is the same each time: the line that starts
 //! the discharge is sunk, the one that ends s is released ([`UNLIKE_CALLS`], type B).
+//!
+//! Nor what the law leaves out, as a dielectric that lags behind in R_1 and gives back after the switch: rounds that switch as late as
+//! they can show more of it. By what these differ from the others the offset may be off.
 
-use crate::estimate::limits::{FEWEST_ROUNDS, UNKNOWN_OFFSET_NS};
+use crate::estimate::limits::{
+    ELSEWHERE, ELSEWHERE_AT_LEAST, ELSEWHERE_MARGIN, ELSEWHERE_SHOWS, FEWEST_ROUNDS, SPLIT_FRACTION,
+    UNKNOWN_OFFSET_NS,
+};
+use crate::estimate::look::beyond;
 use crate::estimate::noise::{Covariance, Noise};
 use crate::estimate::scatter::{SwitchScatter, Usual, expected_ns, mean};
 use crate::record::{Crossings, Record, UNLIKE_CALLS};
@@ -69,6 +76,8 @@ struct Round {
     difference_ns: f64,
     /// The progress g, weighted as D was, ns/ohm.
     g: f64,
+    /// It switched as late as it could.
+    is_late: bool,
     u_switch_ns: f64,
     /// Of D, as far as it is due to its crossings, ns²; `None` while the noise is not known.
     variance: Option<f64>,
@@ -81,6 +90,19 @@ fn usual_of(scratch: &mut Vec<f64>, values: impl Iterator<Item = f64>) -> Usual 
     Usual::of(scratch)
 }
 
+/// How late a split discharge can switch before node A crosses at `first_ns`, ns after its start; `None` where noise leaves it little
+/// later than the others.
+pub fn latest_ns(first_ns: f64, noise: &Noise) -> Option<f64> {
+    let jitter_ns = noise.covariance([Some(first_ns); 2])?.aa.sqrt();
+    let latest_ns = (ELSEWHERE * first_ns).min(first_ns - ELSEWHERE_MARGIN * jitter_ns);
+    (latest_ns > ELSEWHERE_AT_LEAST * first_ns).then_some(latest_ns)
+}
+
+/// Whether one switched so late.
+pub fn is_late(at_ns: f64, first_ns: f64) -> bool {
+    at_ns >= f64::midpoint(SPLIT_FRACTION, ELSEWHERE_AT_LEAST) * first_ns
+}
+
 /// Collects rounds of a split calibration, the last ones up to a number.
 #[derive(Debug, Clone, Default)]
 pub struct SplitCalibration {
@@ -88,8 +110,9 @@ pub struct SplitCalibration {
     r2_ohm: f64,
     nodes: usize,
     rounds: Vec<Round>,
-    /// How many rounds have been taken.
+    /// How many rounds have been taken, and how many came to nothing.
     taken: usize,
+    failed: usize,
     /// For sorting: allocated once.
     scratch: Vec<f64>,
 }
@@ -98,14 +121,14 @@ impl SplitCalibration {
     /// For calibration resistors `r1_ohm` < `r2_ohm` and a circuit with one or two nodes; remembers `window` rounds.
     pub fn new(r1_ohm: f64, r2_ohm: f64, nodes: usize, window: usize) -> SplitCalibration {
         let (rounds, scratch) = (Vec::with_capacity(window), Vec::with_capacity(window));
-        SplitCalibration { r1_ohm, r2_ohm, nodes, rounds, taken: 0, scratch }
+        SplitCalibration { r1_ohm, r2_ohm, nodes, rounds, taken: 0, failed: 0, scratch }
     }
 
     /// Forgets every round; the memory stays.
     pub fn clear(&mut self) {
         self.rounds.clear();
         self.scratch.clear();
-        self.taken = 0;
+        (self.taken, self.failed) = (0, 0);
     }
 
     /// How many rounds have been taken.
@@ -113,10 +136,18 @@ impl SplitCalibration {
         self.taken
     }
 
+    /// Whether the next round is to switch as late as it can: every second one.
+    pub fn is_next_late(&self) -> bool {
+        (self.taken + self.failed) % 2 == 1
+    }
+
     /// Takes one round: crossings of the plain discharges and the record of the split one. A round whose split
     /// discharge was not switched in time, or that does not fit the law, tells nothing and is passed over.
     pub fn add(&mut self, c1: Crossings, c2: Crossings, split: &Record, noise: &Noise) {
-        let Some(round) = self.round(c1, c2, split, noise) else { return };
+        let Some(round) = self.round(c1, c2, split, noise) else {
+            self.failed += 1;
+            return;
+        };
         if self.rounds.len() < self.rounds.capacity() {
             self.rounds.push(round);
         } else {
@@ -151,7 +182,20 @@ impl SplitCalibration {
         let variance = covariance.map(|covariance| 2.0 * covariance.of(weights[0], weights[1]));
         let sound = d_ns.is_finite() && r_o_ohm.is_finite();
         let u_switch_ns = expected_ns(split);
-        sound.then_some(Round { d_ns, r_o_ohm, s_ns: s, difference_ns, g, u_switch_ns, variance })
+        let is_late = is_late(s, c1[0]? - d_ns);
+        sound.then_some(Round { d_ns, r_o_ohm, s_ns: s, difference_ns, g, is_late, u_switch_ns, variance })
+    }
+
+    /// What the law leaves out of d, 1 sigma, ns: by how much late rounds differ from others, as far as that is certain: the real
+    /// kernel stamps kinds of discharge unlike each other by some of their noise.
+    fn left_out_ns<'a>(rounds: impl Iterator<Item = &'a Round> + Clone) -> f64 {
+        let of = |late: bool| {
+            let rounds = rounds.clone().filter(move |round| round.is_late == late);
+            let enough = rounds.clone().nth(FEWEST_ROUNDS - 1).is_some();
+            mean(rounds.map(|round| round.d_ns)).filter(|_| enough).and_then(|d| Some((d.value, d.u?)))
+        };
+        let (Some((late_ns, u_late_ns)), Some((d_ns, u_d_ns))) = (of(true), of(false)) else { return 0.0 };
+        beyond(late_ns - d_ns, ELSEWHERE_SHOWS * u_late_ns.hypot(u_d_ns))
     }
 
     /// The result so far; `None` for fewer than four rounds.
@@ -172,9 +216,11 @@ impl SplitCalibration {
         let (d, r_o) = (mean_of(|round| round.d_ns)?, mean_of(|round| round.r_o_ohm)?);
         let (s, difference_ns) = (mean_of(|round| round.s_ns)?.0, mean_of(|round| round.difference_ns)?.0);
         let r_o_by_switch = difference_ns * (self.r2_ohm - self.r1_ohm) / (difference_ns - s).powi(2);
-        let by_switch = -mean_of(|round| round.g)?.0 * r_o_by_switch;
+        let g = mean_of(|round| round.g)?.0;
+        let by_switch = -g * r_o_by_switch;
         let u_common_ns = UNLIKE_CALLS * mean_of(|round| round.u_switch_ns)?.0;
 
+        let left_out_ns = Self::left_out_ns(kept.clone());
         let slope = (self.r2_ohm + r_o.0) / (self.r1_ohm + r_o.0);
         let late_ns = |round: &Round| (round.difference_ns - slope * round.s_ns) / slope;
         let usual = usual_of(&mut self.scratch, kept.clone().map(late_ns));
@@ -186,11 +232,55 @@ impl SplitCalibration {
         }
         Some(Offset {
             d_ns: d.0,
-            u_d_ns: d.1.hypot(by_switch * u_common_ns),
-            r_o_ohm: Some((r_o.0, r_o.1.hypot(r_o_by_switch * u_common_ns))),
+            u_d_ns: d.1.hypot(by_switch * u_common_ns).hypot(left_out_ns),
+            r_o_ohm: Some((r_o.0, r_o.1.hypot(r_o_by_switch * u_common_ns).hypot(left_out_ns / g))),
             scatter,
             by_switch,
             ..Offset::default()
         })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::record::{Switch, Through};
+    use crate::units::Nanos;
+
+    /// By many rounds on a board whose late rounds end so much later than the law says; stamps jitter by a tenth of a microsecond.
+    fn found(later_ns: f64) -> Offset {
+        let (r, r_o, per_ohm, d) = ([470.0, 12_700.0], 40.0, 2_000.0, 8_000.0);
+        let plain = |r: f64| [Some(per_ohm * (r + r_o) + d), None];
+        let (noise, first_ns) = (Noise::new(1, 1.0), per_ohm * (r[0] + r_o));
+        let mut split = SplitCalibration::new(r[0], r[1], 1, 256);
+        for round in 0..256 {
+            let late = split.is_next_late();
+            let at_ns = if late { ELSEWHERE } else { SPLIT_FRACTION } * first_ns;
+            let rest_ns = (first_ns - at_ns) * (r[1] + r_o) / (r[0] + r_o);
+            let jitter_ns = if round / 2 % 2 == 0 { 100.0 } else { -100.0 };
+            let end_ns = at_ns + rest_ns + d + jitter_ns + if late { later_ns } else { 0.0 };
+            let record = Record {
+                through: Through::C1,
+                start: Nanos::ZERO,
+                second_ns: None,
+                switch: Some(Switch { at_ns, on_ns: at_ns, to: Through::C2 }),
+                a_ns: Some(end_ns),
+                b_ns: None,
+                u_switch_ns: Some(0.0),
+                waited_ns: None,
+                later_ns: None,
+            };
+            split.add(plain(r[0]), plain(r[1]), &record, &noise);
+        }
+        split.result().unwrap()
+    }
+
+    #[test]
+    fn what_late_rounds_show_is_in_the_uncertainty() {
+        let law = found(0.0);
+        assert!((law.d_ns - 8_000.0).abs() < 1.0 && law.u_d_ns < 1.0, "{law:?}");
+        let left_out = found(20_000.0);
+        let error_ns = (left_out.d_ns - 8_000.0).abs();
+        assert!(error_ns > 100.0 && (error_ns..4.0 * error_ns).contains(&left_out.u_d_ns), "{left_out:?}");
     }
 }

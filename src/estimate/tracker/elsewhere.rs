@@ -7,11 +7,11 @@
 
 use super::Tracker;
 use crate::estimate::limits::{
-    BY_ELSEWHERE, BY_ELSEWHERE_ABOVE, COVERAGE, ELSEWHERE, ELSEWHERE_AT_LEAST, ELSEWHERE_EVERY,
-    ELSEWHERE_FIRST, ELSEWHERE_MARGIN, ELSEWHERE_REMEMBERED, ELSEWHERE_SHOWS, ELSEWHERE_YOUNG,
-    SPLIT_FRACTION,
+    BY_ELSEWHERE, BY_ELSEWHERE_ABOVE, ELSEWHERE_EVERY, ELSEWHERE_FIRST, ELSEWHERE_REMEMBERED,
+    ELSEWHERE_SHOWS, ELSEWHERE_YOUNG,
 };
 use crate::estimate::look::{Looks, beyond};
+use crate::estimate::offset::{is_late, latest_ns};
 use crate::record::{CalibrationKind, Record};
 
 /// By how much node A crossed beside what the state says, ns, and how many split discharges there were.
@@ -40,9 +40,7 @@ impl Tracker {
     /// As late as noise lets it be before node A crosses; `None` where that is little later than the others.
     fn latest_ns(&self) -> Option<f64> {
         let [first_ns, _] = self.takes_ns();
-        let jitter_ns = self.noise.covariance([first_ns; 2])?.aa.sqrt();
-        let latest_ns = (ELSEWHERE * first_ns).min(first_ns - ELSEWHERE_MARGIN * jitter_ns);
-        (latest_ns > ELSEWHERE_AT_LEAST * first_ns).then_some(latest_ns)
+        latest_ns(first_ns, &self.noise)
     }
 
     /// Takes a split discharge for what it shows; whether the state is to be corrected by it, `None` where it did not switch late.
@@ -51,7 +49,7 @@ impl Tracker {
         let is_split = kind == CalibrationKind::Split && !self.is_doubted();
         let switch = record.switch.filter(|_| is_split)?;
         self.elsewhere.splits = self.elsewhere.splits.wrapping_add(1);
-        if switch.at_ns < f64::midpoint(SPLIT_FRACTION, ELSEWHERE_AT_LEAST) * self.takes_ns()[0] {
+        if !is_late(switch.at_ns, self.takes_ns()[0]) {
             return None;
         }
         let (beside_ns, u_state_ns) = self.beside(kind, record).unzip();
@@ -67,16 +65,12 @@ impl Tracker {
         is_known.then(|| [beside_ns.median().abs(), beside_ns.noise().hypot(*u_state_ns)])
     }
 
-    /// What the law leaves out does to a reading, 1 sigma, ohm, as far as noise does not explain what shows. Below R_1 it does little, and
-    /// has to show for certain once there was enough to show it. Between R_1 and R_2, which are read as themselves, all counts that noise
-    /// does not explain.
+    /// What the law leaves out does to a reading, 1 sigma, ohm, as far as noise does not explain what shows: little below R_1, more between
+    /// R_1 and R_2, which are read as themselves.
     pub fn left_out_ohm(&self, r_ohm: f64) -> f64 {
         let Some([shown_ns, u_ns]) = self.shown_elsewhere_ns() else { return 0.0 };
         let below = BY_ELSEWHERE * self.r_ohm[0] / self.takes_ns()[1];
-        let is_young = self.elsewhere.beside_ns.taken() < ELSEWHERE_YOUNG;
-        let sigmas = if is_young { 1.0 } else { COVERAGE };
-        let below_ohm = below * beyond(shown_ns, sigmas * u_ns);
-        below_ohm.max(self.left_out_above(r_ohm) * beyond(shown_ns, u_ns))
+        below.max(self.left_out_above(r_ohm)) * beyond(shown_ns, u_ns)
     }
 
     /// What is left out of a reading above R_1 for each ns that shows, ohm/ns. It grows from R_1 on until the dielectric can follow.

@@ -11,6 +11,7 @@ use crate::estimate::leak;
 use crate::estimate::limits::{ABSORPTION_REST, BEYOND_NOISE, LEAK_HOLD, SPLIT_FRACTION, UNKNOWN_JITTER_NS};
 use crate::estimate::method::Switching;
 use crate::estimate::motion::Motion;
+use crate::estimate::offset::{is_late, latest_ns};
 use crate::estimate::scatter::expected_ns;
 use crate::instrument::discharge::Charge;
 use crate::instrument::limits::{
@@ -251,9 +252,20 @@ impl Cycle {
         let (c1, c2) = self.estimator.calibration()?;
         let [r1, r2] = self.settings.r_ohm();
         let pays = self.late_split_pays() > CALIBRATION_PAYS;
-        let elsewhere_ns = self.estimator.tracker().and_then(|tracker| tracker.elsewhere_ns(pays));
+        let followed_ns = self.estimator.tracker().and_then(|tracker| tracker.elsewhere_ns(pays));
+        let elsewhere_ns = followed_ns.or_else(|| self.late_round_ns());
         let usual_ns = SPLIT_FRACTION * (c2[0]? - c1[0]?) / (r2 - r1) * r1;
         Some(Nanos(elsewhere_ns.unwrap_or(usual_ns) as i64))
+    }
+
+    /// The same of a round of split calibration that is to switch as late as it can, ns, once d is known: the call is over before A
+    /// crosses.
+    fn late_round_ns(&self) -> Option<f64> {
+        self.split.as_ref().filter(|split| split.is_next_late())?;
+        let (offset, (c1, _)) = (self.estimator.offset(), self.estimator.calibration()?);
+        let first_ns = c1[0]? - offset.d_ns;
+        let at_ns = latest_ns(first_ns, self.estimator.noise())?.min(first_ns - self.calls.longest_ns());
+        (!offset.is_prior && is_late(at_ns, first_ns)).then_some(at_ns)
     }
 
     /// When to switch from the sensor to R_2, if the next x discharge of a channel is to be switched at all.
