@@ -188,7 +188,7 @@ impl Estimator {
         let ended = record.ended(self.nodes).ok_or(Fault::NoCalibration)?;
         let judged = self.noise.add(kind, ended, [0.0; 2]);
         // After a step others are where these were not.
-        if self.tracker.as_ref().is_none_or(|tracker| tracker.counts().steps == 0) {
+        if self.tracker.as_ref().is_none_or(|tracker| tracker.steps() == 0) {
             judged?;
         }
         match kind {

@@ -98,11 +98,11 @@ impl Mean {
 
     fn carry(&mut self, tracker: &Tracker) {
         // A state that has begun anew shares nothing with the one before.
-        self.with_state = match tracker.counts().steps == self.of_state {
+        self.with_state = match tracker.steps() == self.of_state {
             true => tracker.carried(self.with_state, self.with_state_at),
             false => State::default(),
         };
-        (self.with_state_at, self.of_state) = (tracker.at(), tracker.counts().steps);
+        (self.with_state_at, self.of_state) = (tracker.at(), tracker.steps());
     }
 
     /// The mean; `None` of none. `tracker`: as it is now.

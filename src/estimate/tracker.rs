@@ -40,17 +40,6 @@ fn bilinear(matrix: &Matrix, u: &State, v: &State) -> f64 {
     (0..UNKNOWNS).map(|i| u[i] * (0..UNKNOWNS).map(|j| matrix[i][j] * v[j]).sum::<f64>()).sum()
 }
 
-/// What has been counted.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub struct Counts {
-    /// Calibration discharges used.
-    pub used: u64,
-    /// Rejected by the gate.
-    pub rejected: u64,
-    /// Steps of the calibration.
-    pub steps: u64,
-}
-
 /// The filter.
 #[derive(Debug, Clone)]
 pub struct Tracker {
@@ -68,7 +57,8 @@ pub struct Tracker {
     rejected_in_row: u32,
     /// The share of late stamps before them, which may be a step.
     late_before: f64,
-    counts: Counts,
+    /// Steps of the calibration so far.
+    steps: u64,
     scatter: SwitchScatter,
     elsewhere: Elsewhere,
     awake: AwakeTest,
@@ -109,7 +99,7 @@ impl Tracker {
             means: [[0.0; 2]; 3],
             rejected_in_row: 0,
             late_before: 0.0,
-            counts: Counts::default(),
+            steps: 0,
             scatter: SwitchScatter::default(),
             elsewhere: Elsewhere::default(),
             awake: AwakeTest::default(),
@@ -153,9 +143,9 @@ impl Tracker {
         &self.noise
     }
 
-    /// Calibration discharges used and rejected.
-    pub fn counts(&self) -> Counts {
-        self.counts
+    /// How many steps of the calibration there have been.
+    pub fn steps(&self) -> u64 {
+        self.steps
     }
 
     /// Whether the last calibration discharge was rejected.
@@ -219,7 +209,6 @@ impl Tracker {
                     let _ = self.noise.add(kind, times, expected);
                 }
                 self.rejected_in_row = 0;
-                self.counts.used += 1;
                 return Ok(());
             }
             Err(beside_ns) => {
@@ -228,7 +217,6 @@ impl Tracker {
                 self.noise.tell_far(kind, beside_ns.iter().map(beside).any(|ns| ns > LATE_NS));
             }
         }
-        self.counts.rejected += 1;
         self.rejected_in_row += 1;
         if !is_step(self.rejected_in_row, self.late_before) {
             return Err(Fault::LatencyOutlier);

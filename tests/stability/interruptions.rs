@@ -22,9 +22,9 @@ const EVERY: u64 = 11;
 /// one is that of a sensor and one is taken again: seven readings.
 const STRUCK: f64 = 1.0 / 7.0;
 
-/// Of a hundred readings of each board so many come later in the pattern: the discharges of the look for a leak, once, shift it twice, by
-/// three readings each.
-const SHIFTED: f64 = 0.06;
+/// Of a hundred readings of each board, 1.2 s, so many come later in the pattern: the discharges of the look for a leak, once, shift it
+/// twice, and each half second one in which the program wakes, by three readings each.
+const SHIFTED: f64 = 0.03 * (2.0 + 1.2 / 0.5);
 
 /// Of the hundred, which begin anywhere in the pattern, one more or less is struck.
 fn expect_struck(it: &mut Scenario, errors: &Errors) {

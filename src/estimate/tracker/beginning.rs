@@ -1,7 +1,7 @@
 //! How the first rounds of calibration become a state, and what is left of one after a step.
 
 use super::speeds::Speeds;
-use super::{Counts, Matrix, Tracker};
+use super::{Matrix, Tracker};
 use crate::estimate::law::State;
 use crate::estimate::limits::{BEGINNINGS, MOST_REJECTED, RATE_AT_FIRST, ROUGH_ROUNDS, UNKNOWN_STATE};
 use crate::record::Record;
@@ -88,11 +88,11 @@ impl Tracker {
 
     /// After a step. Nothing of the old state may bias the new one: how far the step went is not known.
     pub fn begin_anew(&mut self) {
-        let (counts, awake) = (Counts { steps: self.counts.steps + 1, ..self.counts }, self.awake);
+        let (steps, awake) = (self.steps + 1, self.awake);
         let (mut split, mut rounds) = (std::mem::take(&mut self.split), std::mem::take(&mut self.rounds));
         split.clear();
         rounds.clear();
         let empty = Tracker::empty(self.r_ohm, self.nodes, self.resolution_ns, split, rounds);
-        *self = Tracker { counts, awake, ..empty };
+        *self = Tracker { steps, awake, ..empty };
     }
 }

@@ -128,7 +128,7 @@ offset_is_true() {
 	$(true_offset)
 	END
     d=$(learned offset_ns) u=$(learned offset_u_ns)
-    echo "| $1 | $d | $u | $truth | $u_truth |" | tee -a offsets
+    printf '| %s | %.0f | %.0f | %.0f | %.0f |\n' "$1" "$d" "$u" "$truth" "$u_truth" | tee -a offsets
     mawk -v d="$d" -v u="$u" -v t="$truth" -v v="$u_truth" -v limit="$2" 'BEGIN {
         exit !((d - t) ^ 2 <= 4.9 ^ 2 * (u * u + v * v + 58 ^ 2) && u < limit)
     }' ||
