@@ -44,7 +44,7 @@ fn known(scene: &str, method: Method, decade: [f64; 2]) -> RangeInclusive<f64> {
         // discharges have shown it.
         ("pi4" | "pi5", Method::Tracked) if decade[1] <= 1000.0 => [0.0, 0.03],
         // What looks have not excluded of a leak by then is a fifth of u at 50 kohm, and there is none on these boards.
-        (_, Method::Tcdic | Method::Cerm) if decade[0] >= 10_000.0 => [0.0, 0.008],
+        (_, Method::Tcdic | Method::Cerm) if decade[0] >= 10_000.0 => [0.0, 0.005],
         _ => [0.0, 0.0],
     };
     WITHIN_2U + by[0]..=WITHIN_2U + by[1]

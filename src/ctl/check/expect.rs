@@ -118,17 +118,20 @@ pub fn rehearse(settings: &Settings, scene: &Scene, r_ohm: f64, boards: usize) -
 
 /// The mean square of what is stated on half of the boards, ohm²: a few state much more, to which chance looks like a leak or a dielectric.
 fn stated_by(boards: &[RehearsalSum]) -> f64 {
-    let with_numbers = boards.iter().filter(|board| board.numbers > 0);
-    median(&mut with_numbers.map(|board| board.stated / board.numbers as f64).collect::<Vec<_>>())
+    median(&mut mean_squares(boards, |board| board.stated))
 }
 
 /// The mean square of errors, ohm², where it is above what is stated by more than boards scatter. Those of one board have their
 /// calibration in common, so that of one alone nothing is known.
 fn refuted_by(boards: &[RehearsalSum], stated: f64) -> Option<f64> {
-    let with_numbers = boards.iter().filter(|board| board.numbers > 0);
-    let squares: Vec<f64> = with_numbers.map(|board| board.errors / board.numbers as f64).collect();
-    let mean = scatter::mean(squares.into_iter())?;
+    let mean = scatter::mean(mean_squares(boards, |board| board.errors).into_iter())?;
     mean.u.filter(|u| mean.value - BEYOND_CHANCE * u > stated).map(|_| mean.value)
+}
+
+/// The mean of squares on each board that has numbers, ohm².
+fn mean_squares(boards: &[RehearsalSum], sum: fn(&RehearsalSum) -> f64) -> Vec<f64> {
+    let with_numbers = boards.iter().filter(|board| board.numbers > 0);
+    with_numbers.map(|board| sum(board) / board.numbers as f64).collect()
 }
 
 /// What came of boards; `stated`, `errors`: the sum of the squares of u, and of what it is said of, ohm².
