@@ -16,7 +16,7 @@
 //! the discharge is sunk, the one that ends s is released ([`UNLIKE_CALLS`], type B).
 //!
 //! Nor what the law leaves out, as a dielectric that lags behind in R_1 and gives back after the switch: rounds that switch as late as
-//! they can show more of it. By what these differ from the others the offset may be off.
+//! they can show more of it. By what these differ from the others the offset may be off, and readings as well.
 
 use crate::estimate::limits::{
     ELSEWHERE, ELSEWHERE_AT_LEAST, ELSEWHERE_MARGIN, ELSEWHERE_SHOWS, FEWEST_ROUNDS, SPLIT_FRACTION,
@@ -42,6 +42,8 @@ pub struct Offset {
     pub scatter: SwitchScatter,
     /// By how much d changes with an error that all switches have in common.
     pub by_switch: f64,
+    /// What the law leaves out of Ro, and so of any resistance, 1 sigma, ohm.
+    pub left_out_ohm: f64,
     /// It is still to be found: d and its uncertainty are what boards have.
     pub is_prior: bool,
 }
@@ -186,16 +188,17 @@ impl SplitCalibration {
         sound.then_some(Round { d_ns, r_o_ohm, s_ns: s, difference_ns, g, is_late, u_switch_ns, variance })
     }
 
-    /// What the law leaves out of d, 1 sigma, ns: by how much late rounds differ from others, as far as that is certain: the real
-    /// kernel stamps kinds of discharge unlike each other by some of their noise.
-    fn left_out_ns<'a>(rounds: impl Iterator<Item = &'a Round> + Clone) -> f64 {
+    /// What the law leaves out of Ro, 1 sigma, ohm: by how much late rounds differ from others, as far as that is certain: the real
+    /// kernel stamps kinds of discharge unlike each other by some of their noise. As much is in d, but there it hides behind the
+    /// jitter of the crossing through R_1.
+    fn left_out_ohm<'a>(rounds: impl Iterator<Item = &'a Round> + Clone) -> f64 {
         let of = |late: bool| {
             let rounds = rounds.clone().filter(move |round| round.is_late == late);
             let enough = rounds.clone().nth(FEWEST_ROUNDS - 1).is_some();
-            mean(rounds.map(|round| round.d_ns)).filter(|_| enough).and_then(|d| Some((d.value, d.u?)))
+            mean(rounds.map(|round| round.r_o_ohm)).filter(|_| enough).and_then(|r_o| Some((r_o.value, r_o.u?)))
         };
-        let (Some((late_ns, u_late_ns)), Some((d_ns, u_d_ns))) = (of(true), of(false)) else { return 0.0 };
-        beyond(late_ns - d_ns, ELSEWHERE_SHOWS * u_late_ns.hypot(u_d_ns))
+        let (Some((late, u_late)), Some((usual, u_usual))) = (of(true), of(false)) else { return 0.0 };
+        beyond(late - usual, ELSEWHERE_SHOWS * u_late.hypot(u_usual))
     }
 
     /// The result so far; `None` for fewer than four rounds.
@@ -220,7 +223,7 @@ impl SplitCalibration {
         let by_switch = -g * r_o_by_switch;
         let u_common_ns = UNLIKE_CALLS * mean_of(|round| round.u_switch_ns)?.0;
 
-        let left_out_ns = Self::left_out_ns(kept.clone());
+        let left_out_ohm = Self::left_out_ohm(kept.clone());
         let slope = (self.r2_ohm + r_o.0) / (self.r1_ohm + r_o.0);
         let late_ns = |round: &Round| (round.difference_ns - slope * round.s_ns) / slope;
         let usual = usual_of(&mut self.scratch, kept.clone().map(late_ns));
@@ -232,8 +235,9 @@ impl SplitCalibration {
         }
         Some(Offset {
             d_ns: d.0,
-            u_d_ns: d.1.hypot(by_switch * u_common_ns).hypot(left_out_ns),
-            r_o_ohm: Some((r_o.0, r_o.1.hypot(r_o_by_switch * u_common_ns).hypot(left_out_ns / g))),
+            u_d_ns: d.1.hypot(by_switch * u_common_ns).hypot(g * left_out_ohm),
+            r_o_ohm: Some((r_o.0, r_o.1.hypot(r_o_by_switch * u_common_ns).hypot(left_out_ohm))),
+            left_out_ohm,
             scatter,
             by_switch,
             ..Offset::default()
