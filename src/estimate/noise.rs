@@ -16,7 +16,7 @@ mod skew;
 mod spread;
 
 use crate::estimate::limits::{
-    PROPORTIONAL_SHOWS, REMEMBERED, SHARED_VARIANCE, UNKNOWN_JITTER_NS, UNKNOWN_NOISE,
+    LATE_NS, OFTEN_LATE, PROPORTIONAL_SHOWS, REMEMBERED, SHARED_VARIANCE, UNKNOWN_JITTER_NS, UNKNOWN_NOISE,
 };
 use crate::estimate::scatter;
 use crate::reading::Fault;
@@ -188,7 +188,11 @@ impl Noise {
             spread.covariance().at_least(least)
         });
         let freedom = self.c1.freedom(self.nodes - 1).min(self.c2.freedom(self.nodes - 1));
-        let nodes = VarianceLaw::through([(self.c1.time, v1), (self.c2.time, v2)], self.quantisation);
+        let nodes = VarianceLaw::through(
+            [(self.c1.time, v1), (self.c2.time, v2)],
+            self.c2.usual_variance(),
+            self.quantisation,
+        );
         let early_ns = skew::early(self.c2.skew);
         self.learned = Some(Learned {
             nodes,
@@ -213,6 +217,13 @@ impl Noise {
     pub fn late_share(&self) -> f64 {
         let shares = [&self.c1, &self.c2].map(Spread::late_share);
         scatter::mean(shares.into_iter().flatten()).map_or(0.0, |mean| mean.value)
+    }
+
+    /// Whether a late stamp may look like any other: so many are late that several agree by chance, in a calibration, too, or noise
+    /// is as great as what is late.
+    pub fn hides_late(&self) -> bool {
+        let jitter = self.covariance([0.0; 2]).map_or(0.0, |noise| noise.aa.sqrt());
+        self.late_share() > OFTEN_LATE || jitter > LATE_NS
     }
 
     /// Whether enough discharges have been seen.
@@ -298,15 +309,20 @@ struct VarianceLaw {
 
 impl VarianceLaw {
     /// Of both nodes, through their variances at two times. L is the same for both: one kernel stamps them. L² is at least
-    /// the quantisation, k² at least zero.
-    fn through([(t1, v1), (t2, v2)]: [([f64; 2], Covariance); 2], quantisation: f64) -> [VarianceLaw; 2] {
+    /// the quantisation, k² at least zero. What of the later ones is more than `usual` says nothing of L: late stamps are in it.
+    fn through(
+        [(t1, v1), (t2, v2)]: [([f64; 2], Covariance); 2],
+        usual: [f64; 2],
+        quantisation: f64,
+    ) -> [VarianceLaw; 2] {
         let (mut sum, mut weight) = (0.0, 0.0);
         for node in (0..2).filter(|node| t2[*node] > t1[*node]) {
             // What v2 says of the proportional part at t1; the rest of v1 is constant.
             let share = (t1[node] / t2[node]).powi(2);
-            let l2 = (v1.node(node) - share * v2.node(node)) / (1.0 - share);
+            let later = share * v2.node(node).min(usual[node].max(quantisation));
+            let l2 = (v1.node(node) - later) / (1.0 - share);
             // A variance is known to a constant part of itself.
-            let doubt = (v1.node(node).powi(2) + (share * v2.node(node)).powi(2)) / (1.0 - share).powi(2);
+            let doubt = (v1.node(node).powi(2) + later.powi(2)) / (1.0 - share).powi(2);
             sum += l2 / doubt;
             weight += 1.0 / doubt;
         }

@@ -195,7 +195,9 @@ impl SplitCalibration {
         let of = |late: bool| {
             let rounds = rounds.clone().filter(move |round| round.is_late == late);
             let enough = rounds.clone().nth(FEWEST_ROUNDS - 1).is_some();
-            mean(rounds.map(|round| round.r_o_ohm)).filter(|_| enough).and_then(|r_o| Some((r_o.value, r_o.u?)))
+            mean(rounds.map(|round| round.r_o_ohm))
+                .filter(|_| enough)
+                .and_then(|r_o| Some((r_o.value, r_o.u?)))
         };
         let (Some((late, u_late)), Some((usual, u_usual))) = (of(true), of(false)) else { return 0.0 };
         beyond(late - usual, ELSEWHERE_SHOWS * u_late.hypot(u_usual))

@@ -23,6 +23,8 @@ pub struct Errors {
     pub without_u: usize,
     /// Of each error, whether its reading says that the sensor moves.
     pub moving: Vec<bool>,
+    /// How many say that they settle.
+    pub settling: usize,
     /// Numbers off by more than ten of their sigma that neither move nor settle.
     pub wild: usize,
     /// States, of faults their names.
@@ -66,6 +68,7 @@ impl Errors {
         self.not_ok.extend(board.not_ok);
         self.inferred += board.inferred;
         self.without_u += board.without_u;
+        self.settling += board.settling;
         self.wild += board.wild;
     }
 
@@ -124,6 +127,7 @@ impl Errors {
                 self.errors.push(r_ohm.value - truth);
                 self.us.push(u);
                 self.moving.push(is_moving);
+                self.settling += usize::from(is_settling);
                 let is_wild = !is_moving && !is_settling && (r_ohm.value - truth).abs() > 10.0 * u;
                 self.wild += usize::from(is_wild);
                 self.inferred += usize::from(branch == Branch::Inferred);

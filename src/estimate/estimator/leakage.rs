@@ -138,8 +138,7 @@ impl Estimator {
             .likely_share()
             .map_or(0.0, |share| absorption::u_ohm(share, self.r1_ohm, path_ohm));
         let by_rounds_ohm = self.offset.left_out_ohm;
-        let left_out_ohm =
-            self.state().map_or(by_rounds_ohm, |tracker| tracker.left_out_ohm(r_ohm.value));
+        let left_out_ohm = self.state().map_or(by_rounds_ohm, |tracker| tracker.left_out_ohm(r_ohm.value));
         let defects = [left_ohm, bent_ohm, absorption_ohm, left_out_ohm, stamps_ohm];
         let u = r_ohm.u.map(|u| defects.into_iter().fold(u, f64::hypot));
         is_bounded.then_some(Measured { value: r_ohm.value, u })

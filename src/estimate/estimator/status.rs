@@ -129,7 +129,7 @@ impl Estimator {
             branch: estimate.branch,
             r_ohm,
             is_moving: moved.is_some_and(|moved| moved.is_moving),
-            is_settling,
+            is_settling: is_settling || self.noise().hides_late(),
             shown: shown(sensor, r_ohm, self.known_ohm()),
         })
     }

@@ -2,8 +2,8 @@
 
 use super::{Covariance, Gate, Skew};
 use crate::estimate::limits::{
-    BEYOND_NOISE, BY_CHANCE, FAR_OF, LATE_NS, NEVER_SO_LATE, NOISE_MEMORY, NOISE_WARM_UP, OUTLIERS_OF_A_STEP,
-    SHORTEST_THIRD, TOO_MANY_LATE, WEIGHT_OF_A_THIRD,
+    BEYOND_NOISE, BY_CHANCE, COVERAGE, FAR_OF, LATE_NS, NEVER_SO_LATE, NOISE_MEMORY, NOISE_WARM_UP,
+    OUTLIERS_OF_A_STEP, SHORTEST_THIRD, TOO_MANY_LATE, WEIGHT_OF_A_THIRD,
 };
 use crate::estimate::scatter::{MEDIAN_DEVIATION, Usual, median};
 use crate::reading::Fault;
@@ -211,6 +211,11 @@ impl Spread {
         let [a, b] =
             [0, 1].map(|node| 0.5 * (1.0 + 1.3 / self.freedom(node)).powi(2) / self.weight[node].max(1.0));
         Covariance { aa: a * self.sum.aa, bb: b * self.sum.bb, ab: b * self.sum.ab }
+    }
+
+    /// No variance of noise is more by how far most of all values are from their middle, those included that were not let in.
+    pub fn usual_variance(&self) -> [f64; 2] {
+        self.usual.map(|usual| (COVERAGE * usual.sigma()).powi(2))
     }
 
     pub fn is_known(&self) -> bool {

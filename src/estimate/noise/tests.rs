@@ -164,6 +164,39 @@ fn stamps_that_are_often_late_stay_so() {
     assert_eq!((0..400).filter(forgets).count(), 0);
 }
 
+/// One node, a share of whose stamps is late by 100 us on average.
+fn with_late(seed: u64, jitter_ns: f64, share: f64) -> Noise {
+    let mut rng = crate::seed::rng(seed);
+    let mut noise = Noise::new(1, 1.0);
+    for index in 0..400 {
+        let tail: f64 = if rng.random_bool(share) { 1e5 * rng.sample::<f64, _>(Exp1) } else { 0.0 };
+        let late_ns = jitter_ns * rng.sample::<f64, _>(StandardNormal) + tail;
+        let (kind, ns) = [(CalibrationKind::First, C1[0]), (CalibrationKind::Second, C2[0])][index % 2];
+        let _ = noise.add(kind, [Some(ns + late_ns), None], [0.0; 2]);
+    }
+    noise
+}
+
+/// What is taken for noise of R_2 alone would be in proportion to the time, and nothing left for what every stamp has.
+#[test]
+fn late_stamps_do_not_make_short_discharges_exact() {
+    let is_exact = |seed: &u64| {
+        let found = with_late(*seed, LATENCY, 0.2).covariance([Some(1e5), None]);
+        found.unwrap().aa < (0.6 * LATENCY).powi(2)
+    };
+    // It was one in five.
+    let exact = (0..400).filter(is_exact).count();
+    assert!(share_is_in(exact, 400, 0.0..=0.01), "{exact}");
+}
+
+#[test]
+fn a_late_stamp_looks_like_any_other_where_they_are_often_late_or_noise_is_as_great() {
+    let hides = |seed: &u64, jitter_ns, late| with_late(*seed, jitter_ns, late).hides_late();
+    let hidden = |jitter_ns, late| (0..50).filter(|seed| hides(seed, jitter_ns, late)).count();
+    assert_eq!([hidden(1_500.0, 0.0), hidden(1_500.0, 0.02), hidden(7_000.0, 0.0)], [0; 3]);
+    assert_eq!([hidden(30_000.0, 0.0), hidden(1_500.0, 0.5)], [50; 2]);
+}
+
 /// Three in a row are a step where one in a hundred is late; where one in five is, they happen every hundred discharges or so.
 #[test]
 fn a_step_is_more_in_a_row_than_late_stamps_are() {

@@ -57,6 +57,6 @@ pub static LATE: [Row; 14] = [
     one_node(THREE_TENTHS_100_US, "30 % by 100 us, one node"),
     THREE_TENTHS_1_MS,
     one_node(THREE_TENTHS_1_MS, "30 % by 1 ms, one node"),
-    // One reading in thirty is a number: it takes more boards for as many.
+    // One reading in thirty is a number, which says that it settles: it takes more boards for as many.
     Row { boards: 300, fails: &[(Tpcm, 100.0), (Qerm, 100.0)], ..HALF_100_US },
 ];

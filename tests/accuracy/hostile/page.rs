@@ -26,6 +26,7 @@ impl Part {
         let within =
             share.map_or_else(|| "no number".to_owned(), |share| format!("{:.1}", 100.0 * share.value));
         let mark = match share {
+            _ if fails && seen.says_so() => " (settling)",
             _ if fails => " ✘",
             Some(share) if share.value - share.margin > WIDE => " +",
             _ => "",

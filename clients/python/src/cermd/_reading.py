@@ -46,7 +46,7 @@ class Reading:
     hint: Optional[str] = None
     #: The sensor changed while it was read; the uncertainty contains that.
     moving: bool = False
-    #: The uncertainty is still a wide prior.
+    #: The uncertainty is a guess: still a wide prior, or stamps are late often.
     settling: bool = False
     #: Force or value is outside of where its law holds.
     extrapolated: bool = False
