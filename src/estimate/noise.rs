@@ -222,8 +222,12 @@ impl Noise {
     /// Whether a late stamp may look like any other: so many are late that several agree by chance, in a calibration, too, or noise
     /// is as great as what is late.
     pub fn hides_late(&self) -> bool {
-        let jitter = self.covariance([0.0; 2]).map_or(0.0, |noise| noise.aa.sqrt());
-        self.late_share() > OFTEN_LATE || jitter > LATE_NS
+        self.late_share() > OFTEN_LATE || self.jitter_ns().is_some_and(|jitter_ns| jitter_ns > LATE_NS)
+    }
+
+    /// The noise of a crossing without delay, which is that of latency, ns; `None` until known.
+    pub fn jitter_ns(&self) -> Option<f64> {
+        self.covariance([0.0; 2]).map(|noise| noise.aa.sqrt())
     }
 
     /// Whether enough discharges have been seen.

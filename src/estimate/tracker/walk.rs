@@ -43,9 +43,9 @@ impl Tracker {
         c
     }
 
-    /// The noise of a crossing without delay, which is that of latency, ns; that of any board as long as it is not known.
+    /// [`Noise::jitter_ns`](crate::estimate::noise::Noise::jitter_ns), that of any board as long as it is not known.
     pub(super) fn jitter_ns(&self) -> f64 {
-        self.noise.covariance([0.0; 2]).map_or(UNKNOWN_JITTER_NS, |noise| noise.aa.sqrt())
+        self.noise.jitter_ns().unwrap_or(UNKNOWN_JITTER_NS)
     }
 
     /// Since when the state is as it is.
