@@ -183,16 +183,11 @@ impl Noise {
         if !self.c1.is_known() || !self.c2.is_known() {
             return;
         }
-        let [v1, v2] = [&self.c1, &self.c2].map(|spread| {
-            let least = spread.time.map(|ns| (REMEMBERED * ns).powi(2).max(self.quantisation));
-            spread.covariance().at_least(least)
-        });
+        let least = |spread: &Spread| spread.time.map(|ns| (REMEMBERED * ns).powi(2).max(self.quantisation));
+        let [v1, v2] = [&self.c1, &self.c2].map(|spread| spread.covariance().at_least(least(spread)));
+        let usual = [0, 1].map(|node| self.c2.usual_variance()[node].max(least(&self.c2)[node]));
         let freedom = self.c1.freedom(self.nodes - 1).min(self.c2.freedom(self.nodes - 1));
-        let nodes = VarianceLaw::through(
-            [(self.c1.time, v1), (self.c2.time, v2)],
-            self.c2.usual_variance(),
-            self.quantisation,
-        );
+        let nodes = VarianceLaw::through([(self.c1.time, v1), (self.c2.time, v2)], usual, self.quantisation);
         let early_ns = skew::early(self.c2.skew);
         self.learned = Some(Learned {
             nodes,
@@ -323,7 +318,7 @@ impl VarianceLaw {
         for node in (0..2).filter(|node| t2[*node] > t1[*node]) {
             // What v2 says of the proportional part at t1; the rest of v1 is constant.
             let share = (t1[node] / t2[node]).powi(2);
-            let later = share * v2.node(node).min(usual[node].max(quantisation));
+            let later = share * v2.node(node).min(usual[node]);
             let l2 = (v1.node(node) - later) / (1.0 - share);
             // A variance is known to a constant part of itself.
             let doubt = (v1.node(node).powi(2) + later.powi(2)) / (1.0 - share).powi(2);

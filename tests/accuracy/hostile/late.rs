@@ -15,8 +15,8 @@ const ALL: &[(Method, &[f64])] = &[
 ];
 const ONE: &[(Method, &[f64])] = &[(Tracked, &[100.0, 1000.0, 5000.0])];
 
-/// So many of all stamps are late, by so much on average (exponential). That some in a row are so alike happens by chance, to some
-/// of a million readings, most of them where a state follows them: 100 ohm, 20 %.
+/// So many of all stamps are late, by so much on average (exponential). That some in a row are so alike happens by chance, to a few
+/// of a million readings.
 const fn late(name: &'static str, scene: &'static str, least_numbers: f64) -> Row {
     Row { name, scene, least_numbers, wild: 3, cases: ALL, ..ROW }
 }
