@@ -184,8 +184,9 @@ impl Noise {
             return;
         }
         let least = |spread: &Spread| spread.time.map(|ns| (REMEMBERED * ns).powi(2).max(self.quantisation));
-        let [v1, v2] = [&self.c1, &self.c2].map(|spread| spread.covariance().at_least(least(spread)));
-        let usual = [0, 1].map(|node| self.c2.usual_variance()[node].max(least(&self.c2)[node]));
+        let [least_1, least_2] = [least(&self.c1), least(&self.c2)];
+        let (v1, v2) = (self.c1.covariance().at_least(least_1), self.c2.covariance().at_least(least_2));
+        let usual = self.c2.usual_variance(least_2);
         let freedom = self.c1.freedom(self.nodes - 1).min(self.c2.freedom(self.nodes - 1));
         let nodes = VarianceLaw::through([(self.c1.time, v1), (self.c2.time, v2)], usual, self.quantisation);
         let early_ns = skew::early(self.c2.skew);

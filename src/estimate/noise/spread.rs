@@ -213,9 +213,10 @@ impl Spread {
         Covariance { aa: a * self.sum.aa, bb: b * self.sum.bb, ab: b * self.sum.ab }
     }
 
-    /// No variance of noise is more by how far most of all values are from their middle, those included that were not let in.
-    pub fn usual_variance(&self) -> [f64; 2] {
-        self.usual.map(|usual| (COVERAGE * usual.sigma()).powi(2))
+    /// No variance of noise is more by how far most of all values are from their middle, those included that were not let in; none is
+    /// below `least`.
+    pub fn usual_variance(&self, least: [f64; 2]) -> [f64; 2] {
+        [0, 1].map(|node| (COVERAGE * self.usual[node].sigma()).powi(2).max(least[node]))
     }
 
     pub fn is_known(&self) -> bool {
