@@ -100,9 +100,7 @@ impl Config {
 
     /// The latency offset.
     pub fn offset(&self) -> OffsetSource {
-        let default =
-            if self.method().needs_offset() { OffsetSource::Auto } else { OffsetSource::Given(0.0) };
-        self.measure.offset.unwrap_or(default)
+        self.measure.offset.unwrap_or(OffsetSource::Auto)
     }
 
     /// Where the planned switch comes, as a fraction of the predicted T_xA.

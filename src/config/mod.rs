@@ -113,8 +113,8 @@ pub struct Measure {
     /// to 2 times, where `rate-hz` or `average` ask for readings sooner.
     #[serde(deserialize_with = "number::duration::<_, Millis>")]
     pub deadline: Option<Nanos>,
-    /// The latency offset d of the crossings, 0 to 1 ms. Default: `auto` for `cerm` and `qerm`; in the other
-    /// methods it cancels, and is 0.
+    /// The latency offset d of the crossings, 0 to 1 ms. Default: `auto`, as split discharges show it, one in eight cycles. In
+    /// `tpcm` and `tcdic` it cancels; they use what these discharges show of dielectrics, and take none with `0 us`.
     #[serde(deserialize_with = "number::offset")]
     pub offset: Option<OffsetSource>,
     /// Period of the clock that stamps crossings, 1 ns to 1 ms. Default: 1 ns, as Linux counts.

@@ -112,7 +112,7 @@ fn the_method_follows_the_circuit() {
     };
     assert_eq!(one("one-capacitor", "").method(), Method::Tracked);
     let tpcm = "[measure]\nmethod = \"tpcm\"";
-    assert_eq!(one("one-capacitor", tpcm).offset(), OffsetSource::Given(0.0));
+    assert_eq!(one("one-capacitor", tpcm).offset(), OffsetSource::Auto);
     assert_eq!(one("series-calibration", "").method(), Method::Qerm);
     assert_eq!(one("series-calibration", "").offset(), OffsetSource::Auto);
     // TPCM in the circuit with two capacitors times node A only, and so does its deadline.

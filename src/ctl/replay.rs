@@ -77,8 +77,8 @@ impl Replay {
         let offset = match (offset, header.offset.offset_ns) {
             (Some(OffsetSource::Given(d_ns)), _) => Some(Offset::given(d_ns)),
             (None, Some(d_ns)) => Some(of_header(d_ns, &header.offset)),
-            // It cancels in the equations of these, or is part of what is tracked.
-            _ if tracked || !method.needs_offset() => Some(Offset::default()),
+            // It is part of what is tracked.
+            _ if tracked => Some(Offset::default()),
             _ => None,
         };
         let mut cycle = Cycle::new(settings(&header, method, tracked, offset.map(|offset| offset.d_ns)));

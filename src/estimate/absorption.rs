@@ -39,20 +39,18 @@ impl AbsorptionTest {
         self.beyond(self.0.gate())
     }
 
-    /// The same if it is likely: what is not told to the user may be there for readings.
-    pub fn likely_share(&self) -> Option<f64> {
-        self.beyond(ABSORPTION_LIKELY * self.0.noise())
+    /// What that may do to a reading, 1 sigma, ohm: what is not told to the user may be there. Up to R_1 it is R_1 that is known
+    /// wrongly, and counts if it is likely; what R_x is more is off by the same share, and counts beyond so many `sigmas`.
+    pub fn u_ohm(&self, r1_ohm: f64, r_ohm: f64, sigmas: f64) -> f64 {
+        let beyond = |sigmas: f64| self.beyond(sigmas * self.0.noise()).unwrap_or(0.0);
+        let more_ohm = (r_ohm - ABSORPTION_GROWS * r1_ohm).max(0.0);
+        beyond(ABSORPTION_LIKELY) * BY_ABSORPTION * r1_ohm + beyond(sigmas) * more_ohm
     }
 
     fn beyond(&self, chance: f64) -> Option<f64> {
         let share = self.0.median().abs();
         (self.0.taken() >= ABSORPTION_FIRST && share > chance).then_some(share)
     }
-}
-
-/// What such a share may do to a reading, 1 sigma, ohm. Up to R_1 it is R_1 that is known wrongly.
-pub fn u_ohm(share: f64, r1_ohm: f64, r_ohm: f64) -> f64 {
-    share * (BY_ABSORPTION * r1_ohm + (r_ohm - ABSORPTION_GROWS * r1_ohm).max(0.0))
 }
 
 #[cfg(test)]

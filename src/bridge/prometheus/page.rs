@@ -129,7 +129,7 @@ const NUMBERS: [Metric; 12] = [
     ("cermd_reading_moving", "", "Whether the sensor changed while it was read.", |s| {
         s.r_ohm.map(|_| f64::from(s.moving))
     }),
-    ("cermd_reading_settling", "", "Whether the uncertainty is still a wide prior.", |s| {
+    ("cermd_reading_settling", "", "Whether the uncertainty is a guess.", |s| {
         s.r_ohm.map(|_| f64::from(s.settling))
     }),
 ];

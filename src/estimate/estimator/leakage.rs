@@ -3,12 +3,12 @@
 
 use super::Estimator;
 use crate::circuit::NOMINAL_R_O;
-use crate::estimate::absorption::{self, AbsorptionTest};
+use crate::estimate::absorption::AbsorptionTest;
 use crate::estimate::awake::{AwakeTest, of_stamp_ns, resistor_of};
 use crate::estimate::leak::{Beside, Course, LeakTest, Ways};
 use crate::estimate::limits::{
-    BEYOND_NOISE, COVERAGE, GROSS_LEAK_SIEMENS, HIGHEST_R_O_OHM, LATEST_STAMP_NS, RESISTOR_TOLERANCE,
-    UNKNOWN_JITTER_NS,
+    ABSORPTION_LIKELY, BEYOND_NOISE, COVERAGE, GROSS_LEAK_SIEMENS, HIGHEST_R_O_OHM, LATEST_STAMP_NS,
+    RESISTOR_TOLERANCE, UNKNOWN_JITTER_NS,
 };
 use crate::estimate::method::dual::Gradient;
 use crate::estimate::tracker::Tracker;
@@ -133,10 +133,9 @@ impl Estimator {
         let Leaked { left_ohm, bent_ohm, .. } = *leaked;
         let is_bounded = r_ohm.value < self.r2_ohm || r_ohm.value > COVERAGE * left_ohm;
         let path_ohm = r_ohm.value + self.offset().r_o().unwrap_or(0.0);
-        let absorption_ohm = self
-            .absorption
-            .likely_share()
-            .map_or(0.0, |share| absorption::u_ohm(share, self.r1_ohm, path_ohm));
+        // What chance makes of no dielectric would show in readings of a calibration that is followed, and in their means.
+        let sigmas = if self.tracker.is_some() { ABSORPTION_LIKELY } else { COVERAGE };
+        let absorption_ohm = self.absorption.u_ohm(self.r1_ohm, path_ohm, sigmas);
         let by_rounds_ohm = self.offset.left_out_ohm;
         let left_out_ohm = self.state().map_or(by_rounds_ohm, |tracker| tracker.left_out_ohm(r_ohm.value));
         let defects = [left_ohm, bent_ohm, absorption_ohm, left_out_ohm, stamps_ohm];

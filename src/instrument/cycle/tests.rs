@@ -7,7 +7,10 @@ use crate::record::Switch;
 const R_OHM: f64 = 1000.0;
 
 fn begun() -> Cycle {
-    let config = config(|c| c.set("measure.method", "tcdic").channel("thumb").channel("finger"));
+    // Without discharges that show the offset, which is not needed.
+    let config = config(|c| {
+        c.set("measure.method", "tcdic").set("measure.offset", "0 us").channel("thumb").channel("finger")
+    });
     Cycle::new(config.parse().settings().unwrap())
 }
 

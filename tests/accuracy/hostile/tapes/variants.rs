@@ -230,7 +230,6 @@ pub static VARIANTS: [Variant; 44] = [
         name: "tape of a daemon: PET, 0.25 % at 10 ms",
         absorption: absorbs(0.0025, 10e-3),
         cases: DIELECTRIC,
-        fails: &[(Tcdic, 5000.0)],
         ..DAEMON
     },
     Variant {
