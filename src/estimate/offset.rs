@@ -138,9 +138,14 @@ impl SplitCalibration {
         self.taken
     }
 
+    /// How many have been, those that came to nothing included.
+    pub fn tried(&self) -> usize {
+        self.taken + self.failed
+    }
+
     /// Whether the next round is to switch as late as it can: every second one.
     pub fn is_next_late(&self) -> bool {
-        (self.taken + self.failed) % 2 == 1
+        self.tried() % 2 == 1
     }
 
     /// Takes one round: crossings of the plain discharges and the record of the split one. A round whose split

@@ -26,13 +26,13 @@ pub enum Trouble {
     SuspendedBetween,
 }
 
-/// The pins. A discharge is struck when its number, counted from 0, leaves `phase` divided by `every`.
+/// The pins.
 pub struct Disturbed {
     inner: SimPins,
     trouble: Trouble,
     lasts: Nanos,
-    every: u64,
-    phase: u64,
+    /// By the number of a discharge, counted from 0.
+    is_struck: Box<dyn Fn(u64) -> bool>,
     charges: u64,
     on: Drives,
     started: bool,
@@ -45,13 +45,17 @@ pub struct Disturbed {
 }
 
 impl Disturbed {
-    pub fn new(inner: SimPins, trouble: Trouble, lasts: Nanos, every: u64, phase: u64) -> Disturbed {
+    pub fn new(
+        inner: SimPins,
+        trouble: Trouble,
+        lasts: Nanos,
+        is_struck: impl Fn(u64) -> bool + 'static,
+    ) -> Disturbed {
         Disturbed {
             inner,
             trouble,
             lasts,
-            every,
-            phase,
+            is_struck: Box::new(is_struck),
             charges: 0,
             on: Drives::NONE,
             started: false,
@@ -67,10 +71,13 @@ impl Disturbed {
         Disturbed { grown, ..self }
     }
 
+    fn is_struck(&self) -> bool {
+        self.charges > 0 && (self.is_struck)(self.charges - 1)
+    }
+
     /// Whether this is the moment, which comes once in a discharge that is struck.
     fn strikes(&mut self, trouble: Trouble) -> bool {
-        let is_struck = self.charges > 0 && (self.charges - 1) % self.every == self.phase;
-        let strikes = self.trouble == trouble && is_struck && !self.done;
+        let strikes = self.trouble == trouble && self.is_struck() && !self.done;
         self.done |= strikes;
         strikes
     }
@@ -151,7 +158,7 @@ impl Pins for Disturbed {
         if edge.is_some() && self.strikes(Trouble::Waiting) {
             self.pass()?;
         }
-        let is_set = self.trouble == Trouble::WallClock && (self.charges - 1) % self.every == self.phase;
+        let is_set = self.trouble == Trouble::WallClock && self.is_struck();
         let ahead = if is_set { self.lasts } else { Nanos::ZERO };
         Ok(edge.map(|edge| Edge { at: self.stamp(edge.at) + ahead, ..edge }))
     }

@@ -2,7 +2,8 @@
 
 use crate::by_hand::ByHand;
 use crate::common::Errors;
-use crate::common::chance::{Figure, mean_of};
+use crate::common::chance::{Figure, mean_of, sigmas};
+use crate::common::seed::rng;
 use crate::disturbed::{Disturbed, Trouble};
 use crate::paper::{self, Parts, R_O, Times};
 use crate::scenario::{Board, Scenario, moving, percent, without_number};
@@ -10,33 +11,37 @@ use crate::switching::{HALF_CALL, STAMP};
 use cermd::pins::sim::Scene;
 use cermd::reading::Method;
 use cermd::units::{Ampere, Nanos};
+use rand::RngExt;
 
 const PREEMPTED: Nanos = Nanos(50_000_000);
 const R_OHM: f64 = 1000.0;
 const TRUTH: Figure = Figure { value: R_OHM, u: 0.0, margin: 0.0 };
-/// One discharge in so many is struck: of a cycle of two, three or four discharges each one in its turn.
+/// One discharge in so many is struck, any of the first few of them: a sensor's and a resistor's alike, whatever the order that cycles
+/// have them in, but never two readings in a row.
 const EVERY: u64 = 11;
+const FIRST: u64 = 6;
 
-/// The share of readings of a cycle of three whose own discharge is struck. A calibration discharge that is struck is taken
-/// again, so the next to be struck is one place further on in the cycle of c1, c2 and x; after x it is c2. Of 22 discharges
-/// one is that of a sensor and one is taken again: seven readings.
-const STRUCK: f64 = 1.0 / 7.0;
+/// Whether a discharge is, by its number.
+fn one_of_some(seed: u64) -> impl Fn(u64) -> bool {
+    move |discharge| {
+        let of = seed << 32 | discharge / EVERY;
+        discharge % EVERY == rng(of).random_range(0..FIRST)
+    }
+}
 
-/// Of a hundred readings of each board so many come later in the pattern for each discharge of a look, which shifts it.
-const SHIFTED: f64 = 0.03;
-
-/// Of the hundred, which begin anywhere in the pattern, one more or less is struck; `looks`: how many discharges of looks there are among
-/// them.
-fn expect_struck(it: &mut Scenario, errors: &Errors, looks: f64) {
-    let readings = errors.not_ok.len() + errors.without_u + errors.count();
-    let share = Figure::exact(moving(errors) as f64 / readings as f64);
-    it.expect("tpcm of ours: moving or unsettled", share, (1.0 - looks * SHIFTED) * STRUCK, 0.01);
+/// What shows of a sensor's discharge that is struck is that reading and no other.
+fn expect_struck(it: &mut Scenario, errors: &Errors) {
+    let readings = (errors.not_ok.len() + errors.without_u + errors.count()) as f64;
+    let (share, predicted) = (moving(errors) as f64 / readings, 1.0 / EVERY as f64);
+    let u = (predicted * (1.0 - predicted) / readings).sqrt();
+    let share = Figure { value: share, u, margin: sigmas() * u };
+    it.expect("tpcm of ours: moving or unsettled", share, predicted, 0.0);
 }
 
 /// The errors of a method of ours whose discharges are struck now and then.
 fn struck(board: &Board, method: Method, trouble: Trouble, lasts: Nanos) -> Errors {
     board.errors_with(method, R_OHM, 20, 100, |pins, seed| {
-        Disturbed::new(pins, trouble, lasts, EVERY, seed % EVERY)
+        Disturbed::new(pins, trouble, lasts, one_of_some(seed))
     })
 }
 
@@ -63,8 +68,9 @@ fn by_hand(
     switch: Option<f64>,
     equation: paper::Equation,
 ) -> Option<Figure> {
-    let every = if trouble == Trouble::BeforeStart { u64::MAX } else { 3 };
-    let around = |pins| Disturbed::new(pins, trouble, lasts, every, 2);
+    let is_one = trouble == Trouble::BeforeStart;
+    let is_struck = move |discharge| if is_one { discharge == 2 } else { discharge % 3 == 2 };
+    let around = |pins| Disturbed::new(pins, trouble, lasts, is_struck);
     let mut by_hand = ByHand::with(board, R_OHM, 1, around);
     by_hand.offset = STAMP;
     if trouble == Trouble::BeforeStart {
@@ -238,8 +244,7 @@ pub fn wall_clock() -> Scenario {
     it.require("tcdic of ours by the wall clock: no wrong numbers", wrong(&two_nodes) == 0.0);
     let single = struck(&board, Method::Tpcm, Trouble::WallClock, second);
     it.require("tpcm of ours by the wall clock: no wrong numbers", wrong(&single) == 0.0);
-    // A second that the clock has gone forward is waited for now and then: more looks fall due.
-    expect_struck(&mut it, &single, 4.0);
+    expect_struck(&mut it, &single);
     it.why = "edges, switches and waits are all counted by CLOCK_MONOTONIC, which nobody sets. (Kernels before 5.7 with uAPI v1 stamp \
               edges by the wall clock: there, A and B contradict each other, and the reading is a `latency-outlier`; with one node it is \
               `moving` or `unsettled`, far from the reading before it.)"
@@ -263,7 +268,7 @@ pub fn suspended() -> Scenario {
     }
     ours(&mut it, &board, Trouble::Suspended, TEN_SECONDS);
     let single = struck(&board, Method::Tpcm, Trouble::Suspended, TEN_SECONDS);
-    expect_struck(&mut it, &single, 2.0);
+    expect_struck(&mut it, &single);
     it.why = "CLOCK_MONOTONIC stands still while the capacitors go on: every edge is stamped when the system resumes. A and B, at the \
               same instant, contradict each other. With one node a reading of the moment of the suspend is far from that before it, and \
               `moving` or `unsettled`; the next one is back, and at rest."
@@ -281,7 +286,8 @@ pub fn suspended_for_hours() -> Scenario {
     for method in Method::ALL {
         // In the middle of the readings, at some point of a cycle.
         let around = |pins, seed| {
-            let pins = Disturbed::new(pins, Trouble::SuspendedBetween, TEN_SECONDS, u64::MAX, 600 + seed);
+            let is_struck = move |discharge| discharge == 600 + seed;
+            let pins = Disturbed::new(pins, Trouble::SuspendedBetween, TEN_SECONDS, is_struck);
             pins.growing(1.03)
         };
         let errors = board.errors_with(method, R_OHM, 20, 500, around);

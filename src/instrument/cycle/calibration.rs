@@ -31,7 +31,7 @@ impl Cycle {
             return true;
         }
         let Some(split) = &self.split else { return false };
-        let may_improve = split.taken() < WINDOW;
+        let may_improve = split.tried() < WINDOW;
         may_improve && (!self.offset_is_known() || self.offset_is_poor())
             || self.stats.cycles % FOLLOW_EVERY == 0
     }
