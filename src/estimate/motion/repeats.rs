@@ -30,8 +30,10 @@ impl Recent {
 
     fn compare(&self, point: &Point, late: f64, is_confirmed: bool) -> Option<f64> {
         let recent = &self.points[..self.count];
+        // A sensor that has been lower since has changed, or those before were late: they prove nothing.
+        let since = recent.iter().rposition(|other| is_above(point, other)).map_or(0, |lower| lower + 1);
         let (mut alike, mut count) = ([0.0; REPEATS_OF], 0);
-        for other in recent.iter().filter(|other| is_alike(point, other)) {
+        for other in recent[since..].iter().filter(|other| is_alike(point, other)) {
             alike[count] = other.z;
             count += 1;
         }
@@ -39,8 +41,8 @@ impl Recent {
         if is_proven(count + usize::from(is_confirmed), late) {
             return Some(above_middle(point, &mut alike[..count], late));
         }
-        let is_above = |other: &&Point| !is_alike(point, other) && point.z - other.z > STATED * point.u;
-        let lowest = recent.iter().filter(is_above).map(|other| other.z).fold(point.z, f64::min);
+        let may_be_above = |other: &&Point| !is_alike(point, other) && point.z - other.z > STATED * point.u;
+        let lowest = recent.iter().filter(may_be_above).map(|other| other.z).fold(point.z, f64::min);
         (late <= OFTEN_LATE).then(|| point::late_by(point.z - lowest))
     }
 }
@@ -48,6 +50,11 @@ impl Recent {
 /// Whether two say the same, and the other knows it as well: one that is known much worse is like anything.
 fn is_alike(point: &Point, other: &Point) -> bool {
     other.u <= MUCH_BETTER * point.u && (point.z - other.z).abs() <= STATED * point.u.hypot(other.u)
+}
+
+/// Whether one is above another by more than noise.
+fn is_above(point: &Point, other: &Point) -> bool {
+    point.z - other.z > STATED * point.u.hypot(other.u)
 }
 
 /// Whether late stamps are not as late as so many others by chance.
@@ -119,6 +126,18 @@ mod tests {
         let above = |sigma: f64, late| after(&AT_REST, 7.0 + sigma * U, late).unwrap() / U;
         assert_eq!([above(1.3, 0.1), above(-2.0, 0.1), above(0.5, 0.3)], [0.0; 3]);
         assert!((above(1.6, 0.1) - 1.6).abs() < 1e-9 && (above(0.7, 0.3) - 0.7).abs() < 1e-9);
+    }
+
+    #[test]
+    fn what_was_lower_since_is_no_proof() {
+        let late = [&AT_REST[..], &[(8.0, U), (8.0, U), (7.0, U), (8.0, U)]].concat();
+        assert!(after(&late, 8.0, 0.1).unwrap() > 0.3);
+        // As they come after a change.
+        let changed = [&AT_REST[..], &[(8.0, U); 3]].concat();
+        assert_eq!(after(&changed, 8.0, 0.1), Some(0.0));
+        // Late ones between do not matter.
+        let beside = [&AT_REST[..4], &[(8.0, U); 4], &[(7.0, U)]].concat();
+        assert_eq!(after(&beside, 7.0, 0.1), Some(0.0));
     }
 
     #[test]
