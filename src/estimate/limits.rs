@@ -160,7 +160,7 @@ pub const NOISE_WARM_UP: usize = 16;
 /// Discharges that the share of those far off is the mean of, about.
 pub const FAR_OF: f64 = 64.0;
 /// Of a usual board one discharge in fifty is far off; so many are not by chance, and those that are near may be late as well.
-pub const OFTEN_LATE: f64 = 0.2;
+pub const OFTEN_LATE: f64 = 0.15;
 /// So few are accidents, of which no two come together.
 pub const SELDOM_LATE: f64 = 0.03;
 /// What late stamps do by chance with this probability they do not do.

@@ -59,8 +59,8 @@ fn a_report_of_warnings() {
     info: measure.rate-hz: a cycle takes 35.7 ms (28 Hz) with the sensor at Rc2, 115 ms at most
     info: channel.thumb.on-above: 2 N: told 350 ms after it is so, or sooner, unless readings are faults
     info: channel.index.on-below: 5 kohm: told 170 ms after it is so, or sooner, unless readings are faults
-    info: measure.method: cerm simulated, by calls and noise of the scene pi5: 100 ohm: no number, 1000 +- 69 ohm at 19.7 Hz (127 discharges a second), 10000 +- 154 ohm at 19.7 Hz (114 discharges a second), 50000 +- 741 ohm at 8.9 Hz (41 discharges a second)
-    info: channel.thumb.force: at these resistances: 13.3 +- 1.4 N (readout 0.923 N), 1.33 +- 0.11 N (readout 0.0205 N), 0.267 +- 0.021 N (readout 0.00395 N)
+    info: measure.method: cerm simulated, by calls and noise of the scene pi5: 100 ohm: no number, 1000 +- 69 ohm at 19.7 Hz (127 discharges a second), 10000 +- 154 ohm at 19.6 Hz (114 discharges a second), 50000 +- 742 ohm at 8.8 Hz (41 discharges a second)
+    info: channel.thumb.force: at these resistances: 13.3 +- 1.4 N (readout 0.922 N), 1.33 +- 0.11 N (readout 0.0205 N), 0.267 +- 0.021 N (readout 0.00396 N)
     info: channel.index.force: at these resistances: 1.33 +- 0.11 N (readout 0.0204 N)
     cermd.toml: usable: 0 error(s), 2 warning(s)
     "#);

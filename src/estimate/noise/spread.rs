@@ -2,8 +2,8 @@
 
 use super::{Covariance, Gate, Skew};
 use crate::estimate::limits::{
-    BEYOND_NOISE, BY_CHANCE, COVERAGE, FAR_OF, LATE_NS, NEVER_SO_LATE, NOISE_MEMORY, NOISE_WARM_UP,
-    OUTLIERS_OF_A_STEP, SHORTEST_THIRD, TOO_MANY_LATE, WEIGHT_OF_A_THIRD,
+    ALIKE_BY_CHANCE, BEYOND_NOISE, BY_CHANCE, COVERAGE, FAR_OF, LATE_NS, NEVER_SO_LATE, NOISE_MEMORY,
+    NOISE_WARM_UP, OUTLIERS_OF_A_STEP, SHORTEST_THIRD, TOO_MANY_LATE, WEIGHT_OF_A_THIRD,
 };
 use crate::estimate::scatter::{MEDIAN_DEVIATION, Usual, median};
 use crate::reading::Fault;
@@ -27,6 +27,8 @@ pub struct Spread {
     pub skew: [Skew; 2],
     gate: Gate,
     outliers_in_row: u32,
+    /// The last so many of them were where the one before was.
+    alike_in_row: u32,
     /// The share of discharges that are so far off that no gate would let them in.
     far: f64,
     /// The same before the outliers in a row, which may turn out to be a step.
@@ -50,6 +52,7 @@ impl Spread {
         skew: [Skew::NEW; 2],
         gate: Gate::new(BEYOND_NOISE),
         outliers_in_row: 0,
+        alike_in_row: 0,
         far: 0.0,
         far_before: 0.0,
         refused: [0.0; 2],
@@ -87,7 +90,10 @@ impl Spread {
             let is_alike = self.sigmas(away, self.refused, has_b, quantisation) <= self.gate.sigma();
             self.refused = away;
             self.outliers_in_row += 1;
-            if !is_step(self.outliers_in_row, if is_alike { 0.0 } else { self.far_before }) {
+            self.alike_in_row = if is_alike { self.alike_in_row + 1 } else { 1 };
+            let is_step = is_step(self.outliers_in_row, self.far_before)
+                || is_step(self.alike_in_row, ALIKE_BY_CHANCE * self.far_before);
+            if !is_step {
                 return Err(Fault::LatencyOutlier);
             }
             // What a step has moved was not late; so many in a row are no late stamps either.
@@ -95,7 +101,7 @@ impl Spread {
             (self.mean, self.last, self.far) = (away, away, far);
             (0..nodes).for_each(|node| self.usual[node].place = away[node]);
         }
-        self.outliers_in_row = 0;
+        (self.outliers_in_row, self.alike_in_row) = (0, 0);
         self.learn(away, times);
         Ok(())
     }

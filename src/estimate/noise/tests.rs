@@ -211,6 +211,18 @@ fn a_step_is_more_in_a_row_than_late_stamps_are() {
     }
 }
 
+/// One of three late stamps in a row is as late as the one before by chance.
+#[test]
+fn late_stamps_that_are_alike_are_no_step_where_many_are_late() {
+    let taken_after = |seed: u64, late| {
+        let mut noise = with_late(seed, LATENCY, late);
+        let mut add = || noise.add(CalibrationKind::Second, [Some(C2[0] + 300_000.0), None], [0.0; 2]);
+        (1..100).find(|_| add().is_ok()).unwrap()
+    };
+    assert!((0..50).all(|seed| taken_after(seed, 0.0) == 3));
+    assert!((0..50).all(|seed| (4..=NEVER_SO_LATE).contains(&taken_after(seed, 0.3))));
+}
+
 #[test]
 fn nothing_in_proportion_is_shared_by_chance() {
     let claims = |charge: f64| {
