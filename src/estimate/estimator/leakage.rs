@@ -136,7 +136,10 @@ impl Estimator {
         // What chance makes of no dielectric would show in readings of a calibration that is followed, and in their means.
         let sigmas = if self.tracker.is_some() { ABSORPTION_LIKELY } else { COVERAGE };
         let absorption_ohm = self.absorption.u_ohm(self.r1_ohm, path_ohm, sigmas);
-        let by_rounds_ohm = self.offset.left_out_ohm;
+        // That of the way that both sink, of which the sensor's resistance is a steeper function.
+        let beside =
+            if self.method.rules().sinks_beside { (1.0 + path_ohm / self.r2_ohm).powi(2) } else { 1.0 };
+        let by_rounds_ohm = beside * self.offset.left_out_ohm;
         let left_out_ohm = self.state().map_or(by_rounds_ohm, |tracker| tracker.left_out_ohm(r_ohm.value));
         let defects = [left_ohm, bent_ohm, absorption_ohm, left_out_ohm, stamps_ohm];
         let u = r_ohm.u.map(|u| defects.into_iter().fold(u, f64::hypot));

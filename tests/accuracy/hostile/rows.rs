@@ -455,7 +455,6 @@ pub static DIELECTRICS: [Row; 17] = [
         name: "X7R: 2.5 % at 100 us, from 4 s on",
         scene: dielectric!(at "0.025", "100 us"),
         seconds: [4.0, f64::INFINITY],
-        fails: &[(Qerm, 5000.0)],
         ..DIELECTRIC
     },
     Row {
