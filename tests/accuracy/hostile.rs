@@ -30,7 +30,7 @@ const PROMISED: f64 = 0.93;
 const UNSAID: f64 = 0.90;
 const RARE: f64 = 0.01;
 /// So many readings of a table may be beyond ten sigma unsaid, where stamps are late often: several in a row are late by as much by chance.
-const WILD: f64 = 1.0 / 100_000.0;
+const WILD: f64 = 4.0 / 1_000_000.0;
 
 /// One hostile board, read by some methods at some resistances.
 #[derive(Debug, Clone, Copy)]
