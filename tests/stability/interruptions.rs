@@ -26,7 +26,7 @@ const MANY: u64 = 200;
 /// Whether a discharge is, by its number.
 fn one_of_some(seed: u64) -> impl Fn(u64) -> bool {
     move |discharge| {
-        let of = seed << 32 | discharge / EVERY;
+        let of = (seed << 32) | (discharge / EVERY);
         discharge % EVERY == rng(of).random_range(0..FIRST)
     }
 }

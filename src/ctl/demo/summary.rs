@@ -2,6 +2,7 @@
 //! circuit is simulated, the truth beside it.
 
 use super::board::Board;
+use crate::estimate::method::Switching;
 use crate::pins::sim::SimPins;
 use crate::reading::Fault;
 use crate::stream::wire::{ReadingLine, StatsLine, StatusName};
@@ -79,7 +80,8 @@ impl Tally<'_> {
     /// The last lines of the demo.
     pub fn summary(&self, stats: &StatsLine, unicode: bool) -> Vec<String> {
         let stats = &stats.instrument;
-        // A value with its uncertainty, and the truth; nothing for a method that does not look for it.
+        // A value with its uncertainty, and the truth; nothing of what is given, or not found and cancels.
+        let cancels = self.board.config.method().rules().switching == Switching::Never;
         let found = |name, value: Option<f64>, u: Option<f64>, unit, truth| {
             let truth = rough(truth, unit);
             let text = match (value, u) {
@@ -87,7 +89,7 @@ impl Tally<'_> {
                     let dim = style(format!(" found, {truth} true")).dim();
                     format!("{}{dim}", measured(value, u, unit, unicode))
                 }
-                _ if stats.offset_known => return None,
+                _ if stats.offset_known || cancels => return None,
                 _ => style(format!("still being looked for; {truth} true")).dim().to_string(),
             };
             Some(row(name, &text))
