@@ -211,16 +211,20 @@ fn a_step_is_more_in_a_row_than_late_stamps_are() {
     }
 }
 
-/// One of three late stamps in a row is as late as the one before by chance.
+/// That one is as late as the one before happens by chance, too.
 #[test]
 fn late_stamps_that_are_alike_are_no_step_where_many_are_late() {
-    let taken_after = |seed: u64, late| {
-        let mut noise = with_late(seed, LATENCY, late);
-        let mut add = || noise.add(CalibrationKind::Second, [Some(C2[0] + 300_000.0), None], [0.0; 2]);
-        (1..100).find(|_| add().is_ok()).unwrap()
+    // After so many that were far off, and each later than the one before by so much.
+    let taken_after = |far: usize, each_ns: f64| {
+        let mut noise = with_late(0, LATENCY, 0.0);
+        (0..far).for_each(|_| noise.tell_far(CalibrationKind::Second, true));
+        let late_ns = |index: usize| 300_000.0 + each_ns * index as f64;
+        let mut add =
+            |index| noise.add(CalibrationKind::Second, [Some(C2[0] + late_ns(index)), None], [0.0; 2]);
+        (1..100).find(|&index| add(index).is_ok()).unwrap()
     };
-    assert!((0..50).all(|seed| taken_after(seed, 0.0) == 3));
-    assert!((0..50).all(|seed| (4..=NEVER_SO_LATE).contains(&taken_after(seed, 0.3))));
+    assert_eq!([0, 16].map(|far| taken_after(far, 0.0)), [3, 4]);
+    assert_eq!([0, 16].map(|far| taken_after(far, 100_000.0)), [3, 8]);
 }
 
 #[test]
