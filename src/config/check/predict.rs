@@ -108,9 +108,13 @@ fn switch(config: &Config, findings: &mut Findings) {
     }
 }
 
-/// The split calibration that finds the offset runs Rc1 up to the switch, and the second resistor from there.
+/// The split calibration that finds the offset runs Rc1 up to the switch, and the second resistor from there. Who can do without the
+/// offset can do without that.
 fn split_calibration(config: &Config, findings: &mut Findings) {
     let circuit = &config.circuit;
+    if !config.method().needs_offset() {
+        return;
+    }
     let (OffsetSource::Auto, Some(g_a), Some(g)) =
         (config.offset(), circuit.g(Node::A), circuit.g(config.last_node()))
     else {

@@ -313,6 +313,8 @@ fn offsets_and_switches() {
         paper,
         "warning: measure.offset: \"auto\" splits a calibration discharge, and its part through Rc1 has only 41 us",
     );
+    // Nothing is missing where the offset cancels.
+    assert_eq!(complaints(&config(|c| paper(c).set("measure.method", "tcdic"))), [""; 0]);
 }
 
 #[test]

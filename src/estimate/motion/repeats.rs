@@ -49,7 +49,7 @@ impl Recent {
 
 /// Whether two say the same, and the other knows it as well: one that is known much worse is like anything.
 fn is_alike(point: &Point, other: &Point) -> bool {
-    other.u <= MUCH_BETTER * point.u && (point.z - other.z).abs() <= STATED * point.u.hypot(other.u)
+    other.u <= MUCH_BETTER * point.u && !is_above(point, other) && !is_above(other, point)
 }
 
 /// Whether one is above another by more than noise.
